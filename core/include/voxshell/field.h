@@ -1,0 +1,20 @@
+#pragma once
+
+#include <variant>
+
+#include "voxshell/box_field.h"
+#include "voxshell/grid_field.h"
+#include "voxshell/plane_field.h"
+#include "voxshell/sphere_field.h"
+
+namespace voxshell {
+
+/// Any signed distance field. Every alternative offers
+///   float distance(Vec3f)             metres, negative inside, body frame
+///   Vec3f gradient(Vec3f)             outwards; unit length where the field is analytic
+///   float lower_bound(Vec3f, float)   of the distance over a ball
+///   double reach()                    scale of its coordinates, for rounding bounds
+/// A new field is added to this list and nowhere else.
+using Field = std::variant<GridField, PlaneField, BoxField, SphereField>;
+
+}  // namespace voxshell

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voxshell/contacts.h"
+#include "voxshell/point_sphere_tree.h"
+
+namespace voxshell {
+
+/// Up to this many points stand for all contacts of a pair: the size of Bullet's manifold.
+inline constexpr std::size_t kManifoldSize = 4;
+
+/// Indices into a contact set, in the order chosen.
+struct ManifoldPoints {
+  std::array<std::uint32_t, kManifoldSize> indices{};
+  std::size_t count = 0;
+
+  std::span<const std::uint32_t> chosen() const { return std::span(indices).first(count); }
+};
+
+/// Picks at most `max_points` (1 to 4) contacts (thesis, section 5.3): the deepest first, then
+/// those that make the manifold's area largest. Points that would add no area are left out; ties go
+/// to the smaller id.
+ManifoldPoints select_manifold(std::span<const Contact> contacts,
+                               std::size_t max_points = kManifoldSize);
+
+/// The deepest contact of each segment of a level (thesis, section 5.3, segmented traverse):
+/// indices into `contacts`, ascending, ties to the smaller id. Replaces what `deepest` held.
+void select_deepest_per_segment(std::span<const Contact> contacts, const PointSphereTree& tree,
+                                int level, std::vector<std::uint32_t>& deepest);
+
+}  // namespace voxshell

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "voxshell/field.h"
+#include "voxshell/mass_properties.h"
+#include "voxshell/point_shell.h"
+#include "voxshell/progress.h"
+#include "voxshell/result.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+struct ModelSettings {
+  double voxel_size = 0.0;        ///< metres; or leave it 0 and give:
+  int resolution = 0;             ///< voxels along the mesh's longest side; neither: 100
+  double point_spacing = 0.0;     ///< metres; neither this nor a target: the voxel size
+  std::size_t target_points = 0;  ///< reached within 1 %
+  double padding = -1.0;          ///< metres of grid beyond the mesh; negative: four voxels
+  unsigned threads = 0;           ///< 0: one a core
+};
+
+/// A mesh made ready to collide: distance field, point shell and mass properties, the thesis' mixed
+/// structure (section 5.3). Immutable, so that any number of threads and bodies may share it.
+/// Metres, the mesh's frame.
+class Model {
+ public:
+  /// Errors: kInvalidArgument, kInvalidMesh, kTooLarge, kCancelled.
+  static Result<std::shared_ptr<const Model>> build(TriangleMesh mesh,
+                                                    const ModelSettings& settings,
+                                                    const Progress& progress = {});
+
+  const TriangleMesh& mesh() const { return mesh_; }
+  const Field& field() const { return field_; }
+  const GridField& grid() const { return *std::get_if<GridField>(&field_); }
+  const PointShell& shell() const { return shell_; }
+  const Bounds& bounds() const { return mesh_.bounds(); }
+  const MassProperties& solid_mass_properties() const { return solid_; }      ///< at 1 kg
+  const MassProperties& surface_mass_properties() const { return surface_; }  ///< at 1 kg
+
+ private:
+  Model(TriangleMesh mesh, GridField field, PointShell shell);
+
+  TriangleMesh mesh_;
+  Field field_;
+  PointShell shell_;
+  MassProperties solid_;
+  MassProperties surface_;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "voxshell/point_sphere_tree.h"
+#include "voxshell/progress.h"
+#include "voxshell/result.h"
+#include "voxshell/triangle_mesh.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+struct PointShellSettings {
+  /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
+  double spacing = 0.0;
+  /// How many points are wanted; reached within 1 %.
+  std::size_t target_points = 0;
+  std::size_t point_limit = std::size_t{1} << 26;  ///< a larger shell is refused
+};
+
+/// Points on a mesh's surface with outward unit normals and the area that each stands for, in the
+/// order of their point-sphere tree. Metres, the mesh's frame.
+///
+/// There is one point a surface voxel: the closest to the voxel's centre of the surface within it
+/// (thesis, section 5.3). So no place of the surface is farther than sqrt(3) spacings from a point.
+class PointShell {
+ public:
+  /// Errors: kInvalidArgument, kTooLarge, kCancelled.
+  static Result<PointShell> build(const TriangleMesh& mesh, const PointShellSettings& settings,
+                                  const Progress& progress = {});
+
+  std::size_t size() const { return points_.size(); }
+  std::span<const Vec3f> points() const { return points_; }
+  std::span<const Vec3f> normals() const { return normals_; }
+  std::span<const float> areas() const { return areas_; }  ///< m2; they sum to the mesh's area
+  double spacing() const { return spacing_; }              ///< edge of the sampling voxels, metres
+  const PointSphereTree& tree() const { return tree_; }
+
+ private:
+  PointShell() = default;
+
+  std::vector<Vec3f> points_;
+  std::vector<Vec3f> normals_;
+  std::vector<float> areas_;
+  double spacing_ = 0.0;
+  PointSphereTree tree_;
+};
+
+}  // namespace voxshell

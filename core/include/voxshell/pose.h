@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+
+#include "voxshell/result.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+/// A 3x3 matrix by rows.
+struct Matrix3 {
+  Vec3 row_x{1.0, 0.0, 0.0};
+  Vec3 row_y{0.0, 1.0, 0.0};
+  Vec3 row_z{0.0, 0.0, 1.0};
+
+  Vec3 operator*(const Vec3& v) const { return {dot(row_x, v), dot(row_y, v), dot(row_z, v)}; }
+  Matrix3 operator*(const Matrix3& m) const;
+  Matrix3 transposed() const;
+};
+
+/// A rigid transform. Named `a_from_b`: it takes coordinates in frame b to frame a, so that
+/// `world_from_a.inverse() * world_from_b` is `a_from_b`.
+struct Pose {
+  Matrix3 rotation;
+  Vec3 translation;
+
+  /// From a row-major 4x4 matrix. Error kInvalidPose unless finite, last row (0, 0, 0, 1) and
+  /// rotation orthonormal with determinant 1, each to 1e-6.
+  static Result<Pose> from_matrix(const std::array<double, 16>& matrix);
+
+  Vec3 transform_point(const Vec3& p) const { return rotation * p + translation; }
+  Vec3 rotate(const Vec3& v) const { return rotation * v; }
+  Pose inverse() const;
+  Pose operator*(const Pose& other) const;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,48 @@
+#include "base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+namespace voxshell {
+
+bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
+                  const Progress& progress, const std::function<void(std::size_t)>& task) {
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> stopped{false};
+
+  const auto report = [&] {
+    if (!progress) return;
+    const std::size_t begun = std::min(next.load(), count);
+    const double fraction = count == 0 ? 1.0 : static_cast<double>(begun) / static_cast<double>(count);
+    if (!progress(stage, fraction)) stopped = true;
+  };
+  const auto work = [&](bool reports) {
+    using Clock = std::chrono::steady_clock;
+    constexpr auto kReportEvery = std::chrono::milliseconds(50);
+    auto last_report = Clock::now();
+    while (!stopped) {
+      const std::size_t i = next.fetch_add(1);
+      if (i >= count) return;
+      task(i);
+      if (reports && Clock::now() - last_report > kReportEvery) {
+        report();
+        last_report = Clock::now();
+      }
+    }
+  };
+
+  {
+    std::vector<std::jthread> helpers;
+    const std::size_t helper_count = std::min<std::size_t>(threads - 1, count);
+    for (std::size_t i = 0; i < helper_count; ++i) helpers.emplace_back(work, false);
+    work(true);
+  }
+  if (!stopped) report();
+  return !stopped;
+}
+
+}  // namespace voxshell

@@ -1,0 +1,265 @@
+#include "voxshell/grid_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "mesh/closest_point.h"
+
+namespace voxshell {
+namespace {
+
+/// Grid nodes along one axis beyond which indices would no longer be exact in float32 arithmetic.
+constexpr double kMaxNodesPerAxis = 8192.0;
+
+Result<std::array<int, 3>> compute_shape(const Bounds& bounds, double voxel_size,
+                                         std::size_t memory_limit) {
+  const Vec3 extents = bounds.extents();
+  std::array<int, 3> shape{};
+  double nodes = 1.0;
+  double largest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = std::ceil(extents[axis] / voxel_size) + 1.0;
+    largest = std::max(largest, along);
+    nodes *= along;
+    if (along <= kMaxNodesPerAxis) shape[static_cast<std::size_t>(axis)] = static_cast<int>(along);
+  }
+  const double bytes = nodes * sizeof(float);
+  if (bytes > static_cast<double>(memory_limit) || largest > kMaxNodesPerAxis) {
+    const double by_memory = std::cbrt(bytes / static_cast<double>(memory_limit));
+    const double by_axis = largest / kMaxNodesPerAxis;
+    return Error{ErrorCode::kTooLarge,
+                 format_text("a distance field of voxel size %.3g m would need %.3g GB (%.3g voxels "
+                             "along its longest side); use a voxel size of at least %.2g m",
+                             voxel_size, bytes / 1e9, largest,
+                             1.02 * voxel_size * std::max(by_memory, by_axis))};
+  }
+  return shape;
+}
+
+}  // namespace
+
+/// Where a point falls: its cell, the position within it, and how far it lies outside the grid.
+struct GridField::Cell {
+  std::size_t first;    ///< index of the cell's lowest node
+  float u, v, w;        ///< position within the cell, 0 to 1
+  Vec3f outside;        ///< from the nearest point of the grid to the point, metres
+};
+
+Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,
+                                   const Progress& progress) {
+  if (!(settings.voxel_size > 0.0) || !std::isfinite(settings.voxel_size)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 format_text("voxel size must be above 0 m, not %g", settings.voxel_size)};
+  }
+  if (!(settings.padding >= 0.0) || !std::isfinite(settings.padding)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 format_text("padding must be at least 0 m, not %g", settings.padding)};
+  }
+  if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
+
+  const double padding = std::max(settings.padding, settings.voxel_size);
+  const Vec3 pad{padding, padding, padding};
+  const Bounds padded{mesh.bounds().lower - pad, mesh.bounds().upper + pad};
+  const auto shape = compute_shape(padded, settings.voxel_size, settings.memory_limit);
+  if (!shape) return shape.error();
+
+  GridField field;
+  field.voxel_size_ = settings.voxel_size;
+  field.origin_ = padded.lower;
+  field.shape_ = *shape;
+  field.surface_bounds_ = mesh.bounds();
+  const auto nx = static_cast<std::size_t>(field.shape_[0]);
+  const auto ny = static_cast<std::size_t>(field.shape_[1]);
+  const auto nz = static_cast<std::size_t>(field.shape_[2]);
+  field.samples_.resize(nx * ny * nz);
+
+  const ClosestPointTree tree(mesh);
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto fill_row = [&](std::size_t row) {
+    const double h = field.voxel_size_;
+    Vec3 p = field.origin_ + Vec3{0.0, static_cast<double>(row % ny) * h,
+                                  static_cast<double>(row / ny) * h};
+    double limit = infinity;
+    for (std::size_t i = 0; i < nx; ++i) {
+      p.x = field.origin_.x + static_cast<double>(i) * h;
+      const double distance = tree.signed_distance(p, limit);
+      field.samples_[row * nx + i] = static_cast<float>(distance);
+      // A step of h changes the distance by at most h; the factor covers rounding.
+      limit = 1.001 * (std::abs(distance) + h);
+    }
+  };
+  if (!parallel_for(ny * nz, settings.threads, "distance field", progress, fill_row)) {
+    return Error{ErrorCode::kCancelled, "building the distance field was stopped"};
+  }
+  if (auto signs = field.check_signs(); !signs) return signs.error();
+  field.lipschitz_constant_ = field.compute_lipschitz_constant();
+  return field;
+}
+
+Result<std::monostate> GridField::check_signs() const {
+  const std::array<std::size_t, 3> size{static_cast<std::size_t>(shape_[0]),
+                                        static_cast<std::size_t>(shape_[1]),
+                                        static_cast<std::size_t>(shape_[2])};
+  const std::array<std::size_t, 3> stride{1, size[0], size[0] * size[1]};
+  // Between neighbours farther than a voxel from the surface there is none, so one sign.
+  const float safe = static_cast<float>(1.001 * voxel_size_);
+  std::size_t wrong = 0;
+  Vec3 first_wrong{};
+  for (std::size_t k = 0; k < size[2]; ++k) {
+    for (std::size_t j = 0; j < size[1]; ++j) {
+      for (std::size_t i = 0; i < size[0]; ++i) {
+        const std::array<std::size_t, 3> node{i, j, k};
+        const float here = samples_[i + j * stride[1] + k * stride[2]];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (node[axis] + 1 >= size[axis]) continue;
+          const float there = samples_[i + j * stride[1] + k * stride[2] + stride[axis]];
+          if ((here < -safe && there > safe) || (here > safe && there < -safe)) {
+            if (wrong == 0) {
+              first_wrong = origin_ + voxel_size_ * Vec3{static_cast<double>(i),
+                                                         static_cast<double>(j),
+                                                         static_cast<double>(k)};
+            }
+            ++wrong;
+          }
+        }
+      }
+    }
+  }
+  if (wrong == 0) return std::monostate{};
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh intersects itself or nests bodies: inside and outside contradict "
+                           "each other at %zu places (first near %s metres); unite its parts before "
+                           "building a signed field",
+                           wrong, format_point(first_wrong).c_str())};
+}
+
+double GridField::compute_lipschitz_constant() const {
+  const auto nx = static_cast<std::size_t>(shape_[0]);
+  const auto ny = static_cast<std::size_t>(shape_[1]);
+  const auto nz = static_cast<std::size_t>(shape_[2]);
+  const std::array<std::size_t, 3> stride{1, nx, nx * ny};
+  // Along an axis the derivative of a trilinear cell is a mean of its four edges' slopes.
+  float largest = 0.0f;
+  for (std::size_t k = 0; k + 1 < nz; ++k) {
+    for (std::size_t j = 0; j + 1 < ny; ++j) {
+      for (std::size_t i = 0; i + 1 < nx; ++i) {
+        const float* cell = &samples_[i + j * stride[1] + k * stride[2]];
+        float squared = 0.0f;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const std::size_t along = stride[axis];
+          const std::size_t side = stride[(axis + 1) % 3];
+          const std::size_t up = stride[(axis + 2) % 3];
+          float slope = 0.0f;
+          for (const std::size_t corner : {std::size_t{0}, side, up, side + up}) {
+            slope = std::max(slope, std::abs(cell[corner + along] - cell[corner]));
+          }
+          squared += slope * slope;
+        }
+        largest = std::max(largest, squared);
+      }
+    }
+  }
+  return 1.000001 * std::sqrt(static_cast<double>(largest)) / voxel_size_;
+}
+
+GridField::Cell GridField::locate(const Vec3f& p) const {
+  const auto h = static_cast<float>(voxel_size_);
+  const auto inverse_h = static_cast<float>(1.0 / voxel_size_);
+  Vec3f within{};
+  Vec3f outside{};
+  std::array<std::size_t, 3> lowest{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const int nodes = shape_[static_cast<std::size_t>(axis)];
+    const float unclamped = (p[axis] - static_cast<float>(origin_[axis])) * inverse_h;
+    const float clamped = std::min(std::max(unclamped, 0.0f), static_cast<float>(nodes - 1));
+    outside[axis] = (unclamped - clamped) * h;
+    const int cell = std::min(static_cast<int>(clamped), nodes - 2);
+    lowest[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(cell);
+    within[axis] = clamped - static_cast<float>(cell);
+  }
+  const auto nx = static_cast<std::size_t>(shape_[0]);
+  const auto ny = static_cast<std::size_t>(shape_[1]);
+  return {lowest[0] + nx * (lowest[1] + ny * lowest[2]), within.x, within.y, within.z, outside};
+}
+
+namespace {
+
+float lerp(float a, float b, float t) { return a + t * (b - a); }
+
+}  // namespace
+
+float GridField::distance(const Vec3f& p) const {
+  const Cell cell = locate(p);
+  const auto nx = static_cast<std::size_t>(shape_[0]);
+  const auto layer = nx * static_cast<std::size_t>(shape_[1]);
+  const float* c = &samples_[cell.first];
+  const float low = lerp(lerp(c[0], c[1], cell.u), lerp(c[nx], c[nx + 1], cell.u), cell.v);
+  c += layer;
+  const float high = lerp(lerp(c[0], c[1], cell.u), lerp(c[nx], c[nx + 1], cell.u), cell.v);
+  const float inside_grid = lerp(low, high, cell.w);
+  if (cell.outside == Vec3f{}) return inside_grid;
+  return inside_grid + length(cell.outside);
+}
+
+Vec3f GridField::gradient(const Vec3f& p) const {
+  const Cell cell = locate(p);
+  const auto nx = static_cast<std::size_t>(shape_[0]);
+  const auto layer = nx * static_cast<std::size_t>(shape_[1]);
+  const auto inverse_h = static_cast<float>(1.0 / voxel_size_);
+  const float* c = &samples_[cell.first];
+  const float* d = c + layer;
+  const auto [u, v, w] = std::array{cell.u, cell.v, cell.w};
+
+  const float dx_low = lerp(c[1] - c[0], c[nx + 1] - c[nx], v);
+  const float dx_high = lerp(d[1] - d[0], d[nx + 1] - d[nx], v);
+  const float dy_low = lerp(c[nx] - c[0], c[nx + 1] - c[1], u);
+  const float dy_high = lerp(d[nx] - d[0], d[nx + 1] - d[1], u);
+  const float dz_low = lerp(d[0] - c[0], d[1] - c[1], u);
+  const float dz_high = lerp(d[nx] - c[nx], d[nx + 1] - c[nx + 1], u);
+  Vec3f gradient{lerp(dx_low, dx_high, w), lerp(dy_low, dy_high, w), lerp(dz_low, dz_high, v)};
+  gradient = gradient * inverse_h;
+  if (cell.outside == Vec3f{}) return gradient;
+  // The nearest point of the grid does not move along the axes on which p is outside.
+  for (int axis = 0; axis < 3; ++axis) {
+    if (cell.outside[axis] != 0.0f) gradient[axis] = 0.0f;
+  }
+  return gradient + normalized(cell.outside);
+}
+
+double GridField::interpolation_error() const { return std::sqrt(0.75) * voxel_size_; }
+
+double GridField::reach() const {
+  const Vec3 far = origin_ + voxel_size_ * Vec3{static_cast<double>(shape_[0]),
+                                                static_cast<double>(shape_[1]),
+                                                static_cast<double>(shape_[2])};
+  return length(origin_) + length(far);
+}
+
+float GridField::lower_bound(const Vec3f& centre, float radius) const {
+  const auto error = static_cast<float>(interpolation_error());
+  // Everything of the surface lies in its bounds, at any distance.
+  const auto to_bounds =
+      static_cast<float>(std::sqrt(squared_distance(surface_bounds_, static_cast<Vec3>(centre))));
+  float bound = to_bounds - radius - error;
+
+  float inside_by = std::numeric_limits<float>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto low = static_cast<float>(origin_[axis]);
+    const float high = low + static_cast<float>(voxel_size_) *
+                                 static_cast<float>(shape_[static_cast<std::size_t>(axis)] - 1);
+    inside_by = std::min({inside_by, centre[axis] - low, high - centre[axis]});
+  }
+  if (inside_by < 0.0f) return bound;
+  // Either the true distance changes by the radius and both ends are off by the error, or, while
+  // the ball stays in the grid, the interpolant changes by its own Lipschitz constant.
+  float slack = radius + 2.0f * error;
+  if (inside_by >= radius) {
+    slack = std::min(slack, static_cast<float>(lipschitz_constant_) * radius);
+  }
+  return std::max(bound, distance(centre) - slack);
+}
+
+}  // namespace voxshell

@@ -1,0 +1,162 @@
+#include "voxshell/triangle_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <unordered_map>
+
+#include "base/text.h"
+
+namespace voxshell {
+namespace {
+
+struct SamePlaceHash {
+  std::size_t operator()(const Vec3& p) const {
+    std::uint64_t hash = 0;
+    for (const double c : {p.x, p.y, p.z}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u;
+      hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
+
+/// -0.0 and 0.0 are one place but two bit patterns.
+Vec3 without_negative_zero(const Vec3& p) { return p + Vec3{0.0, 0.0, 0.0}; }
+
+Error invalid_mesh(std::string message) { return {ErrorCode::kInvalidMesh, std::move(message)}; }
+
+/// One side of a triangle as seen from its edge.
+struct HalfEdge {
+  std::uint32_t low;   ///< smaller vertex index
+  std::uint32_t high;  ///< larger vertex index
+  bool forward;        ///< the triangle runs from low to high
+
+  friend bool operator<(const HalfEdge& a, const HalfEdge& b) {
+    return a.low != b.low ? a.low < b.low : a.high < b.high;
+  }
+  bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
+};
+
+}  // namespace
+
+Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
+                                          std::span<const Triangle> triangles) {
+  if (triangles.empty()) return invalid_mesh("mesh has no triangles");
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!is_finite(vertices[i])) {
+      return invalid_mesh(format_text("vertex %zu of the mesh is not finite", i));
+    }
+  }
+
+  TriangleMesh mesh;
+  std::unordered_map<Vec3, std::uint32_t, SamePlaceHash> index_at;
+  index_at.reserve(vertices.size());
+  mesh.triangles_.reserve(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    Triangle merged{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t index = triangles[i][corner];
+      if (index >= vertices.size()) {
+        return invalid_mesh(format_text("triangle %zu of the mesh uses vertex %u, but there are %zu",
+                                        i, index, vertices.size()));
+      }
+      const Vec3 place = without_negative_zero(vertices[index]);
+      const auto [entry, is_new] =
+          index_at.try_emplace(place, static_cast<std::uint32_t>(mesh.vertices_.size()));
+      if (is_new) {
+        mesh.vertices_.push_back(place);
+        mesh.bounds_.extend(place);
+      }
+      merged[corner] = entry->second;
+    }
+    if (merged[0] != merged[1] && merged[1] != merged[2] && merged[2] != merged[0]) {
+      mesh.triangles_.push_back(merged);
+    }
+  }
+  const double area = mesh.compute_area();
+  if (!(area > 0.0)) return invalid_mesh("mesh has no triangle with an area above zero");
+  if (!std::isfinite(area)) {
+    return invalid_mesh("mesh is too large: its area is not a finite number; check its unit");
+  }
+  return mesh;
+}
+
+std::array<Vec3, 3> TriangleMesh::corners(std::size_t triangle) const {
+  const Triangle& t = triangles_[triangle];
+  return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
+}
+
+double TriangleMesh::compute_area() const {
+  double doubled = 0.0;
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const auto [a, b, c] = corners(i);
+    doubled += length(cross(b - a, c - a));
+  }
+  return doubled / 2.0;
+}
+
+double TriangleMesh::compute_volume() const {
+  const Vec3 origin = bounds_.centre();
+  double sixfold = 0.0;
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const auto [a, b, c] = corners(i);
+    sixfold += dot(a - origin, cross(b - origin, c - origin));
+  }
+  return sixfold / 6.0;
+}
+
+MeshDefects TriangleMesh::compute_defects() const {
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(3 * triangles_.size());
+  for (const Triangle& t : triangles_) {
+    for (std::size_t side = 0; side < 3; ++side) {
+      const std::uint32_t from = t[side];
+      const std::uint32_t to = t[(side + 1) % 3];
+      half_edges.push_back({std::min(from, to), std::max(from, to), from < to});
+    }
+  }
+  std::sort(half_edges.begin(), half_edges.end());
+
+  MeshDefects defects;
+  for (std::size_t begin = 0, end = 0; begin < half_edges.size(); begin = end) {
+    while (end < half_edges.size() && half_edges[end].same_edge(half_edges[begin])) ++end;
+    const bool was_closed = defects.is_closed();
+    if (end - begin == 1) ++defects.open_edges;
+    if (end - begin > 2) ++defects.non_manifold_edges;
+    if (end - begin == 2 && half_edges[begin].forward == half_edges[begin + 1].forward) {
+      ++defects.flipped_edges;
+    }
+    if (was_closed && !defects.is_closed()) {
+      const HalfEdge& edge = half_edges[begin];
+      defects.first_location = 0.5 * (vertices_[edge.low] + vertices_[edge.high]);
+    }
+  }
+  return defects;
+}
+
+Result<std::monostate> check_encloses_volume(const TriangleMesh& mesh) {
+  const MeshDefects defects = mesh.compute_defects();
+  if (!defects.is_closed()) {
+    return invalid_mesh(
+        format_text("mesh is not watertight: %zu open, %zu non-manifold and %zu wrongly oriented "
+                    "edges (first near %s metres); repair it before building a signed field",
+                    defects.open_edges, defects.non_manifold_edges, defects.flipped_edges,
+                    format_point(defects.first_location).c_str()));
+  }
+  const double volume = mesh.compute_volume();
+  if (volume < 0.0) {
+    return invalid_mesh(format_text("mesh is inside out: its volume is %.4g m3; reverse the corner "
+                                    "order of its triangles",
+                                    volume));
+  }
+  const Vec3 extents = mesh.bounds().extents();
+  const double box_volume = extents.x * extents.y * extents.z;
+  constexpr double kFlatVolume = 1e-9;
+  if (volume <= kFlatVolume * box_volume || box_volume == 0.0) {
+    return invalid_mesh(format_text("mesh encloses no volume: %.4g m3 in a box of %.4g m3", volume,
+                                    box_volume));
+  }
+  return std::monostate{};
+}
+
+}  // namespace voxshell

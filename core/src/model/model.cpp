@@ -1,0 +1,89 @@
+#include "voxshell/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/text.h"
+
+namespace voxshell {
+namespace {
+
+constexpr int kDefaultResolution = 100;
+constexpr double kDefaultPaddingVoxels = 4.0;
+
+Error invalid_argument(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& settings) {
+  if (settings.voxel_size != 0.0 && settings.resolution != 0) {
+    return invalid_argument("give either a voxel size or a resolution, not both");
+  }
+  if (settings.voxel_size != 0.0) {
+    if (settings.voxel_size > 0.0 && std::isfinite(settings.voxel_size)) return settings.voxel_size;
+    return invalid_argument(
+        format_text("voxel size must be above 0 m, not %g", settings.voxel_size));
+  }
+  const int resolution = settings.resolution == 0 ? kDefaultResolution : settings.resolution;
+  if (resolution < 2) {
+    return invalid_argument(
+        format_text("resolution must be at least 2 voxels along the longest side, not %d",
+                    resolution));
+  }
+  const Bounds& bounds = mesh.bounds();
+  return bounds.extents()[bounds.longest_axis()] / resolution;
+}
+
+/// Points and samples are float32 in the mesh's frame: its origin must not be too far away.
+Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_size) {
+  constexpr double kLargestUlp = 1e-3;  // voxels
+  const Bounds& bounds = mesh.bounds();
+  double farthest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
+  }
+  const double ulp = farthest / (1 << 23);
+  if (ulp <= kLargestUlp * voxel_size) return std::monostate{};
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
+                           "single precision; move it to its origin (put the offset in the pose) or "
+                           "use a voxel size of at least %.2g m",
+                           farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
+}
+
+}  // namespace
+
+Model::Model(TriangleMesh mesh, GridField field, PointShell shell)
+    : mesh_(std::move(mesh)),
+      field_(std::move(field)),
+      shell_(std::move(shell)),
+      solid_(compute_solid_mass_properties(mesh_)),
+      surface_(compute_surface_mass_properties(mesh_)) {}
+
+Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
+                                                  const Progress& progress) {
+  const auto voxel_size = choose_voxel_size(mesh, settings);
+  if (!voxel_size) return voxel_size.error();
+  if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
+
+  PointShellSettings shell_settings{.spacing = settings.point_spacing,
+                                    .target_points = settings.target_points};
+  if (shell_settings.spacing == 0.0 && shell_settings.target_points == 0) {
+    shell_settings.spacing = *voxel_size;
+  }
+  auto shell = PointShell::build(mesh, shell_settings, progress);
+  if (!shell) return shell.error();
+
+  const GridFieldSettings field_settings{
+      .voxel_size = *voxel_size,
+      .padding = settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding,
+      .threads = settings.threads};
+  auto field = GridField::build(mesh, field_settings, progress);
+  if (!field) return field.error();
+
+  return std::shared_ptr<const Model>(
+      new Model(std::move(mesh), *std::move(field), *std::move(shell)));
+}
+
+}  // namespace voxshell

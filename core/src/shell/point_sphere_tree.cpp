@@ -1,0 +1,59 @@
+#include "voxshell/point_sphere_tree.h"
+
+#include <algorithm>
+
+#include "shell/enclosing_sphere.h"
+#include "voxshell/bounds.h"
+
+namespace voxshell {
+namespace {
+
+/// Splits order[begin, end), which is cluster `index` of 2^depth, down to 2^max_depth clusters, at
+/// the medians along the longest axis. Ids settle ties, so the order is the same everywhere.
+void split(std::span<const Vec3f> points, std::vector<std::uint32_t>& order, std::uint64_t index,
+           int depth, int max_depth) {
+  const std::uint64_t n = order.size();
+  const auto boundary = [&](std::uint64_t i, int level) {
+    return order.begin() + static_cast<std::ptrdiff_t>((n * i) >> level);
+  };
+  const auto begin = boundary(index, depth);
+  const auto end = boundary(index + 1, depth);
+  if (depth == max_depth) {
+    std::sort(begin, end);
+    return;
+  }
+  Bounds bounds;
+  for (auto id = begin; id != end; ++id) bounds.extend(static_cast<Vec3>(points[*id]));
+  const int axis = bounds.longest_axis();
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    const float ca = points[a][axis];
+    const float cb = points[b][axis];
+    return ca != cb ? ca < cb : a < b;
+  };
+  std::nth_element(begin, boundary(2 * index + 1, depth + 1), end, before);
+  split(points, order, 2 * index, depth + 1, max_depth);
+  split(points, order, 2 * index + 1, depth + 1, max_depth);
+}
+
+}  // namespace
+
+PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
+                                       std::vector<std::uint32_t>& order) {
+  PointSphereTree tree;
+  tree.point_count_ = static_cast<std::uint32_t>(order.size());
+  tree.level_count_ = 1;
+  while (tree.point_count_ > kLeafPoints * cluster_count(tree.level_count_)) ++tree.level_count_;
+  split(points, order, 0, 0, 2 * (tree.level_count_ - 1));
+
+  tree.spheres_.reserve(first_sphere(tree.level_count_ + 1));
+  for (int level = 1; level <= tree.level_count_; ++level) {
+    for (std::uint64_t i = 0; i < cluster_count(level); ++i) {
+      const PointRange range = tree.cluster_points(level, i);
+      tree.spheres_.push_back(compute_enclosing_sphere(
+          points, std::span(order).subspan(range.begin, range.size())));
+    }
+  }
+  return tree;
+}
+
+}  // namespace voxshell

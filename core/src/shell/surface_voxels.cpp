@@ -1,0 +1,172 @@
+#include "shell/surface_voxels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/closest_point.h"
+
+namespace voxshell {
+namespace {
+
+/// A convex polygon in a plane: a triangle cut by axis-aligned planes. Each of the six cuts adds at
+/// most one corner.
+struct Polygon {
+  static constexpr std::size_t kMaxCorners = 9;
+  std::array<Vec3, kMaxCorners> corners;
+  std::size_t count = 0;
+
+  void add(const Vec3& p) { corners[count++] = p; }
+};
+
+/// The part of `polygon` on one side of the plane at `position` on `axis`.
+enum class Side { kBelow, kAbove };
+
+Polygon cut(const Polygon& polygon, int axis, double position, Side side) {
+  const double sign = side == Side::kBelow ? 1.0 : -1.0;
+  Polygon kept;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Vec3& a = polygon.corners[i];
+    const Vec3& b = polygon.corners[(i + 1) % polygon.count];
+    const double beyond_a = sign * (a[axis] - position);
+    const double beyond_b = sign * (b[axis] - position);
+    if (beyond_a <= 0.0) kept.add(a);
+    if ((beyond_a < 0.0 && beyond_b > 0.0) || (beyond_a > 0.0 && beyond_b < 0.0)) {
+      Vec3 crossing = a + (beyond_a / (beyond_a - beyond_b)) * (b - a);
+      crossing[axis] = position;
+      kept.add(crossing);
+    }
+  }
+  return kept;
+}
+
+double compute_area(const Polygon& polygon) {
+  Vec3 doubled{};
+  for (std::size_t i = 2; i < polygon.count; ++i) {
+    doubled += cross(polygon.corners[i - 1] - polygon.corners[0],
+                     polygon.corners[i] - polygon.corners[0]);
+  }
+  return length(doubled) / 2.0;
+}
+
+Vec3 closest_point_on_polygon(const Vec3& p, const Polygon& polygon) {
+  ClosestPoint best = closest_point_on_triangle(
+      p, {polygon.corners[0], polygon.corners[1], polygon.corners[2]});
+  for (std::size_t i = 3; i < polygon.count; ++i) {
+    const ClosestPoint candidate = closest_point_on_triangle(
+        p, {polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]});
+    if (candidate.squared_distance < best.squared_distance) best = candidate;
+  }
+  return best.point;
+}
+
+struct Voxel {
+  std::array<std::int64_t, 3> index{};  ///< along x, y, z
+
+  friend bool operator==(const Voxel&, const Voxel&) = default;
+  friend bool operator<(const Voxel& a, const Voxel& b) {
+    if (a.index[2] != b.index[2]) return a.index[2] < b.index[2];
+    if (a.index[1] != b.index[1]) return a.index[1] < b.index[1];
+    return a.index[0] < b.index[0];
+  }
+};
+
+struct Piece {
+  Voxel voxel;
+  std::uint32_t triangle;
+  double squared_distance;  ///< of point to the voxel's centre
+  Vec3 point;
+  double area;
+};
+
+class Cutter {
+ public:
+  Cutter(const TriangleMesh& mesh, double spacing) : spacing_(spacing) {
+    const Bounds& bounds = mesh.bounds();
+    for (int axis = 0; axis < 3; ++axis) {
+      // A whole number of voxels with the mesh in their middle, so that no flat side of it lies on
+      // a face between voxels.
+      const double voxels = std::floor(bounds.extents()[axis] / spacing) + 1.0;
+      origin_[axis] = bounds.centre()[axis] - 0.5 * voxels * spacing;
+    }
+  }
+
+  std::vector<Piece> cut_all(const TriangleMesh& mesh) {
+    for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
+      Polygon triangle;
+      for (const Vec3& corner : mesh.corners(i)) triangle.add(corner);
+      cut_along(triangle, 0, {}, i);
+    }
+    return std::move(pieces_);
+  }
+
+ private:
+  void cut_along(const Polygon& polygon, int axis, Voxel voxel, std::uint32_t triangle) {
+    if (axis == 3) {
+      keep(polygon, voxel, triangle);
+      return;
+    }
+    double low = polygon.corners[0][axis];
+    double high = low;
+    for (std::size_t i = 1; i < polygon.count; ++i) {
+      low = std::min(low, polygon.corners[i][axis]);
+      high = std::max(high, polygon.corners[i][axis]);
+    }
+    const std::int64_t first = slab(low, axis);
+    const std::int64_t last = slab(high, axis);
+    Polygon rest = polygon;
+    for (std::int64_t i = first; i <= last && rest.count >= 3; ++i) {
+      voxel.index[static_cast<std::size_t>(axis)] = i;
+      if (i == last) {
+        cut_along(rest, axis + 1, voxel, triangle);
+        break;
+      }
+      const double face = origin_[axis] + static_cast<double>(i + 1) * spacing_;
+      const Polygon below = cut(rest, axis, face, Side::kBelow);
+      if (below.count >= 3) cut_along(below, axis + 1, voxel, triangle);
+      rest = cut(rest, axis, face, Side::kAbove);
+    }
+  }
+
+  void keep(const Polygon& polygon, const Voxel& voxel, std::uint32_t triangle) {
+    const double area = compute_area(polygon);
+    if (!(area > 0.0)) return;
+    Vec3 centre{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto index = static_cast<double>(voxel.index[static_cast<std::size_t>(axis)]);
+      centre[axis] = origin_[axis] + (index + 0.5) * spacing_;
+    }
+    const Vec3 point = closest_point_on_polygon(centre, polygon);
+    pieces_.push_back({voxel, triangle, squared_length(point - centre), point, area});
+  }
+
+  std::int64_t slab(double coordinate, int axis) const {
+    return static_cast<std::int64_t>(std::floor((coordinate - origin_[axis]) / spacing_));
+  }
+
+  double spacing_;
+  Vec3 origin_{};
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace
+
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, double spacing) {
+  std::vector<Piece> pieces = Cutter(mesh, spacing).cut_all(mesh);
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    if (!(a.voxel == b.voxel)) return a.voxel < b.voxel;
+    if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;
+    return a.triangle < b.triangle;
+  });
+  std::vector<SurfaceSample> samples;
+  for (std::size_t i = 0; i < pieces.size();) {
+    const Piece& closest = pieces[i];
+    SurfaceSample sample{closest.point, closest.triangle, 0.0};
+    for (; i < pieces.size() && pieces[i].voxel == closest.voxel; ++i) {
+      sample.area += pieces[i].area;
+    }
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace voxshell
