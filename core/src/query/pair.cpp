@@ -1,0 +1,27 @@
+#include "voxshell/pair.h"
+
+namespace voxshell {
+
+Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice) {
+  const auto refuse = [](const char* message) {
+    return Error{ErrorCode::kInvalidArgument, message};
+  };
+  switch (choice) {
+    case ShellChoice::kA:
+      if (a.shell == nullptr) return refuse("body a has no point shell: it is an analytic shape");
+      return PairBody::kA;
+    case ShellChoice::kB:
+      if (b.shell == nullptr) return refuse("body b has no point shell: it is an analytic shape");
+      return PairBody::kB;
+    case ShellChoice::kAutomatic:
+      break;
+  }
+  if (a.shell == nullptr && b.shell == nullptr) {
+    return refuse("neither body has a point shell: one of the two must be a model");
+  }
+  if (a.shell == nullptr) return PairBody::kB;
+  if (b.shell == nullptr) return PairBody::kA;
+  return b.shell->size() < a.shell->size() ? PairBody::kB : PairBody::kA;
+}
+
+}  // namespace voxshell
