@@ -11,6 +11,7 @@ endforeach()
 foreach(target IN LISTS targets)
   string(REPLACE voxshell_ "" exported ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
+  target_compile_features(${target} PUBLIC cxx_std_20)
 endforeach()
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/voxshell")
