@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+namespace voxshell::bullet {
+
+enum class ContactMode {
+  kAutomatic,  ///< what rests most calmly: segmented
+  kRegular,    ///< one manifold of at most four points: the deepest, then area
+  kSegmented,  ///< a manifold of one point, the deepest, for each segment of a level
+};
+
+/// Seconds spent in voxshell's part of the narrow phase since the last reset, for one thread.
+struct NarrowPhaseTimings {
+  double query = 0.0;      ///< finding contacts
+  double reduction = 0.0;  ///< choosing those that go into manifolds
+  double manifold = 0.0;   ///< filling manifolds
+};
+
+/// How contacts of models become contact points of Bullet.
+struct ContactSettings {
+  ContactMode mode = ContactMode::kAutomatic;
+
+  /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments.
+  int level = 0;
+
+  /// Slow points this close to a surface count as contacts, metres: without them a resting body
+  /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the shell's
+  /// diameter. "Slow" is an approach that takes longer than a step to cross the margin, so that
+  /// impacts keep their rebound: a contact reported before touching makes the solver close the gap
+  /// instead of reversing the velocity.
+  double margin = -1.0;
+
+  /// Where to add up times, or none. Not for worlds that dispatch on several threads.
+  NarrowPhaseTimings* timings = nullptr;
+};
+
+}  // namespace voxshell::bullet

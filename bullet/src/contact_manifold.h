@@ -1,0 +1,28 @@
+#pragma once
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <cstdint>
+#include <span>
+
+#include "voxshell/vector.h"
+
+namespace voxshell::bullet {
+
+/// A contact as Bullet wants it, between the wrapped objects a and b. Metres, world frame.
+struct WorldContact {
+  std::uint32_t id;  ///< of the shell's point
+  Vec3 point_a;
+  Vec3 point_b;
+  Vec3 normal;   ///< unit, on b, pointing towards a
+  double depth;  ///< positive where the bodies overlap
+};
+
+/// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
+/// it held before are carried over, so that the solver starts warm; material properties are those
+/// of the two objects, and Bullet's contact-added callback is honoured.
+void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
+                   const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,124 @@
+#include "voxshell/bullet/model_shape.h"
+
+#include <LinearMath/btMatrix3x3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "convert.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// Contact points of a model never merge: two points of a shell are two contacts.
+constexpr btScalar kBreakingThreshold = btScalar(1e-6);
+
+/// The bounds of `box` after a rigid transform.
+Bounds transform_bounds(const Pose& pose, const Bounds& box) {
+  const Vec3 centre = pose.transform_point(box.centre());
+  const Vec3 half = 0.5 * box.extents();
+  const auto reach = [&](const Vec3& row) {
+    return std::abs(row.x) * half.x + std::abs(row.y) * half.y + std::abs(row.z) * half.z;
+  };
+  const Vec3 r{reach(pose.rotation.row_x), reach(pose.rotation.row_y), reach(pose.rotation.row_z)};
+  return {centre - r, centre + r};
+}
+
+}  // namespace
+
+BodyFrame compute_principal_frame(const MassProperties& mass_properties) {
+  // Jacobi rotations in float64, whatever Bullet's own precision.
+  std::array<Vec3, 3> inertia{mass_properties.inertia.row_x, mass_properties.inertia.row_y,
+                              mass_properties.inertia.row_z};
+  std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  // rows: body axes
+  constexpr int kSweeps = 32;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
+      const auto row_p = static_cast<std::size_t>(p);
+      const auto row_q = static_cast<std::size_t>(q);
+      const double off = inertia[row_p][q];
+      if (off == 0.0) continue;
+      const double theta = (inertia[row_q][q] - inertia[row_p][p]) / (2.0 * off);
+      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+      const double c = 1.0 / std::hypot(t, 1.0);
+      const double s = t * c;
+      for (std::size_t k = 0; k < 3; ++k) {  // columns
+        const double at_p = inertia[k][p];
+        const double at_q = inertia[k][q];
+        inertia[k][p] = c * at_p - s * at_q;
+        inertia[k][q] = s * at_p + c * at_q;
+      }
+      const auto rotate_rows = [&](std::array<Vec3, 3>& rows) {
+        const Vec3 at_p = rows[row_p];
+        const Vec3 at_q = rows[row_q];
+        rows[row_p] = c * at_p - s * at_q;
+        rows[row_q] = s * at_p + c * at_q;
+      };
+      rotate_rows(inertia);
+      rotate_rows(axes);
+    }
+  }
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return inertia[a][static_cast<int>(a)] < inertia[b][static_cast<int>(b)];
+  });
+  Matrix3 body_from_model{axes[order[0]], axes[order[1]], axes[order[2]]};
+  if (dot(cross(body_from_model.row_x, body_from_model.row_y), body_from_model.row_z) < 0.0) {
+    body_from_model.row_z = -body_from_model.row_z;
+  }
+  const auto moment = [&](std::size_t i) { return inertia[order[i]][static_cast<int>(order[i])]; };
+  return {{body_from_model.transposed(), mass_properties.centre_of_mass},
+          {moment(0), moment(1), moment(2)}};
+}
+
+ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model)
+    : model_(std::move(model)), body_from_model_(body_from_model) {
+  // The one concave type that Bullet itself uses nowhere. CUSTOM_CONCAVE_SHAPE_TYPE equals Bullet's
+  // SDF type: shapes of that id are cast to its class.
+  m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
+  m_collisionMargin = btScalar(0);
+}
+
+void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
+                         btVector3& upper) const {
+  const Bounds box =
+      transform_bounds(from_bullet(world_from_body) * body_from_model_, model_->bounds());
+  const btVector3 margin(m_collisionMargin, m_collisionMargin, m_collisionMargin);
+  lower = to_bullet(box.lower) - margin;
+  upper = to_bullet(box.upper) + margin;
+}
+
+void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
+  const MassProperties solid =
+      model_->solid_mass_properties().with_mass(static_cast<double>(mass));
+  const Matrix3 in_body =
+      body_from_model_.rotation * solid.inertia * body_from_model_.rotation.transposed();
+  inertia = to_bullet({in_body.row_x.x, in_body.row_y.y, in_body.row_z.z});
+}
+
+btScalar ModelShape::getContactBreakingThreshold(btScalar) const { return kBreakingThreshold; }
+
+void ModelShape::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
+                                     const btVector3& upper) const {
+  const Bounds wanted = transform_bounds(body_from_model_.inverse(),
+                                         {from_bullet(lower), from_bullet(upper)});
+  const TriangleMesh& mesh = model_->mesh();
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    const auto corners = mesh.corners(i);
+    Bounds box;
+    for (const Vec3& corner : corners) box.extend(corner);
+    const bool apart = box.lower.x > wanted.upper.x || box.upper.x < wanted.lower.x ||
+                       box.lower.y > wanted.upper.y || box.upper.y < wanted.lower.y ||
+                       box.lower.z > wanted.upper.z || box.upper.z < wanted.lower.z;
+    if (apart) continue;
+    std::array<btVector3, 3> triangle;
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle[k] = to_bullet(body_from_model_.transform_point(corners[k]));
+    }
+    callback->processTriangle(triangle.data(), 0, static_cast<int>(i));
+  }
+}
+
+}  // namespace voxshell::bullet
