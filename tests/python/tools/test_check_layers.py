@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import check_layers
+import pytest
+
+# A tree in which every direction that is allowed is used.
+CLEAN = {
+    "core/include/voxshell/result.h": "#include <vector>\n",
+    "core/include/voxshell/triangle_mesh.h": '#include "voxshell/result.h"\n',
+    "core/include/voxshell/grid_field.h": '#include "voxshell/triangle_mesh.h"\n',
+    "core/include/voxshell/point_shell.h": '#include "voxshell/triangle_mesh.h"\n',
+    "core/include/voxshell/contacts.h": '#include "voxshell/grid_field.h"\n',
+    "core/include/voxshell/model.h": '#include "voxshell/point_shell.h"\n',
+    "core/src/mesh/triangle_mesh.cpp": '#include "voxshell/triangle_mesh.h"\n',
+    "core/src/mesh/closest_point.h": "",
+    "core/src/field/grid_field.cpp": '#include "mesh/closest_point.h"\n',
+    "core/src/shell/point_shell.cpp": '#include "mesh/closest_point.h"\n#include "simd/wide.h"\n',
+    "core/src/simd/wide.h": "#include <immintrin.h>\ninline __m256 zero() { return _mm256_setzero_ps(); }\n",
+    "core/src/simd/walk_avx2.cpp": '#include "simd/wide.h"\n#include <math.h>\n',
+    "core/src/query/contacts.cpp": '#include "voxshell/contacts.h"\n#include "voxshell/point_shell.h"\n',
+    "core/src/model/model.cpp": '#include "voxshell/model.h"\n#include "voxshell/grid_field.h"\n',
+    "bullet/src/shape.cpp": "#include <btBulletDynamicsCommon.h>\nbtVector3 zero;\n",
+    "python/bindings/core.cpp": "#include <nanobind/nanobind.h>\n",
+    "python/voxshell/__init__.py": "from ._core import Model\nfrom voxshell.world import World\n",
+    "python/voxshell/world.py": "import voxshell._bullet\n",
+    "python/voxshell/recording.py": (
+        "def save_html():\n    from voxshell.viewer.replay import save\n"
+    ),
+    "python/voxshell/viewer/__init__.py": "",
+    "python/voxshell/viewer/replay.py": "import viser\nfrom voxshell.recording import save_html\n",
+    "python/voxshell/cli/__init__.py": "from voxshell import experiments, viewer\n",
+    "python/voxshell/experiments/__init__.py": "import voxshell as vx\n",
+}
+
+
+def write_tree(root: Path, files: dict[str, str]) -> None:
+    for name, text in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+def test_every_allowed_direction_passes(tmp_path: Path) -> None:
+    write_tree(tmp_path, CLEAN)
+    assert [str(violation) for violation in check_layers.check(tmp_path)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "line", "message"),
+    [
+        pytest.param(
+            "core/src/mesh/triangle_mesh.cpp",
+            '#include <cmath>\n\n#include "voxshell/grid_field.h"\n',
+            3,
+            'mesh includes "voxshell/grid_field.h", which belongs to field; mesh may include base, simd',
+            id="mesh includes field",
+        ),
+        pytest.param(
+            "core/include/voxshell/grid_field.h",
+            '#include "voxshell/point_shell.h"\n',
+            1,
+            'field includes "voxshell/point_shell.h", which belongs to shell',
+            id="field includes shell, in a public header",
+        ),
+        pytest.param(
+            "core/src/query/contacts.cpp",
+            '#include "voxshell/model.h"\n',
+            1,
+            'query includes "voxshell/model.h", which belongs to model',
+            id="query includes model",
+        ),
+        pytest.param(
+            "core/src/query/contacts.cpp",
+            '#include "../mesh/closest_point.h"\n',
+            1,
+            "named from core/src",
+            id="an include path that hides its layer",
+        ),
+        pytest.param(
+            "core/include/voxshell/contacts.h",
+            '#include "query/traverse.h"\n',
+            1,
+            "a public core header includes no internal one",
+            id="public header includes an internal one",
+        ),
+        pytest.param(
+            "core/include/voxshell/contacts.h",
+            "#include <Eigen/Dense>\n",
+            1,
+            "includes <Eigen/Dense>; a public core header includes the standard library alone",
+            id="third-party type in a public header",
+        ),
+        pytest.param(
+            "core/include/voxshell/surprise.h",
+            "",
+            1,
+            "belongs to no layer; give it a source of the same name",
+            id="a public header without a layer",
+        ),
+        pytest.param(
+            "core/src/misc/things.cpp",
+            "",
+            1,
+            "is in no layer's folder",
+            id="a folder that is no layer",
+        ),
+        pytest.param(
+            "core/src/model/model.cpp",
+            "// btVector3 in a comment is fine\nbtVector3 v;\n",
+            2,
+            "uses Bullet's btVector3; only bullet/",
+            id="a Bullet name in the core",
+        ),
+        pytest.param(
+            "core/src/model/model.cpp",
+            '#include "voxshell/bullet/model_shape.h"\n',
+            1,
+            "includes Bullet (voxshell/bullet/model_shape.h)",
+            id="core includes the adapter",
+        ),
+        pytest.param(
+            "tests/cpp/core/model_test.cpp",
+            "#include <BulletCollision/CollisionShapes/btBoxShape.h>\n",
+            1,
+            "includes Bullet",
+            id="a core test includes Bullet",
+        ),
+        pytest.param(
+            "bullet/src/shape.cpp",
+            "#include <Python.h>\n",
+            1,
+            "includes Python (Python.h); only python/bindings/ may",
+            id="the adapter includes Python",
+        ),
+        pytest.param(
+            "core/src/query/contacts.cpp",
+            "#include <immintrin.h>\n",
+            1,
+            "includes intrinsics (immintrin.h); only core/src/simd/ may",
+            id="intrinsics header outside simd",
+        ),
+        pytest.param(
+            "core/src/query/contacts.cpp",
+            "auto x = _mm_setzero_ps();\n",
+            1,
+            "uses the intrinsic _mm_setzero_ps",
+            id="an intrinsic outside simd",
+        ),
+        pytest.param(
+            "core/src/simd/walk_avx2.cpp",
+            "#include <vector>\n",
+            1,
+            "a kernel for one instruction set includes C headers alone",
+            id="a C++ header in a kernel",
+        ),
+        pytest.param(
+            "python/voxshell/world.py",
+            "import numpy\nimport voxshell.viewer.replay\n",
+            2,
+            "api imports voxshell.viewer.replay, which belongs to viewer; api may import bindings",
+            id="api imports viewer",
+        ),
+        pytest.param(
+            "python/voxshell/scenes/drop.py",
+            "from ..cli import main\n",
+            1,
+            "api imports voxshell.cli.main, which belongs to cli",
+            id="a relative import of cli from a subpackage of the api",
+        ),
+        pytest.param(
+            "python/voxshell/world.py",
+            "def f():\n    from voxshell import experiments\n",
+            2,
+            "api imports voxshell.experiments",
+            id="a lazy import that no exception allows",
+        ),
+        pytest.param(
+            "python/voxshell/recording.py",
+            "from voxshell.viewer.replay import save\n",
+            1,
+            "api imports voxshell.viewer.replay.save",
+            id="the lazy exception used at module level",
+        ),
+        pytest.param(
+            "python/voxshell/viewer/replay.py",
+            "from voxshell.cli import main\n",
+            1,
+            "viewer imports voxshell.cli.main, which belongs to cli; viewer may import api",
+            id="viewer imports cli",
+        ),
+        pytest.param(
+            "python/voxshell/experiments/ball.py",
+            "from voxshell._bullet import World\n",
+            1,
+            "experiments imports voxshell._bullet.World, which belongs to bindings",
+            id="experiments go round the api",
+        ),
+    ],
+)
+def test_a_violation_is_reported_where_it_is(
+    tmp_path: Path, name: str, text: str, line: int, message: str
+) -> None:
+    write_tree(tmp_path, {**CLEAN, name: text})
+    violations = [str(violation) for violation in check_layers.check(tmp_path)]
+    assert len(violations) == 1, violations
+    assert violations[0].startswith(f"{name}:{line}: ")
+    assert message in violations[0]
+
+
+def test_command_line_says_how_many_and_fails(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_tree(tmp_path, {**CLEAN, "core/src/mesh/closest_point.h": "btScalar x;\n__m128 y;\n"})
+    assert check_layers.main([str(tmp_path)]) == 1
+    printed = capsys.readouterr().out.splitlines()
+    assert len(printed) == 3
+    assert printed[-1].startswith("2 against the layers")
+
+
+def test_command_line_is_silent_when_all_is_well(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_tree(tmp_path, CLEAN)
+    assert check_layers.main([str(tmp_path)]) == 0
+    assert capsys.readouterr().out == ""

@@ -1,0 +1,333 @@
+#!/usr/bin/env python3
+"""Checks that includes and imports only go in the directions that ARCHITECTURE.md draws.
+
+usage: tools/check_layers.py [ROOT]
+
+Prints one line for each violation (file:line, what, which directions are allowed) and exits 1 if
+there is one.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+# ---- the directions ------------------------------------------------------------------------------
+
+# Layer of core/src/<layer> -> the layers whose headers it may include, itself apart.
+CORE_MAY_INCLUDE: dict[str, set[str]] = {
+    "base": set(),
+    "simd": set(),
+    "mesh": {"base", "simd"},
+    "field": {"base", "simd", "mesh"},
+    "shell": {"base", "simd", "mesh"},
+    "query": {"base", "simd", "field", "shell"},
+    "model": {"base", "simd", "mesh", "field", "shell"},
+}
+
+# A public header belongs to the layer that has the source of the same name
+# (voxshell/contacts.h: query, because of core/src/query/contacts.cpp). These have no such source.
+HEADER_ONLY: dict[str, str] = {
+    "bounds.h": "base",
+    "progress.h": "base",
+    "result.h": "base",
+    "vector.h": "base",
+    "version.h": "base",
+    "field.h": "field",
+    "box_field.h": "field",
+    "capsule_field.h": "field",
+    "cylinder_field.h": "field",
+    "plane_field.h": "field",
+    "sphere_field.h": "field",
+}
+
+# Part of the Python package -> the parts that it may import, itself apart. "api" is every module
+# that is in no other part; "bindings" are the compiled modules.
+PYTHON_MAY_IMPORT: dict[str, set[str]] = {
+    "api": {"bindings"},
+    "viewer": {"api"},
+    "experiments": {"api"},
+    "cli": {"api", "viewer", "experiments"},
+}
+PYTHON_BINDINGS = {"_core", "_bullet"}
+
+# (module file, part): imports against the direction that are allowed inside a function.
+PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {
+    ("recording.py", "viewer"): "save_html writes the page, and only a caller who wants one pays",
+}
+
+# Where Bullet's names may appear: its adapter, the bindings, and what tests, shows or measures it.
+BULLET_HOME = ("bullet/", "python/bindings/", "tests/cpp/bullet/", "benchmarks/", "examples/")
+PYTHON_C_API_HOME = ("python/bindings/",)
+SIMD_HOME = "core/src/simd/"
+
+# ---- patterns ------------------------------------------------------------------------------------
+
+CPP_ROOTS = ("core", "bullet", "python/bindings", "tests/cpp", "benchmarks", "fuzz", "examples")
+CPP_SUFFIXES = {".h", ".cpp", ".inl"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+COMMENT_OR_STRING = re.compile(
+    r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL
+)
+BULLET_NAME = re.compile(r"\bbt[A-Z]\w*|\bBT_[A-Z]\w*")
+BULLET_HEADER = re.compile(r"^(bt\w+\.h|(Bullet|LinearMath)\w*/.*|voxshell/bullet/.*)$")
+PYTHON_C_HEADER = re.compile(r"^(Python\.h|nanobind/.*|pybind11/.*)$")
+INTRINSIC_NAME = re.compile(
+    r"\b_mm(?:256|512)?_\w+|\b__m(?:64|128|256|512)[di]?\b|\bv\w+q_[fsu]\d+\b"
+)
+INTRINSIC_HEADER = re.compile(r"^(\w*intrin\.h|arm_neon\.h|hwy/.*)$")
+STANDARD_HEADER = re.compile(r"^[a-z_0-9]+$")
+# A kernel compiled for one instruction set must not emit inline functions of C++ headers: the
+# linker may pick that copy for every machine.
+KERNEL_FILE = re.compile(r"_(scalar|sse\d*|avx\d*|neon)\.cpp$")
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One include, import or name that goes the wrong way."""
+
+    path: str
+    line: int
+    what: str
+    allowed: str
+
+    def __str__(self) -> str:
+        """One line, clickable in most editors."""
+        return f"{self.path}:{self.line}: {self.what}; {self.allowed}"
+
+
+def check(root: Path) -> list[Violation]:
+    """All violations below `root`, by file and line."""
+    found = [*check_cpp(root), *check_python(root)]
+    return sorted(found, key=lambda violation: (violation.path, violation.line))
+
+
+# ---- C++ -----------------------------------------------------------------------------------------
+
+
+def check_cpp(root: Path) -> Iterator[Violation]:
+    """Violations in C++ sources."""
+    layers = _public_header_layers(root)
+    for top in CPP_ROOTS:
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix not in CPP_SUFFIXES:
+                continue
+            name = path.relative_to(root).as_posix()
+            text = path.read_text(encoding="utf-8")
+            yield from _check_names(name, text)
+            for line, bracket, header in _includes(text):
+                yield from _check_foreign_header(name, line, header)
+                if name.startswith("core/"):
+                    yield from _check_core_include(name, line, bracket, header, layers)
+            if name.startswith("core/"):
+                yield from _check_core_place(name, layers)
+
+
+def _public_header_layers(root: Path) -> dict[str, str | None]:
+    layers: dict[str, str | None] = {}
+    for header in sorted((root / "core/include/voxshell").rglob("*.h")):
+        sources = [
+            layer
+            for layer in CORE_MAY_INCLUDE
+            if (root / "core/src" / layer / f"{header.stem}.cpp").exists()
+        ]
+        layers[header.name] = sources[0] if len(sources) == 1 else HEADER_ONLY.get(header.name)
+    return layers
+
+
+def _includes(text: str) -> Iterator[tuple[int, str, str]]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if match := INCLUDE.match(line):
+            yield number, match[1], match[2]
+
+
+def _core_layer(name: str, layers: dict[str, str | None]) -> str | None:
+    parts = name.split("/")
+    if name.startswith("core/src/"):
+        return parts[2] if parts[2] in CORE_MAY_INCLUDE else None
+    return layers.get(parts[-1])
+
+
+def _check_core_place(name: str, layers: dict[str, str | None]) -> Iterator[Violation]:
+    if _core_layer(name, layers) is not None:
+        return
+    if name.startswith("core/src/"):
+        folders = ", ".join(CORE_MAY_INCLUDE)
+        yield Violation(
+            name, 1, "is in no layer's folder", f"the folders of core/src are {folders}"
+        )
+    elif name.startswith("core/include/"):
+        yield Violation(
+            name,
+            1,
+            "belongs to no layer",
+            f"give it a source of the same name in one folder of core/src (core/src/<layer>/"
+            f"{Path(name).stem}.cpp), or name it in HEADER_ONLY of tools/check_layers.py",
+        )
+
+
+def _check_core_include(
+    name: str, line: int, bracket: str, header: str, layers: dict[str, str | None]
+) -> Iterator[Violation]:
+    public = name.startswith("core/include/")
+    if bracket == "<" and not header.startswith("voxshell/"):
+        if public and not STANDARD_HEADER.match(header):
+            yield Violation(
+                name,
+                line,
+                f"includes <{header}>",
+                "a public core header includes the standard library alone",
+            )
+        if KERNEL_FILE.search(name) and not header.endswith(".h"):
+            yield Violation(
+                name,
+                line,
+                f"includes <{header}>",
+                "a kernel for one instruction set includes C headers alone",
+            )
+        return
+    if header.startswith("voxshell/bullet/"):
+        return  # reported as a foreign header
+    if header.startswith("voxshell/"):
+        included = layers.get(header.removeprefix("voxshell/"))
+    else:
+        if public:
+            yield Violation(
+                name, line, f'includes "{header}"', "a public core header includes no internal one"
+            )
+            return
+        folder = header.split("/")[0]
+        included = folder if folder in CORE_MAY_INCLUDE else None
+        if included is None:
+            yield Violation(
+                name,
+                line,
+                f'includes "{header}"',
+                "internal headers are named from core/src, with their layer: "
+                '"mesh/closest_point.h"',
+            )
+            return
+    layer = _core_layer(name, layers)
+    if layer is None or included is None or included == layer:
+        return
+    if included not in CORE_MAY_INCLUDE[layer]:
+        yield Violation(
+            name,
+            line,
+            f'{layer} includes "{header}", which belongs to {included}',
+            f"{layer} may include {_listed(CORE_MAY_INCLUDE[layer])}",
+        )
+
+
+def _check_foreign_header(name: str, line: int, header: str) -> Iterator[Violation]:
+    if BULLET_HEADER.match(header) and not name.startswith(BULLET_HOME):
+        yield Violation(
+            name, line, f"includes Bullet ({header})", f"only {_places(BULLET_HOME)} may"
+        )
+    if PYTHON_C_HEADER.match(header) and not name.startswith(PYTHON_C_API_HOME):
+        yield Violation(
+            name, line, f"includes Python ({header})", f"only {_places(PYTHON_C_API_HOME)} may"
+        )
+    if INTRINSIC_HEADER.match(header) and not name.startswith(SIMD_HOME):
+        yield Violation(name, line, f"includes intrinsics ({header})", f"only {SIMD_HOME} may")
+
+
+def _check_names(name: str, text: str) -> Iterator[Violation]:
+    code = COMMENT_OR_STRING.sub(lambda match: "\n" * match[0].count("\n"), text)
+    for number, line in enumerate(code.splitlines(), start=1):
+        if line.lstrip().startswith("#"):
+            continue
+        if not name.startswith(BULLET_HOME) and (match := BULLET_NAME.search(line)):
+            yield Violation(
+                name, number, f"uses Bullet's {match[0]}", f"only {_places(BULLET_HOME)} may"
+            )
+        if not name.startswith(SIMD_HOME) and (match := INTRINSIC_NAME.search(line)):
+            yield Violation(name, number, f"uses the intrinsic {match[0]}", f"only {SIMD_HOME} may")
+
+
+# ---- Python --------------------------------------------------------------------------------------
+
+
+def check_python(root: Path) -> Iterator[Violation]:
+    """Violations in the Python package."""
+    package = root / "python/voxshell"
+    for path in sorted(package.rglob("*.py")):
+        inner = path.relative_to(package)
+        part = _python_part(inner.with_suffix("").parts)
+        tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+        for line, module, lazy in _python_imports(tree, inner):
+            imported = _python_part(module)
+            if imported == part or imported in PYTHON_MAY_IMPORT[part]:
+                continue
+            if lazy and (inner.as_posix(), imported) in PYTHON_LAZY_IMPORTS:
+                continue
+            yield Violation(
+                path.relative_to(root).as_posix(),
+                line,
+                f"{part} imports {'.'.join(('voxshell', *module))}, which belongs to {imported}",
+                f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
+            )
+
+
+def _python_part(module: tuple[str, ...]) -> str:
+    """The part of the package that a module belongs to; its name is given without "voxshell"."""
+    first = module[0] if module else ""
+    if first in PYTHON_BINDINGS:
+        return "bindings"
+    return first if first in PYTHON_MAY_IMPORT else "api"
+
+
+def _python_imports(tree: ast.Module, inner: Path) -> Iterator[tuple[int, tuple[str, ...], bool]]:
+    """(line, module inside the package, whether inside a function) of each import of the package."""
+    lazy = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
+        for node in ast.walk(function)
+    }
+    for node in ast.walk(tree):
+        modules: list[tuple[str, ...]] = []
+        if isinstance(node, ast.Import):
+            modules = [tuple(alias.name.split(".")) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = tuple(node.module.split(".")) if node.module else ()
+            if node.level > 0:
+                here = ("voxshell", *inner.parent.parts)
+                base = here[: len(here) - (node.level - 1)] + base
+            # `from voxshell import viewer` imports voxshell.viewer.
+            modules = [(*base, alias.name) for alias in node.names]
+        else:
+            continue
+        for module in modules:
+            if module[0] == "voxshell":
+                yield node.lineno, module[1:], id(node) in lazy
+
+
+# ---- output --------------------------------------------------------------------------------------
+
+
+def _listed(names: set[str]) -> str:
+    return ", ".join(sorted(names)) if names else "no other"
+
+
+def _places(prefixes: tuple[str, ...]) -> str:
+    return ", ".join(prefixes)
+
+
+def main(arguments: list[str]) -> int:
+    """The command line; returns the exit code."""
+    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
+    violations = check(root)
+    for violation in violations:
+        print(violation)
+    if violations:
+        print(f"{len(violations)} against the layers (tools/check_layers.py has the directions)")
+    return 1 if violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
