@@ -5,7 +5,7 @@
 #include <array>
 #include <cassert>
 
-#include "convert.h"
+#include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
 namespace {

@@ -12,7 +12,7 @@
 #include <new>
 #include <optional>
 
-#include "convert.h"
+#include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/manifold.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "convert.h"
+#include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -95,7 +95,7 @@ void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const 
       model_->solid_mass_properties().with_mass(static_cast<double>(mass));
   const Matrix3 in_body =
       body_from_model_.rotation * solid.inertia * body_from_model_.rotation.transposed();
-  inertia = to_bullet({in_body.row_x.x, in_body.row_y.y, in_body.row_z.z});
+  inertia = to_bullet(Vec3{in_body.row_x.x, in_body.row_y.y, in_body.row_z.z});
 }
 
 btScalar ModelShape::getContactBreakingThreshold(btScalar) const { return kBreakingThreshold; }
