@@ -1,8 +1,9 @@
-# What our own sources compile with, and nobody else's.
+# voxshell::warnings: what our own sources compile with, and nobody else's.
 
-set(voxshell_warning_options "")
+add_library(voxshell_warnings INTERFACE)
+add_library(voxshell::warnings ALIAS voxshell_warnings)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  list(APPEND voxshell_warning_options
+  target_compile_options(voxshell_warnings INTERFACE
     -Wall
     -Wextra
     -Wpedantic
@@ -17,21 +18,21 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     -Wimplicit-fallthrough
     $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-cond>
     $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-branches>
-    $<$<CXX_COMPILER_ID:GNU>:-Wlogical-op>)
-  if(VOXSHELL_WERROR)
-    list(APPEND voxshell_warning_options -Werror)
-  endif()
+    $<$<CXX_COMPILER_ID:GNU>:-Wlogical-op>
+    $<$<BOOL:${VOXSHELL_WERROR}>:-Werror>)
 endif()
 
-# Every target of a directory and of those below it, so that no target can be forgotten; the
-# binding library that nanobind adds to the directory keeps its own ways.
+# Gives them to every target of a directory and of those below it, so that none is forgotten, save
+# the library that nanobind adds there. As options, not as a link: an exported target must not name
+# a target that is not exported.
 function(voxshell_add_warnings directory)
   get_property(targets DIRECTORY "${directory}" PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target IN LISTS targets)
     get_target_property(type ${target} TYPE)
     if(type MATCHES "LIBRARY|EXECUTABLE" AND NOT type STREQUAL "INTERFACE_LIBRARY"
        AND NOT target MATCHES "^nanobind")
-      target_compile_options(${target} PRIVATE ${voxshell_warning_options})
+      target_compile_options(${target} PRIVATE
+        $<TARGET_PROPERTY:voxshell_warnings,INTERFACE_COMPILE_OPTIONS>)
     endif()
   endforeach()
   get_property(subdirectories DIRECTORY "${directory}" PROPERTY SUBDIRECTORIES)
