@@ -31,9 +31,9 @@ class QueryScratch {
   std::vector<Contact> contacts;
 };
 
-/// All contacts of a shell in a field, ascending by id (thesis, Algorithm 3.1: walk the point-sphere
-/// tree, skip the clusters that cannot reach the surface). Equal bit for bit to contacts_flat().
-/// The result lives in `scratch` until its next use.
+/// All contacts of a shell in a field, ascending by id (thesis, Algorithm 3.1: walk the
+/// point-sphere tree, skip the clusters that cannot reach the surface). Equal bit for bit to
+/// contacts_flat(). The result lives in `scratch` until its next use.
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
                                        const Pose& field_from_shell, const ContactOptions& options,
                                        QueryScratch& scratch);

@@ -22,9 +22,9 @@ struct PointRange {
   std::uint32_t size() const { return end - begin; }
 };
 
-/// A point-sphere tree: nested clusters of a point shell, each with the minimal sphere that encloses
-/// its points. Branching factor 4 (thesis, section 5.3); levels count from the root = 1, so level L
-/// has 4^(L-1) clusters.
+/// A point-sphere tree: nested clusters of a point shell, each with the minimal sphere that
+/// encloses its points. Branching factor 4 (thesis, section 5.3); levels count from the root = 1,
+/// so level L has 4^(L-1) clusters.
 ///
 /// The points lie in tree order, which makes a cluster a range of ids that a formula gives: of n
 /// points, cluster i of m on a level covers [floor(n i / m), floor(n (i + 1) / m)).

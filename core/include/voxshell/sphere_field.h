@@ -4,7 +4,8 @@
 
 namespace voxshell {
 
-/// A solid sphere centred at its origin: exact signed distance, negative inside. Metres, body frame.
+/// A solid sphere centred at its origin: exact signed distance, negative inside. Metres, body
+/// frame.
 struct SphereField {
   double radius = 0.5;
 

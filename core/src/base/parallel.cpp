@@ -17,7 +17,8 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   const auto report = [&] {
     if (!progress) return;
     const std::size_t begun = std::min(next.load(), count);
-    const double fraction = count == 0 ? 1.0 : static_cast<double>(begun) / static_cast<double>(count);
+    const double fraction =
+        count == 0 ? 1.0 : static_cast<double>(begun) / static_cast<double>(count);
     if (!progress(stage, fraction)) stopped = true;
   };
   const auto work = [&](bool reports) {

@@ -27,9 +27,8 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
       return Error{ErrorCode::kInvalidPose, "pose has an entry that is not finite"};
     }
   }
-  const double last_row_error =
-      std::max({std::abs(matrix[12]), std::abs(matrix[13]), std::abs(matrix[14]),
-                std::abs(matrix[15] - 1.0)});
+  const double last_row_error = std::max({std::abs(matrix[12]), std::abs(matrix[13]),
+                                          std::abs(matrix[14]), std::abs(matrix[15] - 1.0)});
   if (last_row_error > kRigidTolerance) {
     return Error{ErrorCode::kInvalidPose,
                  format_text("pose's last row is off (0, 0, 0, 1) by %.3g; give a row-major "

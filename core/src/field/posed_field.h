@@ -16,8 +16,8 @@ inline float compute_rounding_slack(double magnitude) {
   return static_cast<float>(32.0 * kUlp * magnitude);
 }
 
-/// A field as a point shell sees it: all coordinates in the shell's frame. The pose is worked out in
-/// float64 and applied in float32. Every query evaluates points through this one class, which is
+/// A field as a point shell sees it: all coordinates in the shell's frame. The pose is worked out
+/// in float64 and applied in float32. Every query evaluates points through this one class, which is
 /// what makes their answers equal bit for bit.
 template <class F>
 class PosedField {
@@ -63,8 +63,7 @@ class PosedField<PlaneField> {
  public:
   PosedField(const PlaneField& plane, const Pose& field_from_shell, double shell_reach)
       : normal_(static_cast<Vec3f>(field_from_shell.rotation.transposed() * plane.normal)),
-        offset_(static_cast<float>(plane.offset -
-                                   dot(plane.normal, field_from_shell.translation))),
+        offset_(static_cast<float>(plane.offset - dot(plane.normal, field_from_shell.translation))),
         slack_(compute_rounding_slack(std::abs(static_cast<double>(offset_)) + shell_reach)) {}
 
   float distance(const Vec3f& p) const { return dot(normal_, p) - offset_; }

@@ -53,8 +53,7 @@ MassProperties compute_solid_mass_properties(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
     const auto [a, b, c] = mesh.corners(i);
     const std::array<Vec3, 4> tetrahedron{a - origin, b - origin, c - origin, Vec3{}};
-    const double volume =
-        dot(tetrahedron[0], cross(tetrahedron[1], tetrahedron[2])) / 6.0;
+    const double volume = dot(tetrahedron[0], cross(tetrahedron[1], tetrahedron[2])) / 6.0;
     moments.add_simplex(volume, tetrahedron);
   }
   return moments.at_unit_mass(origin);

@@ -27,9 +27,8 @@ Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& 
   }
   const int resolution = settings.resolution == 0 ? kDefaultResolution : settings.resolution;
   if (resolution < 2) {
-    return invalid_argument(
-        format_text("resolution must be at least 2 voxels along the longest side, not %d",
-                    resolution));
+    return invalid_argument(format_text(
+        "resolution must be at least 2 voxels along the longest side, not %d", resolution));
   }
   const Bounds& bounds = mesh.bounds();
   return bounds.extents()[bounds.longest_axis()] / resolution;
@@ -45,11 +44,12 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
   }
   const double ulp = farthest / (1 << 23);
   if (ulp <= kLargestUlp * voxel_size) return std::monostate{};
-  return Error{ErrorCode::kInvalidMesh,
-               format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
-                           "single precision; move it to its origin (put the offset in the pose) or "
-                           "use a voxel size of at least %.2g m",
-                           farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
+  return Error{
+      ErrorCode::kInvalidMesh,
+      format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
+                  "single precision; move it to its origin (put the offset in the pose) or "
+                  "use a voxel size of at least %.2g m",
+                  farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
 }
 
 }  // namespace

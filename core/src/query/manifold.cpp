@@ -59,8 +59,8 @@ ManifoldPoints select_manifold(std::span<const Contact> contacts, std::size_t ma
   const Vec3f up = cross(b - a, c - a);
   const auto added_area = [&](const Contact& contact) {
     const Vec3f p = contact.point;
-    return std::max({dot(cross(p - a, b - a), up), dot(cross(p - b, c - b), up),
-                     dot(cross(p - c, a - c), up)});
+    return std::max(
+        {dot(cross(p - a, b - a), up), dot(cross(p - b, c - b), up), dot(cross(p - c, a - c), up)});
   };
   add(find_largest(contacts, added_area));
   return manifold;

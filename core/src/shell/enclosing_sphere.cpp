@@ -76,8 +76,7 @@ Ball enclose(std::vector<Vec3>& points, std::size_t end, const Boundary& boundar
 
 }  // namespace
 
-Sphere compute_enclosing_sphere(std::span<const Vec3f> points,
-                                std::span<const std::uint32_t> ids) {
+Sphere compute_enclosing_sphere(std::span<const Vec3f> points, std::span<const std::uint32_t> ids) {
   std::vector<Vec3> moved;
   moved.reserve(ids.size());
   for (const std::uint32_t id : ids) moved.push_back(static_cast<Vec3>(points[id]));
@@ -87,8 +86,7 @@ Sphere compute_enclosing_sphere(std::span<const Vec3f> points,
   double squared_radius = 0.0;
   for (const std::uint32_t id : ids) {
     squared_radius = std::max(
-        squared_radius,
-        squared_length(static_cast<Vec3>(points[id]) - static_cast<Vec3>(centre)));
+        squared_radius, squared_length(static_cast<Vec3>(points[id]) - static_cast<Vec3>(centre)));
   }
   const auto radius = static_cast<float>(std::sqrt(squared_radius));
   return {centre, std::nextafter(radius, std::numeric_limits<float>::infinity())};

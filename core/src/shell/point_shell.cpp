@@ -109,9 +109,8 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
                  format_text("point spacing must be above 0 m, not %g", settings.spacing)};
   }
   const double area = mesh.compute_area();
-  const double expected = by_spacing
-                              ? kVoxelsPerArea * area / (settings.spacing * settings.spacing)
-                              : static_cast<double>(settings.target_points);
+  const double expected = by_spacing ? kVoxelsPerArea * area / (settings.spacing * settings.spacing)
+                                     : static_cast<double>(settings.target_points);
   if (expected > static_cast<double>(settings.point_limit)) {
     return Error{ErrorCode::kTooLarge,
                  format_text("a point shell of about %.3g points is above the limit of %zu; use a "

@@ -49,8 +49,8 @@ PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
   for (int level = 1; level <= tree.level_count_; ++level) {
     for (std::uint64_t i = 0; i < cluster_count(level); ++i) {
       const PointRange range = tree.cluster_points(level, i);
-      tree.spheres_.push_back(compute_enclosing_sphere(
-          points, std::span(order).subspan(range.begin, range.size())));
+      tree.spheres_.push_back(
+          compute_enclosing_sphere(points, std::span(order).subspan(range.begin, range.size())));
     }
   }
   return tree;
