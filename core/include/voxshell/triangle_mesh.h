@@ -24,9 +24,10 @@ struct MeshDefects {
   bool is_closed() const { return open_edges + non_manifold_edges + flipped_edges == 0; }
 };
 
-/// A validated triangle mesh: finite, indices in range, at least one triangle with area.
-/// Vertices at exactly the same place are merged; triangles that lose a corner by it and vertices
-/// that no triangle uses are dropped. Counter-clockwise triangles face outwards. Metres.
+/// A validated triangle mesh: finite, from 1e-9 to 1e9 m in size, indices in range, at least one
+/// triangle with area. Vertices at exactly the same place are merged; triangles that lose a corner
+/// by it and vertices that no triangle uses are dropped. Counter-clockwise triangles face outwards.
+/// Metres.
 class TriangleMesh {
  public:
   static Result<TriangleMesh> create(std::span<const Vec3> vertices,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <unordered_map>
 
 #include "base/text.h"
@@ -24,6 +25,30 @@ struct SamePlaceHash {
 Vec3 without_negative_zero(const Vec3& p) { return p + Vec3{0.0, 0.0, 0.0}; }
 
 Error invalid_mesh(std::string message) { return {ErrorCode::kInvalidMesh, std::move(message)}; }
+
+/// Queries work on fourth powers of lengths in float32: beyond these they would over- or underflow.
+Result<std::monostate> check_size(const Bounds& bounds) {
+  constexpr double kSmallestSide = 1e-9;      // metres
+  constexpr double kLargestCoordinate = 1e9;  // metres
+  const double longest_side = bounds.extents()[bounds.longest_axis()];
+  double farthest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
+  }
+  if (longest_side < kSmallestSide) {
+    return invalid_mesh(
+        format_text("mesh is too small: its longest side is %.3g m (at least %g); "
+                    "check its unit",
+                    longest_side, kSmallestSide));
+  }
+  if (farthest > kLargestCoordinate) {
+    return invalid_mesh(
+        format_text("mesh is too large: it reaches %.3g m from its origin (at most "
+                    "%g); check its unit",
+                    farthest, kLargestCoordinate));
+  }
+  return std::monostate{};
+}
 
 /// One side of a triangle as seen from its edge.
 struct HalfEdge {
@@ -53,30 +78,35 @@ Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
   index_at.reserve(vertices.size());
   mesh.triangles_.reserve(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    Triangle merged{};
+    std::array<Vec3, 3> places{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint32_t index = triangles[i][corner];
       if (index >= vertices.size()) {
-        return invalid_mesh(format_text("triangle %zu of the mesh uses vertex %u, but there are %zu",
-                                        i, index, vertices.size()));
+        return invalid_mesh(
+            format_text("triangle %zu of the mesh uses vertex %u, but there are %zu", i, index,
+                        vertices.size()));
       }
-      const Vec3 place = without_negative_zero(vertices[index]);
+      places[corner] = without_negative_zero(vertices[index]);
+    }
+    if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]) continue;
+
+    Triangle merged{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
       const auto [entry, is_new] =
-          index_at.try_emplace(place, static_cast<std::uint32_t>(mesh.vertices_.size()));
+          index_at.try_emplace(places[corner], static_cast<std::uint32_t>(mesh.vertices_.size()));
       if (is_new) {
-        mesh.vertices_.push_back(place);
-        mesh.bounds_.extend(place);
+        mesh.vertices_.push_back(places[corner]);
+        mesh.bounds_.extend(places[corner]);
       }
       merged[corner] = entry->second;
     }
-    if (merged[0] != merged[1] && merged[1] != merged[2] && merged[2] != merged[0]) {
-      mesh.triangles_.push_back(merged);
-    }
+    mesh.triangles_.push_back(merged);
   }
-  const double area = mesh.compute_area();
-  if (!(area > 0.0)) return invalid_mesh("mesh has no triangle with an area above zero");
-  if (!std::isfinite(area)) {
-    return invalid_mesh("mesh is too large: its area is not a finite number; check its unit");
+  if (!mesh.triangles_.empty()) {
+    if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
+  }
+  if (!(mesh.compute_area() > 0.0)) {
+    return invalid_mesh("mesh has no triangle with an area above zero");
   }
   return mesh;
 }
@@ -144,17 +174,19 @@ Result<std::monostate> check_encloses_volume(const TriangleMesh& mesh) {
                     format_point(defects.first_location).c_str()));
   }
   const double volume = mesh.compute_volume();
-  if (volume < 0.0) {
-    return invalid_mesh(format_text("mesh is inside out: its volume is %.4g m3; reverse the corner "
-                                    "order of its triangles",
-                                    volume));
-  }
   const Vec3 extents = mesh.bounds().extents();
   const double box_volume = extents.x * extents.y * extents.z;
   constexpr double kFlatVolume = 1e-9;
-  if (volume <= kFlatVolume * box_volume || box_volume == 0.0) {
-    return invalid_mesh(format_text("mesh encloses no volume: %.4g m3 in a box of %.4g m3", volume,
-                                    box_volume));
+  // Rounding gives a flat mesh a volume of either sign.
+  if (std::abs(volume) <= kFlatVolume * box_volume) {
+    return invalid_mesh(
+        format_text("mesh encloses no volume: %.4g m3 in a box of %.4g m3", volume, box_volume));
+  }
+  if (volume < 0.0) {
+    return invalid_mesh(
+        format_text("mesh is inside out: its volume is %.4g m3; reverse the corner "
+                    "order of its triangles",
+                    volume));
   }
   return std::monostate{};
 }
