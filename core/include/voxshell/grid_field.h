@@ -22,14 +22,15 @@ struct GridFieldSettings {
 };
 
 /// The signed distance field of a closed mesh: exact distances at the nodes of a regular grid
-/// (float32), trilinear between them. Negative inside; metres, the mesh's frame.
+/// (float32), trilinear between them. Negative inside, by the winding number, so that folds smaller
+/// than a voxel do no harm; metres, the mesh's frame.
 ///
 /// Outside the grid the value is the one at the nearest point of the grid plus the distance to it:
 /// continuous, and never less than the true distance minus interpolation_error().
 class GridField {
  public:
-  /// Errors: kInvalidArgument, kInvalidMesh (not closed, inside out, self-intersecting), kTooLarge,
-  /// kCancelled.
+  /// Errors: kInvalidArgument, kInvalidMesh (not closed, inside out, overlapping itself),
+  /// kTooLarge, kCancelled.
   static Result<GridField> build(const TriangleMesh& mesh, const GridFieldSettings& settings,
                                  const Progress& progress = {});
 
@@ -63,7 +64,6 @@ class GridField {
   GridField() = default;
   Cell locate(const Vec3f& p) const;
   double compute_lipschitz_constant() const;
-  Result<std::monostate> check_signs() const;
 
   double voxel_size_ = 0.0;
   Vec3 origin_{};

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "mesh/closest_point.h"
+#include "mesh/row_winding.h"
 
 namespace voxshell {
 namespace {
@@ -39,6 +40,18 @@ Result<std::array<int, 3>> compute_shape(const Bounds& bounds, double voxel_size
   }
   return shape;
 }
+
+/// Nodes that lie in several layers of the mesh, or in one that is inside out.
+struct OverlapCount {
+  std::size_t nodes = 0;
+  Vec3 first{};
+
+  void add(const Vec3& node) { add(OverlapCount{1, node}); }
+  void add(const OverlapCount& other) {
+    if (nodes == 0) first = other.first;
+    nodes += other.nodes;
+  }
+};
 
 }  // namespace
 
@@ -77,65 +90,45 @@ Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSett
   const auto nz = static_cast<std::size_t>(field.shape_[2]);
   field.samples_.resize(nx * ny * nz);
 
+  const auto winding = RowWinding::build(
+      mesh, {.origin = field.origin_, .step = field.voxel_size_, .rows_y = ny, .rows_z = nz});
+  if (!winding) return winding.error();
   const ClosestPointTree tree(mesh);
-  const double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> row_x(nx);
+  for (std::size_t i = 0; i < nx; ++i) {
+    row_x[i] = field.origin_.x + static_cast<double>(i) * field.voxel_size_;
+  }
+  std::vector<OverlapCount> overlaps(ny * nz);
   const auto fill_row = [&](std::size_t row) {
     const double h = field.voxel_size_;
     Vec3 p = field.origin_ +
              Vec3{0.0, static_cast<double>(row % ny) * h, static_cast<double>(row / ny) * h};
-    double limit = infinity;
+    std::vector<int> layers(nx);
+    winding->compute(row, row_x, layers);
+    ClosestPoint closest{};
     for (std::size_t i = 0; i < nx; ++i) {
-      p.x = field.origin_.x + static_cast<double>(i) * h;
-      const double distance = tree.signed_distance(p, limit);
-      field.samples_[row * nx + i] = static_cast<float>(distance);
-      // A step of h changes the distance by at most h; the factor covers rounding.
-      limit = 1.001 * (std::abs(distance) + h);
+      p.x = row_x[i];
+      closest = tree.find_closest(p, closest.triangle);
+      const double distance = std::sqrt(closest.squared_distance);
+      field.samples_[row * nx + i] = static_cast<float>(layers[i] > 0 ? -distance : distance);
+      if (layers[i] != 0 && layers[i] != 1 && distance > h) overlaps[row].add(p);
     }
   };
   if (!parallel_for(ny * nz, settings.threads, "distance field", progress, fill_row)) {
     return Error{ErrorCode::kCancelled, "building the distance field was stopped"};
   }
-  if (auto signs = field.check_signs(); !signs) return signs.error();
+  OverlapCount overlap;
+  for (const OverlapCount& of_row : overlaps) overlap.add(of_row);
+  if (overlap.nodes > 0) {
+    return Error{
+        ErrorCode::kInvalidMesh,
+        format_text("mesh overlaps itself by more than a voxel: %zu of %zu grid nodes are "
+                    "enclosed more than once or inside out (first near %s metres); unite "
+                    "its parts before building a signed field",
+                    overlap.nodes, field.samples_.size(), format_point(overlap.first).c_str())};
+  }
   field.lipschitz_constant_ = field.compute_lipschitz_constant();
   return field;
-}
-
-Result<std::monostate> GridField::check_signs() const {
-  const std::array<std::size_t, 3> size{static_cast<std::size_t>(shape_[0]),
-                                        static_cast<std::size_t>(shape_[1]),
-                                        static_cast<std::size_t>(shape_[2])};
-  const std::array<std::size_t, 3> stride{1, size[0], size[0] * size[1]};
-  // Between neighbours farther than a voxel from the surface there is none, so one sign.
-  const float safe = static_cast<float>(1.001 * voxel_size_);
-  std::size_t wrong = 0;
-  Vec3 first_wrong{};
-  for (std::size_t k = 0; k < size[2]; ++k) {
-    for (std::size_t j = 0; j < size[1]; ++j) {
-      for (std::size_t i = 0; i < size[0]; ++i) {
-        const std::array<std::size_t, 3> node{i, j, k};
-        const float here = samples_[i + j * stride[1] + k * stride[2]];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          if (node[axis] + 1 >= size[axis]) continue;
-          const float there = samples_[i + j * stride[1] + k * stride[2] + stride[axis]];
-          if ((here < -safe && there > safe) || (here > safe && there < -safe)) {
-            if (wrong == 0) {
-              first_wrong =
-                  origin_ + voxel_size_ * Vec3{static_cast<double>(i), static_cast<double>(j),
-                                               static_cast<double>(k)};
-            }
-            ++wrong;
-          }
-        }
-      }
-    }
-  }
-  if (wrong == 0) return std::monostate{};
-  return Error{
-      ErrorCode::kInvalidMesh,
-      format_text("mesh intersects itself or nests bodies: inside and outside contradict "
-                  "each other at %zu places (first near %s metres); unite its parts before "
-                  "building a signed field",
-                  wrong, format_point(first_wrong).c_str())};
 }
 
 double GridField::compute_lipschitz_constant() const {

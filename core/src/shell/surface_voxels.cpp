@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mesh/closest_point.h"
 
@@ -49,14 +50,18 @@ double compute_area(const Polygon& polygon) {
 }
 
 Vec3 closest_point_on_polygon(const Vec3& p, const Polygon& polygon) {
-  ClosestPoint best =
-      closest_point_on_triangle(p, {polygon.corners[0], polygon.corners[1], polygon.corners[2]});
-  for (std::size_t i = 3; i < polygon.count; ++i) {
-    const ClosestPoint candidate = closest_point_on_triangle(
+  Vec3 best{};
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 2; i < polygon.count; ++i) {
+    const Vec3 candidate = closest_point_on_triangle(
         p, {polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]});
-    if (candidate.squared_distance < best.squared_distance) best = candidate;
+    const double squared = squared_length(p - candidate);
+    if (squared < best_squared) {
+      best = candidate;
+      best_squared = squared;
+    }
   }
-  return best.point;
+  return best;
 }
 
 struct Voxel {
