@@ -15,7 +15,8 @@ namespace voxshell {
 struct PointShellSettings {
   /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
   double spacing = 0.0;
-  /// How many points are wanted; reached within 1 %.
+  /// How many points are wanted; reached within 1 %. The voxels of very regular meshes may then be
+  /// those of a rotated grid.
   std::size_t target_points = 0;
   std::size_t point_limit = std::size_t{1} << 26;  ///< a larger shell is refused
 };

@@ -17,9 +17,9 @@ struct ShellPoint {
 };
 
 /// Rounds samples to float32 and merges those that then share a place.
-std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, double spacing) {
+std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid) {
   std::vector<ShellPoint> shell_points;
-  for (const SurfaceSample& sample : sample_surface_voxels(mesh, spacing)) {
+  for (const SurfaceSample& sample : sample_surface_voxels(mesh, grid)) {
     const auto [a, b, c] = mesh.corners(sample.triangle);
     shell_points.push_back({static_cast<Vec3f>(sample.point),
                             static_cast<Vec3f>(normalized(cross(b - a, c - a))), sample.area});
@@ -45,19 +45,37 @@ std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, double sp
 /// Surface voxels per spacing^2 of surface, on average over its orientations.
 constexpr double kVoxelsPerArea = 1.5;
 
+/// A grid that shares no symmetry with the mesh; another for each index. Rotation and shift are
+/// multiples of powers of the root of x^4 = x + 1, which spread evenly.
+VoxelGrid make_odd_grid(double spacing, int index) {
+  const auto spread = [n = index + 1.0](double step) { return n * step - std::floor(n * step); };
+  const Vec3 shift{spread(0.8191725133961645), spread(0.6710436067037893),
+                   spread(0.5497004779019703)};
+  // From the quaternion (1, v): the last bits of sines and cosines differ by machine.
+  const Vec3 v = 2.0 * shift - Vec3{1.0, 1.0, 1.0};
+  const double s = 2.0 / (1.0 + squared_length(v));
+  return {spacing,
+          {{1.0 - s * (v.y * v.y + v.z * v.z), s * (v.x * v.y - v.z), s * (v.x * v.z + v.y)},
+           {s * (v.x * v.y + v.z), 1.0 - s * (v.x * v.x + v.z * v.z), s * (v.y * v.z - v.x)},
+           {s * (v.x * v.z - v.y), s * (v.y * v.z + v.x), 1.0 - s * (v.x * v.x + v.y * v.y)}},
+          shift};
+}
+
 struct Sampling {
   std::vector<ShellPoint> points;
   double spacing = 0.0;
 };
 
 /// Finds the spacing that gives a wanted number of points. The number falls with the spacing, but
-/// not smoothly, so after a bisection nearby spacings are tried as well.
+/// on regular meshes in steps, as many voxels appear at once. Where a bisection ends at such a
+/// step, the search goes on with odd grids.
 Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target,
                                const Progress& progress) {
   constexpr int kMaxTrials = 64;
   constexpr double kTolerance = 0.01;
   const auto wanted = static_cast<double>(target);
-  double spacing = std::sqrt(kVoxelsPerArea * mesh.compute_area() / wanted);
+  VoxelGrid grid{std::sqrt(kVoxelsPerArea * mesh.compute_area() / wanted), {}};
+  int odd_grids = 0;
   double too_fine = 0.0;
   double too_coarse = 0.0;
   Sampling best;
@@ -68,25 +86,29 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target,
     if (progress && !progress("point shell", static_cast<double>(trial) / kMaxTrials)) {
       return Error{ErrorCode::kCancelled, "sampling the point shell was stopped"};
     }
-    std::vector<ShellPoint> points = compute_shell_points(mesh, spacing);
+    std::vector<ShellPoint> points = compute_shell_points(mesh, grid);
     const std::size_t count = points.size();
     if (best.points.empty() || miss(count) < miss(best.points.size())) {
-      best = {std::move(points), spacing};
+      best = {std::move(points), grid.spacing};
     }
     // A tenth of the tolerance is soon found on large shells and keeps repeated asks alike.
     const double good_enough = trial < 16 ? 0.1 * kTolerance : kTolerance;
     if (miss(best.points.size()) <= good_enough * wanted) return best;
-    (count > target ? too_fine : too_coarse) = spacing;
+
+    const double ratio = static_cast<double>(count) / wanted;
+    if (odd_grids > 0) {
+      grid = make_odd_grid(grid.spacing * std::sqrt(std::sqrt(ratio)), odd_grids++);
+      continue;
+    }
+    (count > target ? too_fine : too_coarse) = grid.spacing;
     if (too_fine == 0.0 || too_coarse == 0.0) {
-      spacing *= std::sqrt(static_cast<double>(count) / wanted) * (count > target ? 1.01 : 0.99);
-    } else if (std::abs(too_coarse - too_fine) > 1e-6 * too_fine) {
-      spacing = std::sqrt(too_fine * too_coarse);
-    } else {
-      // The count jumps over the target here: widen the bracket and look beside the jump.
-      const double widen = 1.0 + 0.002 * static_cast<double>(trial);
-      too_fine /= widen;
-      too_coarse *= widen;
-      spacing = std::sqrt(too_fine * too_coarse) * (trial % 2 == 0 ? widen : 1.0 / widen);
+      grid.spacing *= std::sqrt(ratio) * (count > target ? 1.01 : 0.99);
+      continue;
+    }
+    grid.spacing = std::sqrt(too_fine * too_coarse);
+    constexpr double kStepWidth = 1e-4;
+    if (std::abs(too_coarse - too_fine) < kStepWidth * too_fine) {
+      grid = make_odd_grid(grid.spacing, odd_grids++);
     }
   }
   return Error{ErrorCode::kInvalidArgument,
@@ -122,7 +144,7 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
 
   Sampling sampling;
   if (by_spacing) {
-    sampling = {compute_shell_points(mesh, settings.spacing), settings.spacing};
+    sampling = {compute_shell_points(mesh, {settings.spacing, {}}), settings.spacing};
   } else {
     auto found = search_target(mesh, settings.target_points, progress);
     if (!found) return found.error();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "mesh/closest_point.h"
 
@@ -83,22 +84,25 @@ struct Piece {
   double area;
 };
 
+/// Works in the grid's axes.
 class Cutter {
  public:
-  Cutter(const TriangleMesh& mesh, double spacing) : spacing_(spacing) {
-    const Bounds& bounds = mesh.bounds();
+  Cutter(std::span<const Vec3> vertices, double spacing, const Vec3& shift)
+      : vertices_(vertices), spacing_(spacing) {
+    Bounds bounds;
+    for (const Vec3& vertex : vertices) bounds.extend(vertex);
     for (int axis = 0; axis < 3; ++axis) {
       // A whole number of voxels with the mesh in their middle, so that no flat side of it lies on
       // a face between voxels.
       const double voxels = std::floor(bounds.extents()[axis] / spacing) + 1.0;
-      origin_[axis] = bounds.centre()[axis] - 0.5 * voxels * spacing;
+      origin_[axis] = bounds.centre()[axis] + (shift[axis] - 0.5 * voxels) * spacing;
     }
   }
 
-  std::vector<Piece> cut_all(const TriangleMesh& mesh) {
-    for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
+  std::vector<Piece> cut_all(std::span<const Triangle> triangles) {
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
       Polygon triangle;
-      for (const Vec3& corner : mesh.corners(i)) triangle.add(corner);
+      for (const std::uint32_t corner : triangles[i]) triangle.add(vertices_[corner]);
       cut_along(triangle, 0, {}, i);
     }
     return std::move(pieces_);
@@ -148,6 +152,7 @@ class Cutter {
     return static_cast<std::int64_t>(std::floor((coordinate - origin_[axis]) / spacing_));
   }
 
+  std::span<const Vec3> vertices_;
   double spacing_;
   Vec3 origin_{};
   std::vector<Piece> pieces_;
@@ -155,17 +160,21 @@ class Cutter {
 
 }  // namespace
 
-std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, double spacing) {
-  std::vector<Piece> pieces = Cutter(mesh, spacing).cut_all(mesh);
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid) {
+  std::vector<Vec3> vertices;
+  vertices.reserve(mesh.vertices().size());
+  for (const Vec3& vertex : mesh.vertices()) vertices.push_back(grid.grid_from_mesh * vertex);
+  std::vector<Piece> pieces = Cutter(vertices, grid.spacing, grid.shift).cut_all(mesh.triangles());
   std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
     if (!(a.voxel == b.voxel)) return a.voxel < b.voxel;
     if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;
     return a.triangle < b.triangle;
   });
+  const Matrix3 mesh_from_grid = grid.grid_from_mesh.transposed();
   std::vector<SurfaceSample> samples;
   for (std::size_t i = 0; i < pieces.size();) {
     const Piece& closest = pieces[i];
-    SurfaceSample sample{closest.point, closest.triangle, 0.0};
+    SurfaceSample sample{mesh_from_grid * closest.point, closest.triangle, 0.0};
     for (; i < pieces.size() && pieces[i].voxel == closest.voxel; ++i) {
       sample.area += pieces[i].area;
     }

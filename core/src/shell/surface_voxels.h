@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "voxshell/pose.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
@@ -14,8 +15,15 @@ struct SurfaceSample {
   double area;             ///< of the surface within the voxel, m2
 };
 
-/// Cuts a mesh along a regular grid of voxels of edge `spacing` (centred on the mesh's bounds) and
-/// samples each voxel that the surface passes through. Ordered by voxel, x fastest.
-std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, double spacing);
+/// A regular grid of voxels about a mesh.
+struct VoxelGrid {
+  double spacing;          ///< edge of a voxel, metres
+  Matrix3 grid_from_mesh;  ///< a rotation: its rows are the grid's axes
+  Vec3 shift{};            ///< of the grid from being centred on the mesh's bounds, voxels
+};
+
+/// Cuts a mesh along a grid and samples each voxel that the surface passes through. Ordered by
+/// voxel, x fastest.
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid);
 
 }  // namespace voxshell
