@@ -74,19 +74,42 @@ Ball enclose(std::vector<Vec3>& points, std::size_t end, const Boundary& boundar
   return ball;
 }
 
+/// Takes in the farthest point outside until there is none (Gaertner 1999). A handful of passes
+/// does whatever the order of the points, where Welzl's algorithm alone wants it random.
+Ball enclose_all(std::span<const Vec3> points) {
+  std::vector<Vec3> taken;
+  Ball ball;
+  while (true) {
+    const Vec3* farthest = nullptr;
+    double squared_distance = -1.0;
+    for (const Vec3& p : points) {
+      const double squared = squared_length(p - ball.centre);
+      if (squared > squared_distance) {
+        squared_distance = squared;
+        farthest = &p;
+      }
+    }
+    if (farthest == nullptr || ball.encloses(*farthest)) return ball;
+    taken.insert(taken.begin(), *farthest);
+    const Ball larger = enclose(taken, taken.size(), {});
+    // Only rounding can keep a ball from growing.
+    if (!(larger.squared_radius > ball.squared_radius)) return ball;
+    ball = larger;
+  }
+}
+
 }  // namespace
 
 Sphere compute_enclosing_sphere(std::span<const Vec3f> points, std::span<const std::uint32_t> ids) {
-  std::vector<Vec3> moved;
-  moved.reserve(ids.size());
-  for (const std::uint32_t id : ids) moved.push_back(static_cast<Vec3>(points[id]));
-  const Ball ball = enclose(moved, moved.size(), {});
+  std::vector<Vec3> selected;
+  selected.reserve(ids.size());
+  for (const std::uint32_t id : ids) selected.push_back(static_cast<Vec3>(points[id]));
+  const Ball ball = enclose_all(selected);
 
   const auto centre = static_cast<Vec3f>(ball.centre);
   double squared_radius = 0.0;
-  for (const std::uint32_t id : ids) {
-    squared_radius = std::max(
-        squared_radius, squared_length(static_cast<Vec3>(points[id]) - static_cast<Vec3>(centre)));
+  for (const Vec3& p : selected) {
+    squared_radius = std::max(squared_radius, squared_length(p - static_cast<Vec3>(centre)));
   }
   const auto radius = static_cast<float>(std::sqrt(squared_radius));
   return {centre, std::nextafter(radius, std::numeric_limits<float>::infinity())};
