@@ -1,0 +1,265 @@
+"""The nodes of the scene that change while a replay plays, and the fixed ones around them."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voxshell.recording import BodyTrack
+from voxshell.viewer.lanes import Lane, view_axes
+from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
+from voxshell.viewer.quaternions import rotations_as_wxyz
+from voxshell.viewer.stage import Slab, Stage, find_slabs
+from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.timeline import Timeline
+
+if TYPE_CHECKING:
+    import viser
+
+# Cool and muted, so that contacts, which are warm, stand out.
+_BODY_COLORS = (
+    (92, 141, 208),
+    (72, 163, 154),
+    (138, 122, 202),
+    (122, 160, 92),
+    (104, 132, 160),
+    (176, 138, 190),
+)
+_FIXED_COLOR = (176, 182, 190)
+_SLAB_COLOR = (214, 218, 224)
+_CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
+_GRID_LIFT = 0.002  # display units; enough to lie on the slab and not flicker with it
+# Numbers are rounded to what shows, in powers of two: they then end in zero bits and pack well.
+_POSE_GRAIN = 2.0**-16  # display units, and parts of a quaternion; a tenth of a pixel
+_PIN_GRAIN = 2.0**-13
+_LABEL_WIDTH = 130  # characters that fit next to each other under all lanes of a row
+_BALL_SHARE = 0.012  # of a body's diagonal
+
+
+@dataclass(frozen=True, eq=False)
+class Script:
+    """What all lanes of a page share.
+
+    Args:
+        stage: The space of every lane.
+        timeline: The instants shown.
+        up: The world axis that points up.
+        lane_count: Number of lanes.
+        deepest: Depth, metres, of the darkest colour.
+        counted: Whether to write the number of contacts under a lane.
+        max_contacts: Pins drawn in a lane at a time.
+    """
+
+    stage: Stage
+    timeline: Timeline
+    up: str
+    lane_count: int
+    deepest: float
+    counted: bool
+    max_contacts: int
+
+
+class Actor(Protocol):
+    """A node that changes."""
+
+    def show(self, instant: int) -> None:
+        """Puts the node into its state at an instant of the timeline."""
+        ...
+
+
+def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> list[Actor]:
+    """Adds one lane to the scene.
+
+    Args:
+        scene: The scene.
+        lane: What to add.
+        number: Which lane it is, from 0.
+        script: What it shares with the others.
+
+    Returns:
+        The nodes that change.
+    """
+    # Slashes would make further levels of the scene's tree.
+    root = f"/lane {number + 1} {' '.join(lane.label.replace('/', ' ').split())}".rstrip()
+    scale = script.stage.scale
+    scene.add_frame(root, show_axes=False, position=_triple(scale * np.array(lane.offset)))
+    slabs = find_slabs(lane.recording, script.stage, up=script.up)
+    moving = [body for body in lane.recording.bodies if not body.fixed]
+    frames = script.timeline.frames(lane.recording)
+    actors: list[Actor] = []
+    for body in lane.recording.bodies:
+        name = f"{root}/{body.name.replace('/', ' ')}"
+        if body.name in slabs:
+            _add_slab(scene, name, slabs[body.name], body.color or _SLAB_COLOR, script)
+            continue
+        color = body.color or _FIXED_COLOR
+        if body.color is None and not body.fixed:
+            # One body in each of several lanes: the colour tells lanes apart; else bodies.
+            alone = len(moving) == 1 and script.lane_count > 1
+            color = _BODY_COLORS[(number if alone else moving.index(body)) % len(_BODY_COLORS)]
+        node = scene.add_mesh_simple(
+            name,
+            (body.vertices * scale).astype(np.float32),
+            body.faces.astype(np.uint32),
+            color=color,
+            flat_shading=is_faceted(body.vertices, body.faces),
+            side="double",
+        )
+        actors.append(_BodyActor(node, body, frames, scale))
+    if lane.label or script.counted:
+        actors.append(_CaptionActor(_add_caption(scene, root, script), lane, script))
+    contacts = _ContactActor.build(scene, f"{root}/contacts", lane, script)
+    return [*actors, contacts] if contacts else actors
+
+
+class _BodyActor:
+    """Moves one body's node."""
+
+    def __init__(self, node: Any, body: BodyTrack, frames: NDArray[np.int64], scale: float) -> None:
+        poses = body.poses[frames]
+        self._node = node
+        self._turns = np.round(rotations_as_wxyz(poses[:, :3, :3]) / _POSE_GRAIN) * _POSE_GRAIN
+        self._places = np.round(poses[:, :3, 3] * (scale / _POSE_GRAIN)) * _POSE_GRAIN
+
+    def show(self, instant: int) -> None:
+        # viser leaves out what has not changed.
+        self._node.wxyz = self._turns[instant]
+        self._node.position = self._places[instant]
+
+
+class _CaptionActor:
+    """Writes a lane's label and its number of contacts."""
+
+    def __init__(self, node: Any, lane: Lane, script: Script) -> None:
+        self._node = node
+        self._lines = _wrap(lane.label, max(12, _LABEL_WIDTH // script.stage.columns))
+        shown = script.timeline.frames(lane.recording)
+        self._counts = lane.recording.contacts.counts[shown] if script.counted else None
+
+    def show(self, instant: int) -> None:
+        lines = list(self._lines)
+        if self._counts is not None:
+            count = int(self._counts[instant])
+            lines.append(f"{count} contact" if count == 1 else f"{count} contacts")
+        self._node.text = "\n".join(lines)
+
+
+class _ContactActor:
+    """Shows a lane's contacts as pins."""
+
+    def __init__(self, node: Any, lane: Lane, frames: NDArray[np.int64], script: Script) -> None:
+        self._node = node
+        self._lane = lane
+        self._frames = frames
+        self._script = script
+
+    @classmethod
+    def build(
+        cls, scene: viser.SceneApi, name: str, lane: Lane, script: Script
+    ) -> _ContactActor | None:
+        """Adds the node; None if the lane has no contact to show."""
+        frames = script.timeline.contact_frames(lane.recording)
+        counts = lane.recording.contacts.counts[frames]
+        if not counts.any() or script.max_contacts == 0:
+            return None
+        # Made with the fullest of all instants: the player then never has to grow its buffers.
+        pins = _pins(lane, int(frames[np.argmax(counts)]), script)
+        ball = _BALL_SHARE * script.stage.body_size * script.stage.scale
+        vertices, faces = build_pin_mesh(ball)
+        node = scene.add_batched_meshes_simple(
+            name,
+            vertices,
+            faces,
+            pins.rotations,
+            pins.positions,
+            batched_colors=pins.colors,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+        return cls(node, lane, frames, script)
+
+    def show(self, instant: int) -> None:
+        pins = _pins(self._lane, int(self._frames[instant]), self._script)
+        if len(pins):
+            self._node.batched_positions = pins.positions
+            self._node.batched_wxyzs = pins.rotations
+            self._node.batched_colors = pins.colors
+        if self._node.visible != bool(len(pins)):
+            self._node.visible = bool(len(pins))
+
+
+def _pins(lane: Lane, frame: int, script: Script) -> Pins:
+    return build_pins(
+        lane.recording.contacts.frame(frame),
+        scale=script.stage.scale,
+        deepest=script.deepest,
+        limit=script.max_contacts,
+        grain=_PIN_GRAIN,
+    )
+
+
+def _add_slab(
+    scene: viser.SceneApi, name: str, slab: Slab, color: tuple[int, int, int], script: Script
+) -> None:
+    """Adds a plate with a grid on top, whose lines pass through the recording's origin."""
+    _, _, upward = view_axes(script.up)
+    low, high = slab.low * script.stage.scale, slab.high * script.stage.scale
+    center, size = 0.5 * (low + high), high - low
+    scene.add_box(name, color=color, dimensions=_triple(size), position=_triple(center))
+    cell = script.stage.cell * script.stage.scale
+    # The grid's lines start from its middle; so its middle must lie on a line, and its half
+    # lengths reach the plate's nearer edge.
+    level = upward == 0.0
+    middle = np.where(level, np.round(center / cell) * cell, center)
+    lengths = 2.0 * np.minimum(middle - low, high - middle)
+    first, second = np.flatnonzero(level)
+    lift = upward * (0.5 * np.abs(upward @ size) + _GRID_LIFT)
+    scene.add_grid(
+        f"{name}/grid",
+        width=float(lengths[first]),
+        height=float(lengths[second]),
+        plane=f"{'xyz'[first]}{'xyz'[second]}",  # pyright: ignore[reportArgumentType]
+        position=_triple(middle - center + lift),
+        cell_size=cell,
+        section_size=5.0 * cell,
+        cell_thickness=0.6,
+        section_thickness=1.0,
+        cell_color=_CELL_COLOR,
+        section_color=_SECTION_COLOR,
+        shadow_opacity=0.0,
+    )
+
+
+def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.LabelHandle:
+    """Adds an empty caption in front of the stage, at its foot."""
+    _, forward, upward = view_axes(script.up)
+    low, high = script.stage.low * script.stage.scale, script.stage.high * script.stage.scale
+    half = 0.5 * (high - low)
+    place = 0.5 * (low + high) - np.abs(forward) @ half * forward - np.abs(upward) @ half * upward
+    return scene.add_label(
+        f"{root}/caption",
+        "",
+        position=_triple(place),
+        anchor="top-center",
+        font_screen_scale=1.15,
+        depth_test=False,
+    )
+
+
+def _wrap(text: str, width: int) -> list[str]:
+    """As few lines as a width in characters asks for, all about as long."""
+    count = len(textwrap.wrap(text, width))
+    while width > 1 and len(textwrap.wrap(text, width - 1)) == count:
+        width -= 1
+    return textwrap.wrap(text, width)
+
+
+def _triple(vector: NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = vector.tolist()
+    return x, y, z

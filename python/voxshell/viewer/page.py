@@ -1,0 +1,88 @@
+"""The page around a replay: heading, legend, and the promise to fetch nothing."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+from importlib.resources import files
+
+from voxshell.errors import RecordingError
+from voxshell.viewer.pins import DEPTH_COLORS
+from voxshell.viewer.stage import VIEW_ASPECT
+
+# The browser itself refuses every fetch from anywhere; what is in the page may run.
+_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob: data:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; connect-src data: blob:; "
+    "worker-src data: blob:; base-uri 'none'; form-action 'none'"
+)
+
+
+def add_heading(
+    page: str, *, title: str, caption: str, rate: str, deepest: float | None, grid: float | None
+) -> str:
+    """Adds a heading with a legend to the player's page, and forbids it to fetch anything.
+
+    Args:
+        page: The player's page, HTML.
+        title: Plain text.
+        caption: Plain text under the title; may be empty.
+        rate: Plain text: how fast the replay plays.
+        deepest: Depth, metres, of the darkest colour, 0 if contacts do not overlap; None if there
+            are no contacts.
+        grid: Metres between grid lines; None if there is no grid.
+
+    Raises:
+        RecordingError: If the page has no head and body to add to (another player than expected).
+    """
+    legend = []
+    if deepest is not None:
+        if deepest > 0.0:
+            legend.append(
+                '<span class="depth">contact depth 0<span class="scale"></span>'
+                f"{escape(metric(deepest))}</span>"
+            )
+        legend.append("<span>stems: contact normals</span>")
+        legend.append(
+            '<label hidden><input id="voxshell-through" type="checkbox" checked>'
+            "contacts show through bodies</label>"
+        )
+    if grid is not None:
+        legend.append(f'<span class="faint">grid: {escape(metric(grid))}</span>')
+    colors = ", ".join("#{:02x}{:02x}{:02x}".format(*color) for color in DEPTH_COLORS)
+    heading = files("voxshell.viewer").joinpath("page.html").read_text(encoding="utf-8")
+    values = {
+        "title": escape(title),
+        "caption": f"<p>{escape(caption)}</p>" if caption else "",
+        "rate": escape(rate),
+        "legend": "".join(legend),
+        "colors": colors,
+        "aspect": f"{VIEW_ASPECT:g}",
+    }
+    heading = re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], heading)
+    head, body = page.find("<head>"), page.rfind("</body>")
+    if head < 0 or body < head:
+        raise RecordingError(
+            "viser's page has no <head> and </body>; this version is not supported"
+        )
+    head += len("<head>")
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+    top, count = re.subn(
+        r"<title>.*?</title>", lambda _: f"<title>{escape(title)}</title>", page[head:body], count=1
+    )
+    if count == 0:
+        top = f"<title>{escape(title)}</title>{top}"
+    return "".join([page[:head], policy, top, heading, page[body:]])
+
+
+def metric(length: float) -> str:
+    """A length in metres, in the unit that keeps its digits few.
+
+    Example:
+        >>> [metric(x) for x in (0.00025, 0.003, 0.02, 1.5)]
+        ['0.25 mm', '3 mm', '2 cm', '1.5 m']
+    """
+    for unit, size in (("m", 1.0), ("cm", 0.01), ("mm", 0.001)):
+        if length >= 0.9999 * size or (unit == "mm" and length >= 0.00005):
+            return f"{length / size:.3g} {unit}"
+    return f"{length * 1e6:.3g} µm"

@@ -1,0 +1,106 @@
+"""Contact pins: a ball at the contact point and a stem along the normal, coloured by depth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voxshell.recording import ContactTrack, Recording
+from voxshell.viewer.quaternions import normals_as_wxyz
+
+# Warm colours, because bodies are given cool ones; from a touch to the deepest.
+DEPTH_COLORS = ((255, 196, 0), (255, 112, 16), (224, 30, 60), (92, 0, 34))
+_STEM_IN_BALL_RADII = 10.0
+_SEGMENTS = 8
+# 1/4096 turns a stem by less than a pixel, and numbers that end in zero bits pack well.
+_TURNS = 4096.0
+# The one deep contact of a bad step should not turn all others pale.
+_FULL_DEPTH_QUANTILE = 0.995
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """The contacts of one instant, ready to be drawn as instances of one mesh.
+
+    Args:
+        positions: (k, 3) float32, display units, lane frame.
+        rotations: (k, 4) float32, quaternions (w, x, y, z) that turn the mesh's z to the normal.
+        colors: (k, 3) uint8.
+    """
+
+    positions: NDArray[np.float32]
+    rotations: NDArray[np.float32]
+    colors: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+def build_pin_mesh(ball_radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """A surface of revolution about z: a ball round the origin with a stem upwards.
+
+    Returns:
+        vertices (n, 3) in the unit of ``ball_radius``, and faces (m, 3), counter-clockwise.
+    """
+    ball = [(math.sin(a), -math.cos(a)) for a in np.linspace(0.0, 0.9 * math.pi, 6)[1:]]
+    stem = [(0.28, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)]
+    profile = np.array([(0.0, -1.0), *ball, *stem]) * ball_radius
+    angle = np.arange(_SEGMENTS) * (2.0 * math.pi / _SEGMENTS)
+    rings = [
+        np.stack([r * np.cos(angle), r * np.sin(angle), np.full(_SEGMENTS, z)], axis=1)
+        for r, z in profile
+    ]
+    faces = []
+    for ring in range(len(profile) - 1):
+        for i in range(_SEGMENTS):
+            a, b = ring * _SEGMENTS + i, ring * _SEGMENTS + (i + 1) % _SEGMENTS
+            faces += [(a, b, b + _SEGMENTS), (a, b + _SEGMENTS, a + _SEGMENTS)]
+    return np.concatenate(rings).astype(np.float32), np.array(faces, dtype=np.uint32)
+
+
+def full_depth(recordings: Sequence[Recording]) -> float:
+    """The depth, metres, that gets the darkest colour: about the deepest of all contacts.
+
+    Rounded up to one or two digits, because it is written next to the scale. 0 if nothing
+    overlaps.
+    """
+    depths = np.concatenate([recording.contacts.depths for recording in recordings])
+    depths = depths[depths > 0.0]
+    if len(depths) == 0:
+        return 0.0
+    deep = float(np.quantile(depths, _FULL_DEPTH_QUANTILE))
+    digit = 10.0 ** math.floor(math.log10(deep))
+    steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return digit * next(step for step in steps if step * digit >= deep * (1.0 - 1e-9))
+
+
+def build_pins(
+    contacts: ContactTrack, *, scale: float, deepest: float, limit: int, grain: float
+) -> Pins:
+    """Pins for the contacts of one frame.
+
+    Args:
+        contacts: One frame, metres.
+        scale: Display units in a metre.
+        deepest: Depth, metres, of the darkest colour.
+        limit: Pins at most; of more contacts, ones spread evenly over them are taken.
+        grain: Display units to which positions are rounded; a power of two, so that rounded
+            numbers end in zero bits and pack well.
+    """
+    chosen = slice(None)
+    if len(contacts.points) > limit:
+        chosen = np.linspace(0, len(contacts.points) - 1, limit).round().astype(np.int64)
+    positions = np.round(contacts.points[chosen] * (scale / grain)) * grain
+    share = contacts.depths[chosen] / deepest if deepest > 0.0 else np.zeros(len(positions))
+    stops = np.linspace(0.0, 1.0, len(DEPTH_COLORS))
+    channels = np.array(DEPTH_COLORS, dtype=np.float64).T
+    colors = np.stack([np.interp(share, stops, channel) for channel in channels], axis=1)
+    return Pins(
+        positions.astype(np.float32),
+        (np.round(normals_as_wxyz(contacts.normals[chosen]) * _TURNS) / _TURNS).astype(np.float32),
+        colors.round().astype(np.uint8),
+    )

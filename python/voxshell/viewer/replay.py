@@ -1,0 +1,163 @@
+"""Writes replays: one offline page that plays recordings side by side.
+
+The page is viser's player with the scene inside. It opens from a file, fetches nothing, and has a
+bar to play, pause and scrub.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.errors import RecordingError
+from voxshell.viewer.actors import Script, add_lane
+from voxshell.viewer.lanes import Lane, view_axes
+from voxshell.viewer.page import add_heading
+from voxshell.viewer.pins import full_depth
+from voxshell.viewer.server import silent_server
+from voxshell.viewer.stage import find_slabs, place_camera, plan_stage
+from voxshell.viewer.timeline import Timeline, plan_timeline
+
+if TYPE_CHECKING:
+    import viser
+
+
+def save_replay(
+    path: str | os.PathLike[str],
+    lanes: Sequence[Lane],
+    *,
+    title: str,
+    caption: str = "",
+    up: str = "+z",
+    frames_per_second: float = 60.0,
+    speed: float = 1.0,
+    max_contacts: int = 400,
+    hold: float = 1.0,
+) -> Path:
+    """Writes one offline page in which recordings play side by side.
+
+    Bodies without a colour are given one. Level fixed boxes under everything that moves are
+    grounds: they are drawn as thin plates with a grid, cut to the stage. Contacts are pins, the
+    ball at the point, the stem along the normal, the colour by depth. Steps that no picture shows
+    still show their contacts, if the next picture has none. The number under a lane counts all
+    contacts of the step shown.
+
+    Args:
+        path: The file to write, ending in .html by custom; replaced whole or not at all.
+        lanes: What to show; see :func:`voxshell.viewer.lanes.arrange_lanes`. Their time steps may
+            differ: each shows its latest step.
+        title: Heading of the page.
+        caption: A sentence under the heading.
+        up: The world axis that points up, such as "+z" or "+y".
+        frames_per_second: Pictures in a second of playing, at most; every n-th step is shown.
+        speed: Simulated seconds in a second of playing; 1 is real time, 0.25 slow motion. The
+            play bar can change it further.
+        max_contacts: Pins drawn in a lane at a time; of more, ones spread evenly are drawn.
+        hold: Seconds to stay on the last picture before the page plays again.
+
+    Returns:
+        The path written.
+
+    Raises:
+        MissingExtraError: If viser is not installed.
+        RecordingError: If there is no lane, or an option makes no sense.
+        OSError: If the file cannot be written.
+    """
+    lanes = tuple(lanes)
+    if not lanes:
+        raise RecordingError("nothing to show: no lanes")
+    if max_contacts < 0:
+        raise RecordingError(f"max_contacts must be at least 0, got {max_contacts}")
+    if not (np.isfinite(hold) and hold >= 0.0):
+        raise RecordingError(f"hold must be seconds, at least 0, got {hold!r}")
+    recordings = [lane.recording for lane in lanes]
+    script = Script(
+        stage=plan_stage(lanes, up=up),
+        timeline=plan_timeline(recordings, frames_per_second=frames_per_second, speed=speed),
+        up=up,
+        lane_count=len(lanes),
+        deepest=full_depth(recordings),
+        counted=any(len(recording.contacts.points) for recording in recordings),
+        max_contacts=max_contacts,
+    )
+    grounded = any(find_slabs(recording, script.stage, up=up) for recording in recordings)
+    page = add_heading(
+        _record(lanes, script, hold),
+        title=title,
+        caption=caption,
+        rate=_describe_rate(script.timeline, lanes),
+        deepest=script.deepest if script.counted else None,
+        grid=script.stage.cell if grounded else None,
+    )
+    return _write_whole(Path(path), page)
+
+
+def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
+    """The player's page with the scene and all its changes in it, HTML."""
+    with silent_server() as server:
+        server.scene.world_axes.visible = False
+        server.scene.set_up_direction(script.up)  # pyright: ignore[reportArgumentType]
+        _aim(server, lanes, script)
+        actors = [
+            actor
+            for number, lane in enumerate(lanes)
+            for actor in add_lane(server.scene, lane, number, script)
+        ]
+        for actor in actors:
+            actor.show(0)
+        serializer = server.get_scene_serializer()
+        for instant, pause in enumerate(script.timeline.pauses.tolist(), start=1):
+            serializer.insert_sleep(pause)
+            for actor in actors:
+                actor.show(instant)
+        serializer.insert_sleep(hold)
+        return serializer.as_html()
+
+
+def _aim(server: viser.ViserServer, lanes: Sequence[Lane], script: Script) -> None:
+    """Puts the camera where all lanes are seen."""
+    stage = script.stage
+    boxes = [
+        ((stage.low + lane.offset) * stage.scale, (stage.high + lane.offset) * stage.scale)
+        for lane in lanes
+    ]
+    view = place_camera(boxes, rows=stage.rows, up=script.up)
+    camera = server.initial_camera
+    camera.position, camera.look_at = view.position, view.target
+    camera.up, camera.fov = view_axes(script.up)[2], view.field_of_view
+
+
+def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
+    """How fast the page plays, in words."""
+    if timeline.speed == 1.0:
+        pace = "Plays in real time"
+    elif timeline.speed < 1.0:
+        pace = f"Plays {1.0 / timeline.speed:.3g} times slower than real time (the bar included)"
+    else:
+        pace = f"Plays {timeline.speed:.3g} times faster than real time (the bar included)"
+    rates = sorted({round(1.0 / lane.recording.time_step, 6) for lane in lanes})
+    steps = f"{rates[0]:.6g}" if len(rates) == 1 else f"{rates[0]:.6g} to {rates[-1]:.6g}"
+    if timeline.stride == 1:
+        shown = "every step is shown"
+    elif len(rates) == 1:
+        shown = f"one step in {timeline.stride} is shown"
+    else:
+        shown = f"{rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
+    return f"{pace}: {timeline.times[-1]:.3g} s at {steps} steps a second, {shown}."
+
+
+def _write_whole(path: Path, text: str) -> Path:
+    """Writes a file so that readers see the old one or the new one, never a part."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    return path

@@ -1,0 +1,50 @@
+"""The viser server that a scene is made on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from voxshell.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    import viser
+
+
+@contextmanager
+def silent_server() -> Iterator[viser.ViserServer]:
+    """A viser server that nobody is told of: viser makes scenes only through one.
+
+    It listens on the loopback interface, on a port that the system picks, until the scene is done.
+
+    Raises:
+        MissingExtraError: If viser is not installed.
+    """
+    try:
+        import viser
+    except ImportError as error:
+        raise MissingExtraError(
+            f"replays need viser, which cannot be imported ({error}); "
+            "run: pip install 'voxshell[viewer]'"
+        ) from error
+    with _silence():
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        yield server
+    finally:
+        with _silence():
+            server.stop()
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Mutes rich's shared console, on which viser announces its start and stop, asked or not."""
+    import rich
+
+    console = rich.get_console()
+    quiet, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = quiet

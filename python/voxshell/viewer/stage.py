@@ -1,0 +1,199 @@
+"""The stage: how large the scene is drawn, its grounds, and where the camera stands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voxshell.recording import BodyTrack, Recording
+from voxshell.viewer.lanes import (
+    Lane,
+    activity_bounds,
+    body_diameter,
+    moving_bodies,
+    view_axes,
+)
+
+# The diagonal of a scene in display units. The page's player has clipping planes, shadows and a
+# speed of flight made for scenes about as large, so millimetres and kilometres look alike.
+_SCENE_DIAGONAL = 6.0
+_FIELD_OF_VIEW = math.radians(32.0)
+# Width by height that the first view is fitted to; the page moves back on a narrower window.
+VIEW_ASPECT = 1.85
+_MARGIN = 0.08  # of the stage's width, around what moves
+_THICKNESS = 0.08  # of the stage's width, of grounds
+# The part of the picture to fill, from -1 to 1: below the heading, above captions in front.
+_VIEW_LEFT, _VIEW_RIGHT, _VIEW_BOTTOM, _VIEW_TOP = -0.93, 0.93, -0.80, 0.76
+
+
+@dataclass(frozen=True, eq=False)
+class Slab:
+    """A ground as it is drawn: a thin plate under the bodies, however large the real one is.
+
+    Args:
+        low: (3,) metres, world frame of the recording.
+        high: (3,) likewise.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A first view.
+
+    Args:
+        position: (3,) display units.
+        target: (3,) display units, the point looked at.
+        field_of_view: Vertical, radians.
+    """
+
+    position: NDArray[np.float64]
+    target: NDArray[np.float64]
+    field_of_view: float
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The space that all lanes share, each in its own frame.
+
+    Args:
+        low: (3,) metres, the box to be seen, world frame of every recording.
+        high: (3,) likewise.
+        scale: Display units in a metre.
+        cell: Metres between grid lines: 1, 2 or 5 times a power of ten.
+        body_size: Metres, the diagonal of a typical moving body.
+        columns: Lanes next to each other at most.
+        rows: Lanes behind each other at most.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    scale: float
+    cell: float
+    body_size: float
+    columns: int
+    rows: int
+
+
+def plan_stage(lanes: Sequence[Lane], *, up: str) -> Stage:
+    """One stage for all lanes, so that they look alike and compare."""
+    right, forward, upward = view_axes(up)
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for lane in lanes:
+        lane_low, lane_high = activity_bounds(lane.recording)
+        low, high = np.minimum(low, lane_low), np.maximum(high, lane_high)
+    level = 1.0 - np.abs(upward)
+    width = max(float((level * (high - low)).max()), 1e-9)
+    margin = width * (_MARGIN * level + _THICKNESS * np.abs(upward))
+    low, high = low - margin, high + margin
+    offsets = np.array([lane.offset for lane in lanes])
+    diagonal = float(np.linalg.norm(high - low + np.ptp(offsets, axis=0)))
+    sizes = [body_diameter(body) for lane in lanes for body in moving_bodies(lane.recording)]
+    return Stage(
+        low,
+        high,
+        _SCENE_DIAGONAL / diagonal,
+        _nice_length(0.1 * width),
+        float(np.median(sizes)),
+        columns=len(np.unique(np.round(offsets @ right / diagonal, 6))),
+        rows=len(np.unique(np.round(offsets @ forward / diagonal, 6))),
+    )
+
+
+def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab]:
+    """The bodies that are grounds, by name: level fixed boxes under everything that moves.
+
+    Args:
+        recording: What is shown.
+        stage: Where; a slab is cut to it.
+        up: The world axis that points up.
+    """
+    right, forward, upward = view_axes(up)
+    moving = [body for body in recording.bodies if not body.fixed]
+    floor = min((_start_height(body, upward) for body in moving), default=-math.inf)
+    slabs = {}
+    for body in recording.bodies:
+        if not body.fixed or not _is_level_box(body):
+            continue
+        corners = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        if float((corners @ upward).max()) > floor:
+            continue
+        level = np.abs(right) + np.abs(forward) > 0.5
+        inner_low = np.where(level, np.maximum(low, stage.low), low)
+        inner_high = np.where(level, np.minimum(high, stage.high), high)
+        if (inner_low >= inner_high).any():
+            continue
+        width = float(((1.0 - np.abs(upward)) * (stage.high - stage.low)).max())
+        thickness = min(float(np.abs(upward @ (high - low))), _THICKNESS * width)
+        top = upward * float((corners @ upward).max())
+        ends = np.stack([top, top - upward * thickness])
+        slabs[body.name] = Slab(
+            np.where(level, inner_low, ends.min(axis=0)),
+            np.where(level, inner_high, ends.max(axis=0)),
+        )
+    return slabs
+
+
+def place_camera(boxes: Sequence[tuple[NDArray, NDArray]], *, rows: int, up: str) -> Camera:
+    """Looks at boxes from the front and slightly above, as near as all of them fit.
+
+    Args:
+        boxes: low (3,) and high (3,) of each, display units.
+        rows: Rows of lanes; more than one is seen from higher up.
+        up: The world axis that points up.
+    """
+    right, forward, upward = view_axes(up)
+    corners = np.array(
+        [
+            np.where([(bits >> axis) & 1 for axis in range(3)], high, low)
+            for low, high in boxes
+            for bits in range(8)
+        ]
+    )
+    height = math.radians(21.0 if rows == 1 else 28.0)
+    away = math.cos(height) * forward - math.sin(height) * upward
+    above = math.sin(height) * forward + math.cos(height) * upward
+    tangent = math.tan(0.5 * _FIELD_OF_VIEW)
+    target = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    distance = 2.0 * float(np.linalg.norm(corners - target, axis=1).max()) / tangent
+    wanted = np.array([_VIEW_RIGHT - _VIEW_LEFT, _VIEW_TOP - _VIEW_BOTTOM])
+    middle = 0.5 * np.array([_VIEW_RIGHT + _VIEW_LEFT, _VIEW_TOP + _VIEW_BOTTOM])
+    # Every round is exact but for perspective, so the error shrinks by a large factor each time.
+    for _ in range(40):
+        seen = corners - (target - distance * away)
+        depth = seen @ away
+        x = seen @ right / (depth * tangent * VIEW_ASPECT)
+        y = seen @ above / (depth * tangent)
+        shift_x = 0.5 * (x.min() + x.max()) - middle[0]
+        shift_y = 0.5 * (y.min() + y.max()) - middle[1]
+        target = target + distance * tangent * (shift_x * VIEW_ASPECT * right + shift_y * above)
+        fill = max(np.ptp(x) / wanted[0], np.ptp(y) / wanted[1])
+        distance *= 1.0 + 0.7 * (float(fill) - 1.0)
+    return Camera(target - distance * away, target, _FIELD_OF_VIEW)
+
+
+def _start_height(body: BodyTrack, upward: NDArray[np.float64]) -> float:
+    center = 0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0))
+    return float(upward @ (body.poses[0, :3, :3] @ center + body.poses[0, :3, 3]))
+
+
+def _is_level_box(body: BodyTrack) -> bool:
+    """Whether every vertex is a corner of a box whose sides follow the world's axes."""
+    corners = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    tolerance = 1e-6 * float(np.abs(high - low).max())
+    at_corner = np.minimum(corners - low, high - corners).max() <= tolerance
+    return bool(at_corner and ((high - low) > tolerance).all())
+
+
+def _nice_length(length: float) -> float:
+    """1, 2 or 5 times a power of ten, at least ``length``."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return power * next(step for step in (1.0, 2.0, 5.0, 10.0) if step * power >= length)
