@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "voxshell/vector.h"
+
+namespace voxshell::python {
+
+/// What the package hands over: it has checked shape and type, and converted, before.
+using PointsArray = nanobind::ndarray<const double, nanobind::shape<-1, 3>, nanobind::c_contig,
+                                      nanobind::device::cpu>;
+using FacesArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>,
+                                     nanobind::c_contig, nanobind::device::cpu>;
+using PoseArray = nanobind::ndarray<const double, nanobind::shape<4, 4>, nanobind::c_contig,
+                                    nanobind::device::cpu>;
+
+inline Vec3 read_row(const double* row) { return {row[0], row[1], row[2]}; }
+
+/// Read-only views. Returned from a property they keep its object alive.
+template <class T>
+using Row = nanobind::ndarray<nanobind::numpy, const T, nanobind::ndim<1>>;
+template <class T, int Columns>
+using Rows = nanobind::ndarray<nanobind::numpy, const T, nanobind::shape<-1, Columns>>;
+
+template <class T>
+Row<T> view(std::span<const T> values) {
+  return Row<T>(values.data(), {values.size()});
+}
+
+/// One row of `Columns` scalars T an item: vectors, triangles, spheres.
+template <class T, int Columns, class Item>
+Rows<T, Columns> view_rows(std::span<const Item> items) {
+  static_assert(sizeof(Item) == sizeof(T) * Columns && alignof(Item) == alignof(T));
+  return Rows<T, Columns>(reinterpret_cast<const T*>(items.data()),
+                          {items.size(), std::size_t{Columns}});
+}
+
+/// A new array that owns `values`.
+template <class T, class... Shape>
+nanobind::ndarray<nanobind::numpy, T, Shape...> release(std::vector<T> values,
+                                                        std::initializer_list<std::size_t> shape) {
+  auto* owned = new std::vector<T>(std::move(values));
+  const nanobind::capsule owner(owned,
+                                [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nanobind::ndarray<nanobind::numpy, T, Shape...>(owned->data(), shape, owner);
+}
+
+}  // namespace voxshell::python

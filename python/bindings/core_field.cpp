@@ -1,0 +1,112 @@
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nanobind/stl/array.h>
+
+#include "arrays.h"
+#include "core_module.h"
+#include "errors.h"
+#include "voxshell/field.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+/// A field locates its cell by converting coordinates to integers: they must be ordinary numbers.
+bool is_usable(const Vec3& p) {
+  constexpr double kFarthest = 1e15;  // metres: squares still fit float32
+  return std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && std::abs(p.z) <= kFarthest;
+}
+
+/// Calls `visit(typed_field, p)` for each point in float32, without the GIL.
+template <class Visit>
+void for_each_point(const Field& field, const PointsArray& points, const Visit& visit) {
+  const std::size_t count = points.shape(0);
+  std::size_t done = 0;
+  {
+    const nb::gil_scoped_release released;
+    std::visit(
+        [&](const auto& typed) {
+          for (; done < count; ++done) {
+            const Vec3 p = read_row(points.data() + 3 * done);
+            if (!is_usable(p)) return;
+            visit(typed, static_cast<Vec3f>(p));
+          }
+        },
+        field);
+  }
+  if (done < count) {
+    raise({ErrorCode::kInvalidArgument, "points must be finite and within 1e15 m; row " +
+                                            std::to_string(done) + " of " + std::to_string(count) +
+                                            " is not"});
+  }
+}
+
+auto sample(const Field& field, const PointsArray& points) {
+  std::vector<double> distances;
+  distances.reserve(points.shape(0));
+  for_each_point(field, points, [&](const auto& typed, const Vec3f& p) {
+    distances.push_back(static_cast<double>(typed.distance(p)));
+  });
+  return release<double, nb::ndim<1>>(std::move(distances), {points.shape(0)});
+}
+
+auto gradient(const Field& field, const PointsArray& points) {
+  std::vector<double> gradients;
+  gradients.reserve(3 * points.shape(0));
+  for_each_point(field, points, [&](const auto& typed, const Vec3f& p) {
+    const auto g = static_cast<Vec3>(typed.gradient(p));
+    gradients.insert(gradients.end(), {g.x, g.y, g.z});
+  });
+  return release<double, nb::shape<-1, 3>>(std::move(gradients), {points.shape(0), 3});
+}
+
+auto view_samples(const GridField& field) {
+  const auto [x, y, z] = field.shape();
+  return nb::ndarray<nb::numpy, const float, nb::ndim<3>>(
+      field.samples().data(),
+      {static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z)},
+      nb::handle(), {1, x, std::int64_t{x} * y});
+}
+
+using Coordinates = std::array<double, 3>;
+
+Vec3 to_vector(const Coordinates& c) { return {c[0], c[1], c[2]}; }
+
+}  // namespace
+
+void bind_field(nb::module_& module) {
+  nb::class_<Field>(module, "Field", "A signed distance field of any kind.")
+      .def("sample", &sample, nb::arg("points"), "Signed distances, metres, (n,).")
+      .def("gradient", &gradient, nb::arg("points"), "Gradients of the distance, (n, 3).");
+
+  nb::class_<GridField>(module, "GridField", "What only a sampled field has.")
+      .def_prop_ro("shape", &GridField::shape)
+      .def_prop_ro("voxel_size", &GridField::voxel_size)
+      .def_prop_ro(
+          "origin",
+          [](const GridField& f) { return Coordinates{f.origin().x, f.origin().y, f.origin().z}; })
+      .def_prop_ro("nbytes", &GridField::nbytes)
+      .def_prop_ro("interpolation_error", &GridField::interpolation_error)
+      .def_prop_ro("samples", &view_samples, "Distances at the nodes along x, y, z.");
+
+  module.def(
+      "plane_field",
+      [](const Coordinates& normal, double offset) {
+        return Field(PlaneField{to_vector(normal), offset});
+      },
+      nb::arg("normal"), nb::arg("offset"));
+  module.def(
+      "box_field",
+      [](const Coordinates& half_extents) { return Field(BoxField{to_vector(half_extents)}); },
+      nb::arg("half_extents"));
+  module.def(
+      "sphere_field", [](double radius) { return Field(SphereField{radius}); }, nb::arg("radius"));
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,109 @@
+#include <array>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
+
+#include "arrays.h"
+#include "build_watch.h"
+#include "core_module.h"
+#include "errors.h"
+#include "voxshell/model.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray& faces,
+                                   double voxel_size, int resolution, double point_spacing,
+                                   std::size_t target_points, double padding, unsigned threads,
+                                   nb::handle progress) {
+  // Copied while the GIL keeps other threads from changing them.
+  std::vector<Vec3> corners(vertices.shape(0));
+  for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = read_row(vertices.data() + 3 * i);
+  std::vector<Triangle> triangles(faces.shape(0));
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::uint32_t* face = faces.data() + 3 * i;
+    triangles[i] = {face[0], face[1], face[2]};
+  }
+
+  const ModelSettings settings{.voxel_size = voxel_size,
+                               .resolution = resolution,
+                               .point_spacing = point_spacing,
+                               .target_points = target_points,
+                               .padding = padding,
+                               .threads = threads};
+  BuildWatch watch(progress);
+  auto result = [&]() -> Result<std::shared_ptr<const Model>> {
+    const nb::gil_scoped_release released;
+    auto mesh = TriangleMesh::create(corners, triangles);
+    if (!mesh) return mesh.error();
+    return Model::build(*std::move(mesh), settings, [&](std::string_view stage, double fraction) {
+      return watch.report(stage, fraction);
+    });
+  }();
+  watch.rethrow();
+  return unwrap(std::move(result));
+}
+
+using Coordinates = std::array<double, 3>;
+
+Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+/// Centre of mass and inertia tensor at 1 kg.
+std::tuple<Coordinates, std::array<Coordinates, 3>> to_tuple(const MassProperties& m) {
+  return {to_coordinates(m.centre_of_mass),
+          {to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
+           to_coordinates(m.inertia.row_z)}};
+}
+
+}  // namespace
+
+void bind_model(nb::module_& module) {
+  using SharedModel = std::shared_ptr<const Model>;
+  nb::class_<Model>(module, "Model", "Field, shell and mass properties of a mesh.")
+      .def_static("build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
+                  nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
+                  nb::arg("target_points"), nb::arg("padding"), nb::arg("threads"),
+                  nb::arg("progress").none(),
+                  nb::sig("def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
+                          "numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: "
+                          "int, point_spacing: float, target_points: int, padding: float, "
+                          "threads: int, progress: collections.abc.Callable[[str, float], object] "
+                          "| None) -> Model"),
+                  "0 (padding: below 0) leaves a setting to the core.")
+      .def_prop_ro("vertices",
+                   [](const Model& m) { return view_rows<double, 3>(m.mesh().vertices()); })
+      .def_prop_ro("faces",
+                   [](const Model& m) { return view_rows<std::uint32_t, 3>(m.mesh().triangles()); })
+      .def_prop_ro("bounds",
+                   [](const Model& m) {
+                     return std::array{to_coordinates(m.bounds().lower),
+                                       to_coordinates(m.bounds().upper)};
+                   })
+      .def_prop_ro(
+          "field",
+          [](const SharedModel& m) { return std::shared_ptr<const Field>(m, &m->field()); })
+      .def_prop_ro(
+          "grid",
+          [](const SharedModel& m) { return std::shared_ptr<const GridField>(m, &m->grid()); })
+      .def_prop_ro(
+          "shell",
+          [](const SharedModel& m) { return std::shared_ptr<const PointShell>(m, &m->shell()); })
+      .def_prop_ro(
+          "solid_mass_properties",
+          [](const Model& m) { return to_tuple(m.solid_mass_properties()); },
+          "Centre of mass and inertia tensor about it, at 1 kg.")
+      .def_prop_ro(
+          "surface_mass_properties",
+          [](const Model& m) { return to_tuple(m.surface_mass_properties()); },
+          "Centre of mass and inertia tensor about it, at 1 kg.");
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,11 @@
+#include "core_module.h"
+
+NB_MODULE(_core, module) {
+  using namespace voxshell::python;
+  module.doc() = "The compiled core. Use it through the package voxshell, which checks arguments.";
+  module.attr("version") = VOXSHELL_VERSION;
+  bind_field(module);
+  bind_shell(module);
+  bind_model(module);
+  bind_contacts(module);
+}

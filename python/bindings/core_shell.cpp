@@ -1,0 +1,47 @@
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "core_module.h"
+#include "voxshell/point_shell.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+auto compute_segments(const PointSphereTree& tree, int level) {
+  std::vector<std::int64_t> segments;
+  segments.reserve(tree.point_count());
+  for (std::uint32_t id = 0; id < tree.point_count(); ++id) {
+    segments.push_back(tree.segment(id, level));
+  }
+  return release<std::int64_t, nb::ndim<1>>(std::move(segments), {tree.point_count()});
+}
+
+}  // namespace
+
+void bind_shell(nb::module_& module) {
+  nb::class_<PointShell>(module, "PointShell", "Points on a surface, in the order of their tree.")
+      .def("__len__", &PointShell::size)
+      .def_prop_ro("points", [](const PointShell& s) { return view_rows<float, 3>(s.points()); })
+      .def_prop_ro("normals", [](const PointShell& s) { return view_rows<float, 3>(s.normals()); })
+      .def_prop_ro("areas", [](const PointShell& s) { return view(s.areas()); })
+      .def_prop_ro("spacing", &PointShell::spacing)
+      .def_prop_ro("tree", &PointShell::tree);
+
+  nb::class_<PointSphereTree>(module, "PointSphereTree", "Nested clusters of a shell's points.")
+      .def_prop_ro_static("branching", [](nb::handle) { return PointSphereTree::kBranching; })
+      .def_prop_ro_static("deepest_level", [](nb::handle) { return PointSphereTree::kMaxLevel; })
+      .def_prop_ro("levels", &PointSphereTree::level_count)
+      .def(
+          "spheres",
+          [](const PointSphereTree& t, int level) { return view_rows<float, 4>(t.spheres(level)); },
+          nb::arg("level"), nb::rv_policy::reference_internal,
+          "Centres and radii, (m, 4); level 1 to levels.")
+      .def("segments", &compute_segments, nb::arg("level"),
+           "The cluster of each point, (n,); level 1 to deepest_level.");
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,67 @@
+"""Collision of any mesh with any mesh at haptic rates, exactly as sampled.
+
+A mesh is made ready once, as a :class:`Model`: a signed distance field, a shell of points on the
+surface and mass properties. Models, and the analytic shapes :class:`Plane`, :class:`Box` and
+:class:`Sphere`, then collide in any pose:
+
+    >>> import numpy as np
+    >>> import trimesh
+    >>> import voxshell as vx
+    >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+    >>> pose = np.eye(4)
+    >>> pose[2, 3] = 0.099  # the lowest point is 1 mm below the ground
+    >>> contacts = vx.contacts(model, vx.Plane(), a_pose=pose)
+    >>> float(contacts.depths.max())
+    0.001...
+
+Conventions: metres, kilograms, seconds, radians; right-handed frames; poses are 4x4
+``world_from_body`` matrices; signed distances are negative inside; depths are positive inside;
+a contact's normal is on body b and points towards body a.
+"""
+
+from voxshell import testing
+from voxshell._core import version as __version__
+from voxshell.contact_set import Contacts
+from voxshell.errors import (
+    InputTypeError,
+    MemoryLimitError,
+    MeshError,
+    MissingExtraError,
+    PoseError,
+    RecordingError,
+    SettingsError,
+    VoxshellError,
+)
+from voxshell.field import DistanceField, Field
+from voxshell.mass_properties import MassProperties
+from voxshell.meshes import Mesh
+from voxshell.model import Model
+from voxshell.queries import collide, contacts
+from voxshell.shapes import Box, Plane, Sphere
+from voxshell.shell import PointShell, PointSphereTree
+
+__all__ = [
+    "Box",
+    "Contacts",
+    "DistanceField",
+    "Field",
+    "InputTypeError",
+    "MassProperties",
+    "MemoryLimitError",
+    "Mesh",
+    "MeshError",
+    "MissingExtraError",
+    "Model",
+    "Plane",
+    "PointShell",
+    "PointSphereTree",
+    "PoseError",
+    "RecordingError",
+    "SettingsError",
+    "Sphere",
+    "VoxshellError",
+    "__version__",
+    "collide",
+    "contacts",
+    "testing",
+]

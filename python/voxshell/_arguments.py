@@ -1,0 +1,102 @@
+"""Checks of arguments, shared by the public functions. Each says what it wanted and what it got."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.errors import PoseError, SettingsError, VoxshellError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+FARTHEST = 1e15
+"""Metres beyond which a length is refused: its square still fits single precision."""
+
+
+def as_real(value: Any, name: str) -> float:
+    """A finite number."""
+    try:
+        if isinstance(value, (str, bytes, bytearray)):
+            raise TypeError
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise SettingsError(f"{name} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise SettingsError(f"{name} must be finite, not {number}")
+    return number
+
+
+def as_positive(value: Any, name: str) -> float:
+    """A finite number above zero."""
+    number = as_real(value, name)
+    if not number > 0.0:
+        raise SettingsError(f"{name} must be above 0, not {number:g}")
+    return number
+
+
+def as_length(value: Any, name: str) -> float:
+    """A length above zero, in metres."""
+    number = as_positive(value, name)
+    if number > FARTHEST:
+        raise SettingsError(f"{name} must be at most {FARTHEST:g} m, not {number:g}")
+    return number
+
+
+def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
+    """An integer of a range, both ends included."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise SettingsError(f"{name} must be an integer, not {value!r}") from None
+    if not lowest <= number <= highest:
+        raise SettingsError(f"{name} must be from {lowest} to {highest}, not {number}")
+    return number
+
+
+def as_floats(
+    value: ArrayLike,
+    name: str,
+    shape: tuple[int | None, ...],
+    error: type[VoxshellError] = SettingsError,
+) -> NDArray[np.float64]:
+    """A contiguous float64 array of a shape, in which None stands for any length."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError) as failure:
+        raise error(f"{name} must be {describe(shape)} numbers: {failure}") from None
+    fits = array.ndim == len(shape) and all(
+        want is None or want == have for want, have in zip(shape, array.shape, strict=True)
+    )
+    if array.dtype.kind not in "fiu" or not fits:
+        raise error(
+            f"{name} must be {describe(shape)} numbers, not {describe(array.shape)} {array.dtype}"
+        )
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def as_points(value: ArrayLike, name: str) -> NDArray[np.float64]:
+    """An (n, 3) array; whether its numbers are finite is for the core to check."""
+    return as_floats(value, name, (None, 3))
+
+
+def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
+    """Three finite numbers."""
+    x, y, z = as_floats(value, name, (3,)).tolist()
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+        raise SettingsError(f"{name} must be finite, not {(x, y, z)}")
+    return x, y, z
+
+
+def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
+    """A 4x4 array, or None; whether it is a rigid transform is for the core to check."""
+    return None if value is None else as_floats(value, name, (4, 4), PoseError)
+
+
+def describe(shape: tuple[int | None, ...]) -> str:
+    """A shape in words, as in "(n, 3)"."""
+    sizes = ["n" if size is None else str(size) for size in shape]
+    return f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(sizes)})"

@@ -1,0 +1,169 @@
+"""
+The compiled core. Use it through the package voxshell, which checks arguments.
+"""
+
+from collections.abc import Callable, Sequence
+import enum
+from typing import Annotated, Final
+
+import numpy
+import numpy.typing
+from numpy.typing import NDArray
+
+
+version: str = '0.1.0'
+
+class Field:
+    """A signed distance field of any kind."""
+
+    def sample(self, points: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """Signed distances, metres, (n,)."""
+
+    def gradient(self, points: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+        """Gradients of the distance, (n, 3)."""
+
+class GridField:
+    """What only a sampled field has."""
+
+    @property
+    def shape(self) -> list[int]: ...
+
+    @property
+    def voxel_size(self) -> float: ...
+
+    @property
+    def origin(self) -> list[float]: ...
+
+    @property
+    def nbytes(self) -> int: ...
+
+    @property
+    def interpolation_error(self) -> float: ...
+
+    @property
+    def samples(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), writable=False)]:
+        """Distances at the nodes along x, y, z."""
+
+def plane_field(normal: Sequence[float], offset: float) -> Field: ...
+
+def box_field(half_extents: Sequence[float]) -> Field: ...
+
+def sphere_field(radius: float) -> Field: ...
+
+class PointShell:
+    """Points on a surface, in the order of their tree."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def points(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def normals(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def areas(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def spacing(self) -> float: ...
+
+    @property
+    def tree(self) -> PointSphereTree: ...
+
+class PointSphereTree:
+    """Nested clusters of a shell's points."""
+
+    branching: Final[int] = ...
+    """(arg: object, /) -> int"""
+
+    deepest_level: Final[int] = ...
+    """(arg: object, /) -> int"""
+
+    @property
+    def levels(self) -> int: ...
+
+    def spheres(self, level: int) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 4), writable=False)]:
+        """Centres and radii, (m, 4); level 1 to levels."""
+
+    def segments(self, level: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
+        """The cluster of each point, (n,); level 1 to deepest_level."""
+
+class Model:
+    """Field, shell and mass properties of a mesh."""
+
+    @staticmethod
+    def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, threads: int, progress: Callable[[str, float], object] | None) -> Model:
+        """0 (padding: below 0) leaves a setting to the core."""
+
+    @property
+    def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def faces(self) -> Annotated[NDArray[numpy.uint32], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def bounds(self) -> list[list[float]]: ...
+
+    @property
+    def field(self) -> Field: ...
+
+    @property
+    def grid(self) -> GridField: ...
+
+    @property
+    def shell(self) -> PointShell: ...
+
+    @property
+    def solid_mass_properties(self) -> tuple[list[float], list[list[float]]]:
+        """Centre of mass and inertia tensor about it, at 1 kg."""
+
+    @property
+    def surface_mass_properties(self) -> tuple[list[float], list[list[float]]]:
+        """Centre of mass and inertia tensor about it, at 1 kg."""
+
+class ShellChoice(enum.Enum):
+    AUTOMATIC = 0
+
+    A = 1
+
+    B = 2
+
+class ContactSet:
+    """Contacts of a pair, world frame."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def points_a(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def points_b(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def normals(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def depths(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def ids(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def segments(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def shell_is_a(self) -> bool: ...
+
+    def manifold(self, max_points: int) -> ContactSet:
+        """At most 4 of them, in the order chosen."""
+
+    def deepest_per_segment(self) -> ContactSet:
+        """Ascending by id."""
+
+def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float, level: int) -> ContactSet:
+    """By the point-sphere tree."""
+
+def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float, level: int) -> ContactSet:
+    """By the flat loop."""
+
+def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float) -> bool: ...

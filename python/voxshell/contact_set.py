@@ -1,0 +1,120 @@
+"""The contacts of a pair."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from voxshell._arguments import as_integer
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from voxshell._core import ContactSet
+
+
+class Contacts:
+    """The contacts of two bodies a and b, as parallel arrays; from :func:`voxshell.contacts`.
+
+    Each contact is a point of one body's shell that lies inside the other body, or nearer to it
+    than the margin. Arrays are in the world frame, read-only, and stay valid on their own.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> contacts = vx.contacts(ball, vx.Plane(offset=-0.099))
+        >>> contacts
+        Contacts(5 of a's points, deepest 0.001 m)
+    """
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: ContactSet) -> None:
+        self._core = core
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    @property
+    def points_a(self) -> NDArray[np.float64]:
+        """Where a touches, (n, 3) float64, metres: on a's surface."""
+        return self._core.points_a
+
+    @property
+    def points_b(self) -> NDArray[np.float64]:
+        """Where b touches, (n, 3) float64, metres: on b's surface.
+
+        ``points_b - points_a == depths * normals``, but for rounding.
+        """
+        return self._core.points_b
+
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """Unit normals, (n, 3) float64: on b, pointing towards a. Moving a along them separates."""
+        return self._core.normals
+
+    @property
+    def depths(self) -> NDArray[np.float64]:
+        """Penetration depths, (n,) float64, metres: positive inside, above ``-margin``."""
+        return self._core.depths
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Which points of the shell these are, (n,) int64: rows of ``model.shell.points``."""
+        return self._core.ids
+
+    @property
+    def segments(self) -> NDArray[np.int64]:
+        """The cluster of each point at the query's level, (n,) int64; 0 without a level."""
+        return self._core.segments
+
+    @property
+    def shell(self) -> Literal["a", "b"]:
+        """Whose shell the points are of."""
+        return "a" if self._core.shell_is_a else "b"
+
+    def manifold(self, max_points: int = 4) -> Contacts:
+        """A few contacts that stand for all: the deepest, then those that span the largest area.
+
+        Args:
+            max_points: From 1 to 4. Points that would add no area are left out.
+
+        Returns:
+            The contacts chosen, in the order chosen; the deepest is first.
+
+        Raises:
+            SettingsError: ``max_points`` is out of range.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+            >>> contacts = vx.contacts(box, vx.Plane(offset=-0.499))
+            >>> len(contacts), len(contacts.manifold())
+            (441, 4)
+        """
+        return Contacts(self._core.manifold(as_integer(max_points, "max_points", 1, 4)))
+
+    def deepest_per_segment(self) -> Contacts:
+        """The deepest contact of each segment at the query's level.
+
+        Returns:
+            One contact a segment that has any, ascending by id. Of equally deep ones, the smaller
+            id.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+            >>> contacts = vx.contacts(box, vx.Plane(offset=-0.499), level=3)
+            >>> deepest = contacts.deepest_per_segment()
+            >>> len(deepest) == len(set(contacts.segments.tolist())) > 1
+            True
+        """
+        return Contacts(self._core.deepest_per_segment())
+
+    def __repr__(self) -> str:
+        if len(self) == 0:
+            return f"Contacts(0 of {self.shell}'s points)"
+        return f"Contacts({len(self)} of {self.shell}'s points, deepest {self.depths.max():.3g} m)"

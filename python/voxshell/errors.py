@@ -1,0 +1,35 @@
+"""The errors that voxshell raises."""
+
+from __future__ import annotations
+
+
+class VoxshellError(Exception):
+    """Base of every error that voxshell raises on bad input or a failed job."""
+
+
+class MeshError(VoxshellError, ValueError):
+    """A mesh cannot be read or used; the message says what is wrong, how much of it and where."""
+
+
+class PoseError(VoxshellError, ValueError):
+    """A pose is not a 4x4 rigid transform of finite numbers."""
+
+
+class SettingsError(VoxshellError, ValueError):
+    """A setting or an argument is missing, contradictory or out of range."""
+
+
+class MemoryLimitError(VoxshellError, ValueError):
+    """A request would exceed the memory limit; the message says which settings would not."""
+
+
+class InputTypeError(VoxshellError, TypeError):
+    """An argument is of a type that the function does not take."""
+
+
+class RecordingError(VoxshellError, ValueError):
+    """A recording, or a request to replay one, does not make sense."""
+
+
+class MissingExtraError(VoxshellError, ImportError):
+    """An optional part of voxshell is not installed; the message says how to install it."""

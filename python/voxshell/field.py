@@ -1,0 +1,125 @@
+"""Signed distance fields."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell._arguments import as_points
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell._core import Field as CoreField
+    from voxshell._core import GridField as CoreGridField
+
+
+class Field:
+    """A signed distance field: how far a point is from a surface, negative inside.
+
+    Models have a :class:`DistanceField`; :class:`Plane`, :class:`Box` and :class:`Sphere` are exact
+    ones. Immutable.
+    """
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: CoreField) -> None:
+        self._core = core
+
+    def sample(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Signed distances at points, evaluated in single precision as every query does.
+
+        Args:
+            points: (n, 3) float64, metres, body frame.
+
+        Returns:
+            (n,) float64, metres, negative inside.
+
+        Raises:
+            SettingsError: ``points`` has another shape, or numbers that are not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.Sphere(radius=0.5).sample([[0, 0, 2], [0, 0, 0]])
+            array([ 1.5, -0.5])
+        """
+        return self._core.sample(as_points(points, "points"))
+
+    def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Gradients of the distance at points: directions away from the surface's inside.
+
+        Args:
+            points: (n, 3) float64, metres, body frame.
+
+        Returns:
+            (n, 3) float64. Unit length for analytic shapes; of a model's field, the exact gradient
+            of :meth:`sample`, whose length is near 1 except close to the medial axis.
+
+        Raises:
+            SettingsError: ``points`` has another shape, or numbers that are not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.Box(half_extents=(1, 1, 1)).gradient([[0.9, 0, 0], [0, 0, 3]])
+            array([[1., 0., 0.],
+                   [0., 0., 1.]])
+        """
+        return self._core.gradient(as_points(points, "points"))
+
+
+class DistanceField(Field):
+    """The distance field of a model: exact distances on a regular grid, trilinear between.
+
+    Outside the grid it goes on as the value at the nearest point of the grid plus the distance to
+    that point.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> box = trimesh.creation.box(extents=(0.2, 0.2, 0.1))
+        >>> field = vx.Model.from_mesh(box, voxel_size=0.01).field
+        >>> field
+        DistanceField(30 x 30 x 19 nodes, voxel size 0.01 m, 0.1 MB)
+        >>> field.sample([[0, 0, 0.07]]).round(6)
+        array([0.02])
+    """
+
+    __slots__ = ("_grid",)
+
+    def __init__(self, core: CoreField, grid: CoreGridField) -> None:
+        super().__init__(core)
+        self._grid = grid
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Nodes along x, y and z."""
+        x, y, z = self._grid.shape
+        return x, y, z
+
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a grid cell, metres."""
+        return self._grid.voxel_size
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """Position of the first node, (3,) float64, metres, body frame."""
+        return np.array(self._grid.origin)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the samples, bytes."""
+        return self._grid.nbytes
+
+    @property
+    def interpolation_error(self) -> float:
+        """Inside the grid, :meth:`sample` is off the true distance by at most this, metres."""
+        return self._grid.interpolation_error
+
+    def __repr__(self) -> str:
+        x, y, z = self.shape
+        return (
+            f"DistanceField({x} x {y} x {z} nodes, voxel size {self.voxel_size:g} m, "
+            f"{self.nbytes / 1e6:.1f} MB)"
+        )

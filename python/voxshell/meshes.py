@@ -1,0 +1,96 @@
+"""What goes in as a mesh: files, trimesh objects, arrays."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from voxshell._arguments import as_floats, describe
+from voxshell.errors import InputTypeError, MeshError
+
+if TYPE_CHECKING:
+    import trimesh
+    from numpy.typing import ArrayLike, NDArray
+
+    MeshLike: TypeAlias = (
+        "trimesh.Trimesh | tuple[ArrayLike, ArrayLike] | str | os.PathLike[str] | Mesh"
+    )
+    """What :meth:`voxshell.Model.from_mesh` takes."""
+
+
+class Mesh(NamedTuple):
+    """A triangle mesh as arrays: ``vertices, faces = model.mesh``.
+
+    Attributes:
+        vertices: (n, 3) float64, metres.
+        faces: (m, 3) uint32, rows of ``vertices``, counter-clockwise seen from outside.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.uint32]
+
+
+def read_mesh(mesh: MeshLike) -> Mesh:
+    """The arrays of a mesh, checked as far as the core cannot: types, shapes, signs of indices.
+
+    Raises:
+        MeshError: A file cannot be read or holds no triangles; arrays have a wrong shape or type,
+            or indices that are not of a vertex.
+        InputTypeError: ``mesh`` is none of the kinds that are taken.
+    """
+    if isinstance(mesh, (str, os.PathLike)):
+        mesh = _load(os.fspath(mesh))
+    if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
+        vertices, faces = mesh
+    elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        vertices, faces = mesh.vertices, mesh.faces  # pyright: ignore[reportAttributeAccessIssue]
+    else:
+        hint = "; pass scene.to_mesh()" if hasattr(mesh, "to_mesh") else ""
+        raise InputTypeError(
+            "mesh must be a trimesh.Trimesh, (vertices, faces) or a path, "
+            f"not {type(mesh).__name__}{hint}"
+        )
+    vertices = as_floats(vertices, "vertices", (None, 3), MeshError)
+    return Mesh(vertices, _as_faces(faces, len(vertices)))
+
+
+def _load(path: str) -> trimesh.Trimesh:
+    """A mesh from a file; the bodies of a scene become one mesh."""
+    import trimesh  # takes longer than all the rest of voxshell
+
+    if not os.path.isfile(path):
+        reason = "is a directory" if os.path.isdir(path) else "does not exist"
+        raise MeshError(f"cannot read mesh {path}: it {reason}")
+    try:
+        # Without process, vertices stay as they are in the file; the core merges equal ones.
+        mesh = trimesh.load(path, force="mesh", process=False)
+    except Exception as error:  # of which readers of damaged files raise every kind
+        raise MeshError(f"cannot read mesh {path}: {type(error).__name__}: {error}") from error
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise MeshError(f"cannot read mesh {path}: it holds no triangles, or is damaged")
+    return mesh
+
+
+def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
+    """Indices of vertices. Negative ones would count from the end, which no mesh file means."""
+    try:
+        faces = np.asarray(value)
+    except (TypeError, ValueError) as failure:
+        raise MeshError(f"faces must be (m, 3) integers: {failure}") from None
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        hint = "; split quadrilaterals into triangles" if faces.shape[1:] == (4,) else ""
+        raise MeshError(f"faces must be (m, 3) integers, not {describe(faces.shape)}{hint}")
+    if faces.dtype.kind not in "iuf":
+        raise MeshError(f"faces must be (m, 3) integers, not {faces.dtype}")
+    if faces.dtype.kind == "f" and not np.array_equal(faces, np.trunc(faces)):
+        raise MeshError("faces must be integers; some are fractions or NaN")
+    wrong = (faces < 0) | (faces >= vertex_count)
+    if wrong.any():
+        row, column = (int(i) for i in np.argwhere(wrong)[0])
+        raise MeshError(
+            f"{np.count_nonzero(wrong)} of {faces.size} face indices are not of the "
+            f"{vertex_count} vertices (first: {faces[row, column]} in face {row})"
+        )
+    return np.ascontiguousarray(faces, dtype=np.uint32)

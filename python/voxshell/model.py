@@ -1,0 +1,210 @@
+"""Models: meshes made ready to collide."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell._arguments import as_integer, as_length, as_positive, as_real
+from voxshell._core import Model as CoreModel
+from voxshell.errors import InputTypeError, MeshError, SettingsError
+from voxshell.field import DistanceField
+from voxshell.mass_properties import MassProperties
+from voxshell.meshes import Mesh, read_mesh
+from voxshell.shell import PointShell
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from voxshell.meshes import MeshLike
+
+_LARGEST_INT = 2**31 - 1
+_MOST_THREADS = 1024
+
+
+class Model:
+    """A mesh made ready to collide: distance field, point shell and mass properties.
+
+    Build one with :meth:`from_mesh`. Models are immutable; any number of threads, bodies and poses
+    may share one. Arrays are in the mesh's frame and metres; they are read-only and stay valid
+    after the model is gone.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+        >>> model
+        Model(12 triangles, 2402 points, field 29 x 29 x 29, voxel size 0.05 m, 0.1 MB)
+        >>> model.bounds
+        array([[-0.5, -0.5, -0.5],
+               [ 0.5,  0.5,  0.5]])
+    """
+
+    __slots__ = ("_core", "_field", "_shell")
+
+    def __init__(self, core: CoreModel) -> None:
+        if not isinstance(core, CoreModel):
+            raise InputTypeError("build a model with Model.from_mesh(mesh)")
+        self._core = core
+        self._field = DistanceField(core.field, core.grid)
+        self._shell = PointShell(core.shell)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        mesh: MeshLike,
+        *,
+        voxel_size: float | None = None,
+        resolution: int | None = None,
+        point_spacing: float | None = None,
+        target_points: int | None = None,
+        scale: float = 1.0,
+        padding: float | None = None,
+        threads: int | None = None,
+        progress: Callable[[str, float], object] | None = None,
+    ) -> Model:
+        """Builds a model of a closed mesh.
+
+        Takes from milliseconds to minutes: the time grows with the number of voxels. Ctrl-C stops
+        it.
+
+        Args:
+            mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
+                vertices, counter-clockwise seen from outside; or the path of a file that trimesh
+                reads, whose bodies become one mesh. Its surface must be closed.
+            voxel_size: Edge of the field's grid cells, metres, after ``scale``.
+            resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
+            point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
+                field's voxel size if this is not given and
+            target_points: neither is how many points are wanted, which is reached within 1 %.
+            scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
+            padding: Metres of grid beyond the mesh's bounds; four voxels by default, at least one.
+                The field continues beyond its grid, less precisely.
+            threads: How many to use, up to 1024; one a core by default. The result is the same.
+            progress: Called from this thread about every 50 ms with the name of the stage and the
+                share of it that is done, 0 to 1. If it raises, the build stops and raises that.
+
+        Returns:
+            The model, with the mesh as it is after equal vertices are merged, and vertices without
+            triangles and triangles without three corners are dropped.
+
+        Raises:
+            MeshError: The mesh cannot be read, is not closed or intersects itself, or has numbers
+                that are not finite.
+            SettingsError: A setting is out of range, or contradicts another.
+            MemoryLimitError: The field or shell would be too large; the message says which setting
+                would do.
+            InputTypeError: ``mesh`` is of none of the types above.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> mesh = trimesh.creation.torus(major_radius=50, minor_radius=20)  # millimetres
+            >>> model = vx.Model.from_mesh(mesh, voxel_size=0.004, target_points=1000, scale=0.001)
+            >>> 990 <= len(model.shell) <= 1010
+            True
+        """
+        if progress is not None and not callable(progress):
+            raise InputTypeError(f"progress must be callable, not {type(progress).__name__}")
+        for one, other, names in (
+            (voxel_size, resolution, "voxel_size or resolution"),
+            (point_spacing, target_points, "point_spacing or target_points"),
+        ):
+            if one is not None and other is not None:
+                raise SettingsError(f"give either {names}, not both")
+        # The core takes 0 for "not given".
+        settings = {
+            "voxel_size": 0.0 if voxel_size is None else as_length(voxel_size, "voxel_size"),
+            "resolution": 0
+            if resolution is None
+            else as_integer(resolution, "resolution", 2, _LARGEST_INT),
+            "point_spacing": 0.0
+            if point_spacing is None
+            else as_length(point_spacing, "point_spacing"),
+            "target_points": 0
+            if target_points is None
+            else as_integer(target_points, "target_points", 1, _LARGEST_INT),
+            "padding": -1.0 if padding is None else _as_padding(padding),
+            "threads": 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS),
+        }
+        factor = as_positive(scale, "scale")
+        try:
+            vertices, faces = read_mesh(mesh)
+            core = CoreModel.build(vertices * factor, faces, **settings, progress=progress)
+        except MeshError as error:
+            if not isinstance(mesh, (str, os.PathLike)) or os.fspath(mesh) in str(error):
+                raise
+            raise MeshError(f"{os.fspath(mesh)}: {error}") from None
+        return cls(core)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The triangles: ``vertices, faces = model.mesh``, (n, 3) float64 and (m, 3) uint32."""
+        return Mesh(self._core.vertices, self._core.faces)
+
+    @property
+    def field(self) -> DistanceField:
+        """The signed distance field, which other bodies' points are tested against."""
+        return self._field
+
+    @property
+    def shell(self) -> PointShell:
+        """The points on the surface, which are tested against other bodies' fields."""
+        return self._shell
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lower and upper corner of the mesh, (2, 3) float64, metres."""
+        return np.array(self._core.bounds)
+
+    def mass_properties(
+        self, mass: float = 1.0, kind: Literal["solid", "surface"] = "solid"
+    ) -> MassProperties:
+        """Mass, centre of mass and inertia of the model as a uniform body.
+
+        Args:
+            mass: Kilograms.
+            kind: "solid" for the volume that the mesh encloses, "surface" for a thin skin on it.
+
+        Returns:
+            In the mesh's frame and axes, the inertia about the centre of mass.
+
+        Raises:
+            SettingsError: ``mass`` is not above 0, or ``kind`` is another word.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
+            >>> model.mass_properties(mass=6.0).inertia.round(9) + 0.0
+            array([[1., 0., 0.],
+                   [0., 1., 0.],
+                   [0., 0., 1.]])
+        """
+        kilograms = as_positive(mass, "mass")
+        if kind == "solid":
+            center, inertia = self._core.solid_mass_properties
+        elif kind == "surface":
+            center, inertia = self._core.surface_mass_properties
+        else:
+            raise SettingsError(f"kind must be 'solid' or 'surface', not {kind!r}")
+        return MassProperties(kilograms, np.array(center), kilograms * np.array(inertia))
+
+    def __repr__(self) -> str:
+        x, y, z = self.field.shape
+        return (
+            f"Model({len(self._core.faces)} triangles, {len(self.shell)} points, "
+            f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
+            f"{self.field.nbytes / 1e6:.1f} MB)"
+        )
+
+
+def _as_padding(value: float) -> float:
+    number = as_real(value, "padding")
+    if number < 0.0:
+        raise SettingsError(f"padding must be at least 0, not {number:g}")
+    return number

@@ -1,0 +1,64 @@
+"""What tests of voxshell, and of programs that use it, can hold it to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voxshell import _core, queries
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell.contact_set import Contacts
+    from voxshell.model import Model
+    from voxshell.queries import Body, Shell
+
+
+def contacts_flat(
+    a: Body,
+    b: Body,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
+    *,
+    shell: Shell = "auto",
+    margin: float = 0.0,
+    level: int | None = None,
+) -> Contacts:
+    """Finds contacts by evaluating every point of the shell in order, without its tree.
+
+    The oracle of :func:`voxshell.contacts`, which returns the same bits, only sooner. Arguments,
+    results and errors are the same.
+
+    Example:
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> plane = vx.Plane(offset=-0.09)
+        >>> found, oracle = vx.contacts(ball, plane), vx.testing.contacts_flat(ball, plane)
+        >>> np.array_equal(found.ids, oracle.ids) and np.array_equal(found.depths, oracle.depths)
+        True
+    """
+    return queries.find(_core.contacts_flat, a, b, a_pose, b_pose, shell, margin, level)
+
+
+def grid_samples(model: Model) -> NDArray[np.float32]:
+    """The distances at the nodes of a model's field, between which it interpolates.
+
+    Node (i, j, k) lies at ``model.field.origin + model.field.voxel_size * (i, j, k)``.
+
+    Args:
+        model: Any model.
+
+    Returns:
+        (nodes along x, y, z) float32, metres, negative inside; read-only.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
+        >>> vx.testing.grid_samples(model).shape == model.field.shape
+        True
+    """
+    return model.field._grid.samples
