@@ -10,6 +10,12 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 4;
 constexpr int kMaxDepth = 64;  ///< median splits of at most 2^32 triangles stay far below
 
+Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 ab = b - a;
+  const double squared = squared_length(ab);
+  return squared > 0.0 ? a + std::clamp(dot(p - a, ab) / squared, 0.0, 1.0) * ab : a;
+}
+
 }  // namespace
 
 Vec3 closest_point_on_triangle(const Vec3& p, const std::array<Vec3, 3>& corners) {
@@ -27,7 +33,7 @@ Vec3 closest_point_on_triangle(const Vec3& p, const std::array<Vec3, 3>& corners
   if (d3 >= 0.0 && d4 <= d3) return b;
 
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3) {
     return a + (d1 / (d1 - d3)) * ab;
   }
 
@@ -47,8 +53,18 @@ Vec3 closest_point_on_triangle(const Vec3& p, const std::array<Vec3, 3>& corners
     return b + along * (c - b);
   }
 
-  const double scale = 1.0 / (va + vb + vc);
-  return a + (vb * scale) * ab + (vc * scale) * ac;
+  const double total = va + vb + vc;
+  const Vec3 on_face = a + (vb / total) * ab + (vc / total) * ac;
+  // On a needle the weights are mostly rounding (on one without area, 0 / 0), but it has no point
+  // far from its sides.
+  constexpr double kThin = 1e-6;  // sine of the angle at a, squared
+  if (total > kThin * squared_length(ab) * squared_length(ac)) return on_face;
+  Vec3 best = closest_point_on_segment(p, a, b);
+  for (const Vec3& candidate :
+       {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a), on_face}) {
+    if (squared_length(p - candidate) < squared_length(p - best)) best = candidate;
+  }
+  return best;
 }
 
 ClosestPointTree::ClosestPointTree(const TriangleMesh& mesh) {

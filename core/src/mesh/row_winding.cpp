@@ -51,7 +51,14 @@ std::optional<Hit> intersect(const TriangleMesh& mesh, const Triangle& t, const 
   const double low = std::min({opposite_0, opposite_1, opposite_2});
   const double high = std::max({opposite_0, opposite_1, opposite_2});
   if (low < 0.0 && high > 0.0) return std::nullopt;
-  if (low == 0.0 || high == 0.0) return Hit{0.0, 0};
+  if (low == 0.0 || high == 0.0) {
+    // Corners in line along x are a point to the row, which it only meets with the neighbours'
+    // rims.
+    const Vec3 ab = mesh.vertices()[t[1]] - mesh.vertices()[t[0]];
+    const Vec3 ac = mesh.vertices()[t[2]] - mesh.vertices()[t[0]];
+    if (ab.y == 0.0 && ab.z == 0.0 && ac.y == 0.0 && ac.z == 0.0) return std::nullopt;
+    return Hit{0.0, 0};
+  }
   const double total = opposite_0 + opposite_1 + opposite_2;
   const auto vertices = mesh.vertices();
   const double x = (opposite_0 * vertices[t[0]].x + opposite_1 * vertices[t[1]].x +
