@@ -1,0 +1,253 @@
+"""Replays, written and then played by a real browser with no network."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+import viser
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+from voxshell.errors import RecordingError
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.viewer.lanes import Lane, arrange_lanes
+from voxshell.viewer.replay import save_replay
+
+BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
+BLOCK = trimesh.creation.box((2.0, 2.0, 0.5))
+FRAMES, TIME_STEP = 200, 1 / 200  # one second
+LANDS = 100  # the step from which on there are contacts
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+ARGUMENTS = [
+    "--headless=new",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--no-first-run",
+    "--disable-component-update",
+    "--disable-sync",
+]
+WIDTH, HEIGHT, BAR = 480, 360, 40
+# Software rendering on a busy machine draws a picture in seconds rather than milliseconds.
+PATIENCE = 30.0
+
+
+def fall_and_roll(seed: int = 0) -> Recording:
+    """A tumbling ball that falls, lands after half a second, and rolls on with contacts."""
+    rng = np.random.default_rng(seed)
+    step = np.arange(FRAMES)
+    poses = np.array(
+        [trimesh.transformations.rotation_matrix(0.05 * i, [1.0, 2.0, 0.5]) for i in step]
+    )
+    poses[:, 0, 3] = np.where(step > LANDS, 0.001 * (step - LANDS), 0.0)
+    poses[:, 2, 3] = 0.095 + 0.4 * np.clip(1.0 - step / LANDS, 0.0, 1.0) ** 0.5
+    ground = np.tile(np.eye(4), (FRAMES, 1, 1))
+    ground[:, 2, 3] = -0.25
+    contacts = []
+    for i in step:
+        count = int(rng.integers(5, 40)) if i >= LANDS else 0
+        points = np.zeros((count, 3))
+        points[:, :2] = poses[i, :2, 3] + rng.uniform(-0.04, 0.04, (count, 2))
+        normals = np.tile([0.0, 0.0, 1.0], (count, 1))
+        contacts.append((points, normals, rng.uniform(0.0, 0.005, count)))
+    bodies = (
+        BodyTrack("ball", BALL.vertices, BALL.faces, (60, 110, 220), poses),
+        BodyTrack("ground", BLOCK.vertices, BLOCK.faces, None, ground),
+    )
+    return Recording(TIME_STEP, bodies, ContactTrack.from_frames(contacts))
+
+
+@pytest.fixture(scope="module")
+def replay(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("replay") / "replay.html"
+    lanes = arrange_lanes({"fine": fall_and_roll(1), "coarse": fall_and_roll(2)})
+    return save_replay(path, lanes, title="A ball & a block")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    names = [os.environ.get("VOXSHELL_BROWSER", ""), *BROWSERS]
+    found = next((path for name in names if name and (path := shutil.which(name))), None)
+    if found is None:
+        pytest.fail(
+            f"no browser to play the replay in: looked for {', '.join(BROWSERS)}; install one "
+            "(Debian: apt-get install chromium) or name it in VOXSHELL_BROWSER"
+        )
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+class Player:
+    """A replay in a browser without network, and everything that it complained of or asked for."""
+
+    def __init__(self, browser: Browser, path: Path) -> None:
+        context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT}, offline=True)
+        self.page: Page = context.new_page()
+        self.page.set_default_timeout(PATIENCE * 1000.0)
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on(
+            "console",
+            lambda message: (
+                self.complaints.append(message.text) if message.type == "error" else None
+            ),
+        )
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("websocket", lambda websocket: self.requests.append(websocket.url))
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("canvas[data-engine]")
+        # The heading has colours of its own; and without a graphics card the player says so, in a
+        # notice over the picture.
+        self.page.add_style_tag(
+            content="#voxshell-heading { opacity: 0; } .mantine-Notifications-root { display: none; }"
+        )
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) the picture without the play bar, 0 to 255."""
+        shot = self.page.screenshot(timeout=PATIENCE * 1000.0)
+        pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int64)
+        return pixels[: HEIGHT - BAR]
+
+    def wait(self, wanted: Callable[[np.ndarray], bool], what: str) -> np.ndarray:
+        """The first picture that is as wanted."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            picture = self.picture()
+            if wanted(picture):
+                return picture
+            if time.monotonic() > end:
+                pytest.fail(
+                    f"after {PATIENCE:g} s: {what}; {blue(picture)} blue and {warm(picture)} warm "
+                    f"pixels of {picture.shape[0] * picture.shape[1]}; {self.complaints}"
+                )
+            time.sleep(0.2)
+
+    def seek(self, seconds: float) -> None:
+        """Stops the player at a time."""
+        clock = self.page.locator("input.mantine-NumberInput-input").first
+        clock.fill(f"{seconds:g}")
+        clock.blur()
+
+
+def blue(picture: np.ndarray) -> int:
+    """Pixels of the balls' colour."""
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    return int(np.sum((blue > red + 40) & (blue > green + 20)))
+
+
+def warm(picture: np.ndarray) -> int:
+    """Pixels of the contacts' colours."""
+    red, _, blue = np.moveaxis(picture, 2, 0)
+    return int(np.sum(red > blue + 60))
+
+
+def test_the_page_plays_offline(browser: Browser, replay: Path):
+    player = Player(browser, replay)
+    first = player.wait(lambda p: blue(p) > 200, "no ball is seen")
+    player.wait(
+        lambda p: blue(p) > 200 and int(np.sum(np.abs(p - first).max(axis=2) > 30)) > 100,
+        "the picture does not change while it plays",
+    )
+    # Before the balls land there are no contacts, afterwards there are; and back again.
+    player.seek(0.1)
+    player.wait(lambda p: blue(p) > 200 and warm(p) == 0, "contacts before there are any")
+    player.seek(0.9)
+    through = warm(player.wait(lambda p: blue(p) > 200 and warm(p) > 50, "contacts are not seen"))
+    player.page.uncheck("#voxshell-through")
+    player.wait(lambda p: warm(p) < 0.7 * through, "bodies do not hide contacts when told to")
+    player.seek(0.1)
+    player.wait(lambda p: blue(p) > 200 and warm(p) == 0, "contacts stay when seeking back")
+    assert player.page.title() == "A ball & a block"
+    assert "Plays in real time" in player.page.inner_text("#voxshell-heading")
+    assert player.complaints == []
+    asked = [url for url in player.requests if not url.startswith(("data:", "blob:"))]
+    assert asked == [replay.as_uri()]
+
+
+def test_the_browser_refuses_what_a_page_might_fetch(browser: Browser, replay: Path):
+    player = Player(browser, replay)
+    fetched = player.page.evaluate(
+        "fetch('https://example.org/').then(() => 'fetched', (error) => String(error))"
+    )
+    assert fetched != "fetched"
+    assert any("Content Security Policy" in complaint for complaint in player.complaints)
+
+
+def test_writing_is_silent_and_leaves_no_server(tmp_path, capfd, monkeypatch):
+    servers: list[tuple[str, int]] = []
+    start = viser.ViserServer.__init__
+
+    def spy(self, *args, **kwargs):
+        start(self, *args, **kwargs)
+        servers.append((self.get_host(), self.get_port()))
+
+    monkeypatch.setattr(viser.ViserServer, "__init__", spy)
+    fall_and_roll().save_html(tmp_path / "replay.html")
+    assert capfd.readouterr() == ("", "")
+    assert [host for host, _ in servers] == ["127.0.0.1"]
+    with socket.socket() as probe:
+        assert probe.connect_ex(servers[0]) != 0
+
+
+def test_a_mesh_in_several_lanes_is_stored_once(tmp_path):
+    mesh = trimesh.creation.icosphere(subdivisions=5)
+    mesh.vertices += 0.01 * np.random.default_rng(4).normal(size=mesh.vertices.shape)
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[1, 2, 3] = 0.1
+    body = BodyTrack("stone", mesh.vertices, mesh.faces, None, poses)
+    recording = Recording(0.1, (body,), ContactTrack.empty(2))
+    one = save_replay(tmp_path / "one.html", [Lane("", recording)], title="")
+    names = {str(i): recording for i in range(5)}
+    five = save_replay(tmp_path / "five.html", arrange_lanes(names), title="")
+    assert five.stat().st_size < one.stat().st_size + 20_000
+
+
+def test_a_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
+    path = tmp_path / "replay.html"
+    path.write_text("old")
+
+    def fail(self, target):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OSError, match="disk full"):
+        fall_and_roll().save_html(path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("lanes", "options", "message"),
+    [
+        ([], {}, "no lanes"),
+        ([Lane("", fall_and_roll())], {"hold": -1.0}, "hold must be seconds"),
+        ([Lane("", fall_and_roll())], {"max_contacts": -1}, "max_contacts must be at least 0"),
+        ([Lane("", fall_and_roll())], {"up": "up"}, "up must be"),
+        ([Lane("", fall_and_roll())], {"speed": 0.0}, "speed must be positive"),
+    ],
+)
+def test_bad_requests_are_refused(tmp_path, lanes, options, message):
+    with pytest.raises(RecordingError, match=message):
+        save_replay(tmp_path / "replay.html", lanes, title="", **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_importing_the_viewer_does_not_load_viser():
+    code = "import sys, voxshell.viewer.replay; print('viser' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
