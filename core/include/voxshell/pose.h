@@ -25,7 +25,7 @@ struct Pose {
   Vec3 translation;
 
   /// From a row-major 4x4 matrix. Error kInvalidPose unless finite, last row (0, 0, 0, 1) and
-  /// rotation orthonormal with determinant 1, each to 1e-6.
+  /// rotation orthonormal with determinant 1, each to 1e-6, and translation within 1e15 m.
   static Result<Pose> from_matrix(const std::array<double, 16>& matrix);
 
   Vec3 transform_point(const Vec3& p) const { return rotation * p + translation; }

@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kRigidTolerance = 1e-6;
 
+/// Metres. Beyond, the squares of coordinates would overflow float32, and products of poses
+/// float64.
+constexpr double kFarthest = 1e15;
+
 }  // namespace
 
 Matrix3 Matrix3::transposed() const {
@@ -50,6 +54,12 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
                  format_text("pose's rotation is off orthonormal by %.3g (at most 1e-6); scale the "
                              "mesh, not the pose",
                              orthonormal_error)};
+  }
+  const Vec3& t = pose.translation;
+  const double farthest = std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)});
+  if (farthest > kFarthest) {
+    return Error{ErrorCode::kInvalidPose,
+                 format_text("pose is %.3g m from its origin, beyond %.0e m", farthest, kFarthest)};
   }
   if (dot(cross(x, y), z) < 0.0) {
     return Error{ErrorCode::kInvalidPose,
