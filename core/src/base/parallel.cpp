@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -10,7 +11,9 @@ namespace voxshell {
 
 bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
                   const Progress& progress, const std::function<void(std::size_t)>& task) {
+  constexpr unsigned kMaxThreads = 256;  // beyond any gain, below what systems allow
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  threads = std::min(threads, kMaxThreads);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> stopped{false};
 
@@ -39,7 +42,11 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   {
     std::vector<std::jthread> helpers;
     const std::size_t helper_count = std::min<std::size_t>(threads - 1, count);
-    for (std::size_t i = 0; i < helper_count; ++i) helpers.emplace_back(work, false);
+    try {
+      for (std::size_t i = 0; i < helper_count; ++i) helpers.emplace_back(work, false);
+    } catch (const std::system_error&) {
+      // The system has no more threads to give: the work is done by fewer.
+    }
     work(true);
   }
   if (!stopped) report();

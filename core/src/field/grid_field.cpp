@@ -15,30 +15,44 @@ namespace {
 /// Grid nodes along one axis beyond which indices would no longer be exact in float32 arithmetic.
 constexpr double kMaxNodesPerAxis = 8192.0;
 
-Result<std::array<int, 3>> compute_shape(const Bounds& bounds, double voxel_size,
-                                         std::size_t memory_limit) {
-  const Vec3 extents = bounds.extents();
-  std::array<int, 3> shape{};
-  double nodes = 1.0;
-  double largest = 0.0;
+/// The nodes that a voxel size asks for, counted in float64 as they may be very many.
+struct GridPlan {
+  Bounds bounds;
+  Vec3 nodes;  ///< along x, y, z
+
+  double bytes() const { return nodes.x * nodes.y * nodes.z * sizeof(float); }
+  double longest() const { return std::max({nodes.x, nodes.y, nodes.z}); }
+  bool fits(std::size_t memory_limit) const {
+    return bytes() <= static_cast<double>(memory_limit) && longest() <= kMaxNodesPerAxis;
+  }
+};
+
+GridPlan plan_grid(const Bounds& surface_bounds, double padding, double voxel_size) {
+  const double kept = std::max(padding, voxel_size);
+  const Vec3 pad{kept, kept, kept};
+  GridPlan plan{{surface_bounds.lower - pad, surface_bounds.upper + pad}, {}};
   for (int axis = 0; axis < 3; ++axis) {
-    const double along = std::ceil(extents[axis] / voxel_size) + 1.0;
-    largest = std::max(largest, along);
-    nodes *= along;
-    if (along <= kMaxNodesPerAxis) shape[static_cast<std::size_t>(axis)] = static_cast<int>(along);
+    plan.nodes[axis] = std::ceil(plan.bounds.extents()[axis] / voxel_size) + 1.0;
   }
-  const double bytes = nodes * sizeof(float);
-  if (bytes > static_cast<double>(memory_limit) || largest > kMaxNodesPerAxis) {
-    const double by_memory = std::cbrt(bytes / static_cast<double>(memory_limit));
-    const double by_axis = largest / kMaxNodesPerAxis;
-    return Error{
-        ErrorCode::kTooLarge,
-        format_text("a distance field of voxel size %.3g m would need %.3g GB (%.3g voxels "
-                    "along its longest side); use a voxel size of at least %.2g m",
-                    voxel_size, bytes / 1e9, largest,
-                    1.02 * voxel_size * std::max(by_memory, by_axis))};
+  return plan;
+}
+
+Error too_large(const GridPlan& plan, const Bounds& surface_bounds,
+                const GridFieldSettings& settings) {
+  const double by_memory = std::cbrt(plan.bytes() / static_cast<double>(settings.memory_limit));
+  const double by_axis = plan.longest() / kMaxNodesPerAxis;
+  double advised = settings.voxel_size * std::max(by_memory, by_axis);
+  // The outermost nodes do not become fewer with larger voxels.
+  const double too_coarse = surface_bounds.extents()[surface_bounds.longest_axis()];
+  while (advised < too_coarse &&
+         !plan_grid(surface_bounds, settings.padding, advised).fits(settings.memory_limit)) {
+    advised *= 1.01;
   }
-  return shape;
+  // The last factor outweighs the rounding of the text.
+  return {ErrorCode::kTooLarge,
+          format_text("a distance field of voxel size %.3g m would need %.3g GB (%.3g voxels along "
+                      "its longest side); use a voxel size of at least %.3g m",
+                      settings.voxel_size, plan.bytes() / 1e9, plan.longest(), 1.006 * advised)};
 }
 
 /// Nodes that lie in several layers of the mesh, or in one that is inside out.
@@ -74,16 +88,14 @@ Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSett
   }
   if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
 
-  const double padding = std::max(settings.padding, settings.voxel_size);
-  const Vec3 pad{padding, padding, padding};
-  const Bounds padded{mesh.bounds().lower - pad, mesh.bounds().upper + pad};
-  const auto shape = compute_shape(padded, settings.voxel_size, settings.memory_limit);
-  if (!shape) return shape.error();
+  const GridPlan plan = plan_grid(mesh.bounds(), settings.padding, settings.voxel_size);
+  if (!plan.fits(settings.memory_limit)) return too_large(plan, mesh.bounds(), settings);
 
   GridField field;
   field.voxel_size_ = settings.voxel_size;
-  field.origin_ = padded.lower;
-  field.shape_ = *shape;
+  field.origin_ = plan.bounds.lower;
+  field.shape_ = {static_cast<int>(plan.nodes.x), static_cast<int>(plan.nodes.y),
+                  static_cast<int>(plan.nodes.z)};
   field.surface_bounds_ = mesh.bounds();
   const auto nx = static_cast<std::size_t>(field.shape_[0]);
   const auto ny = static_cast<std::size_t>(field.shape_[1]);
@@ -169,7 +181,8 @@ GridField::Cell GridField::locate(const Vec3f& p) const {
   for (int axis = 0; axis < 3; ++axis) {
     const int nodes = shape_[static_cast<std::size_t>(axis)];
     const float unclamped = (p[axis] - static_cast<float>(origin_[axis])) * inverse_h;
-    const float clamped = std::min(std::max(unclamped, 0.0f), static_cast<float>(nodes - 1));
+    // In this order, not-a-number becomes 0 here and stays what it is in `outside`.
+    const float clamped = std::min(std::max(0.0f, unclamped), static_cast<float>(nodes - 1));
     outside[axis] = (unclamped - clamped) * h;
     const int cell = std::min(static_cast<int>(clamped), nodes - 2);
     lowest[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(cell);
@@ -235,10 +248,11 @@ double GridField::reach() const {
 
 float GridField::lower_bound(const Vec3f& centre, float radius) const {
   const auto error = static_cast<float>(interpolation_error());
-  // Everything of the surface lies in its bounds, at any distance.
+  // From outside its bounds the surface is at least as far as they are.
   const auto to_bounds =
       static_cast<float>(std::sqrt(squared_distance(surface_bounds_, static_cast<Vec3>(centre))));
-  float bound = to_bounds - radius - error;
+  const float bound =
+      to_bounds > 0.0f ? to_bounds - radius - error : -std::numeric_limits<float>::infinity();
 
   float inside_by = std::numeric_limits<float>::infinity();
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,0 +1,68 @@
+#include "base/parallel.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace voxshell {
+namespace {
+
+TEST(ParallelFor, DoesEveryTaskOnce) {
+  for (const unsigned threads : {0u, 1u, 2u, 7u, 1000u}) {
+    for (const std::size_t count : {0u, 1u, 2u, 5u, 1000u}) {
+      std::vector<std::atomic<int>> done(count);
+      EXPECT_TRUE(parallel_for(count, threads, "", {}, [&](std::size_t i) { ++done.at(i); }));
+      for (const auto& times : done) EXPECT_EQ(times, 1);
+    }
+  }
+}
+
+TEST(ParallelFor, TakesAnyNumberOfThreads) {
+  std::atomic<int> done{0};
+  EXPECT_TRUE(parallel_for(100'000, 4'000'000'000u, "", {}, [&](std::size_t) { ++done; }));
+  EXPECT_EQ(done, 100'000);
+}
+
+TEST(ParallelFor, ReportsFromTheCallingThreadUpToTheEnd) {
+  const auto caller = std::this_thread::get_id();
+  double last = -1.0;
+  const auto progress = [&](std::string_view stage, double fraction) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_EQ(stage, "stage");
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    return true;
+  };
+  EXPECT_TRUE(parallel_for(50, 4, "stage", progress, [](std::size_t) {}));
+  EXPECT_EQ(last, 1.0);
+  last = -1.0;
+  EXPECT_TRUE(parallel_for(0, 4, "stage", progress, [](std::size_t) {}));
+  EXPECT_EQ(last, 1.0);
+}
+
+TEST(ParallelFor, StopsBeforeTheEndWhereProgressSaysSo) {
+  // The first report comes after 50 ms, when almost all of these tasks are still to do.
+  for (const unsigned threads : {1u, 3u}) {
+    std::atomic<std::size_t> done{0};
+    const auto progress = [](std::string_view, double) { return false; };
+    EXPECT_FALSE(parallel_for(100'000, threads, "", progress, [&](std::size_t) {
+      ++done;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }));
+    EXPECT_GT(done, 0u);
+    EXPECT_LT(done, 90'000u);
+  }
+}
+
+TEST(ParallelFor, RefusalOfTheLastReportCounts) {
+  EXPECT_FALSE(
+      parallel_for(1, 1, "", [](std::string_view, double) { return false; }, [](std::size_t) {}));
+}
+
+}  // namespace
+}  // namespace voxshell

@@ -1,0 +1,594 @@
+#include "voxshell/grid_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/brute_force.h"
+#include "support/meshes.h"
+#include "support/random.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+GridField build(const TriangleMesh& mesh, double voxel_size, double padding = 0.0) {
+  auto field = GridField::build(mesh, {.voxel_size = voxel_size, .padding = padding});
+  EXPECT_TRUE(field) << field.error().message;
+  if (!field) std::abort();
+  return *std::move(field);
+}
+
+void expect_error(const Result<GridField>& field, ErrorCode code, const std::string& reason) {
+  ASSERT_FALSE(field) << "accepted, but expected: " << reason;
+  EXPECT_EQ(field.error().code, code);
+  EXPECT_NE(field.error().message.find(reason), std::string::npos) << field.error().message;
+}
+
+struct Body {
+  const char* name;
+  TriangleMesh mesh;
+  double voxel_size;
+};
+
+/// About unit size. Turned out of the grid's axes, apart from the L-shape.
+std::vector<Body> bodies() {
+  Random random(70);
+  const auto turned = [&](const Soup& soup) { return transformed(soup, random.pose(0.3)).mesh(); };
+  std::vector<Body> all;
+  all.push_back({"L-shape", make_l_shape(0.5).mesh(), 0.06});
+  all.push_back({"torus", turned(make_torus(0.7, 0.25, 20, 12)), 0.07});
+  all.push_back({"blob", turned(make_blob(0.6, 2)), 0.07});
+  all.push_back({"wedge", turned(make_wedge(1.0, 0.08, 0.5)), 0.04});
+  all.push_back({"spike", turned(make_spike(0.3, 1.2)), 0.05});
+  all.push_back({"plate", turned(make_box({0.5, 0.4, 0.015})), 0.05});  // thinner than a voxel
+  all.push_back({"hollow",
+                 together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.35, 0.3, 0.25}))).mesh(),
+                 0.05});
+  return all;
+}
+
+Bounds grid_bounds(const GridField& field) {
+  Bounds bounds;
+  bounds.extend(field.origin());
+  const auto [nx, ny, nz] = field.shape();
+  bounds.extend(field.origin() + field.voxel_size() * Vec3{nx - 1.0, ny - 1.0, nz - 1.0});
+  return bounds;
+}
+
+Vec3 point_in(Random& random, const Bounds& bounds) {
+  return random.in_box(bounds.lower, bounds.upper);
+}
+
+Bounds grown(const Bounds& bounds, double by) {
+  const Vec3 margin{by, by, by};
+  return {bounds.lower - margin, bounds.upper + margin};
+}
+
+bool is_in(const Bounds& bounds, const Vec3f& p) {
+  return squared_distance(bounds, static_cast<Vec3>(p)) == 0.0;
+}
+
+double distance_at(const GridField& field, const Vec3& p) {
+  return static_cast<double>(field.distance(static_cast<Vec3f>(p)));
+}
+
+TEST(GridField, ShapeCoversTheMeshAndItsPadding) {
+  const TriangleMesh mesh = make_box({0.5, 0.25, 1.0}).mesh();
+  for (const double padding : {0.0, 0.05, 0.33}) {
+    const GridField field = build(mesh, 0.1, padding);
+    const double kept = std::max(padding, 0.1);
+    const Bounds bounds = grid_bounds(field);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(bounds.lower[axis], mesh.bounds().lower[axis] - kept, 1e-12);
+      EXPECT_GE(bounds.upper[axis], mesh.bounds().upper[axis] + kept - 1e-12);
+      EXPECT_LT(bounds.upper[axis], mesh.bounds().upper[axis] + kept + 0.1);
+    }
+    const auto [nx, ny, nz] = field.shape();
+    EXPECT_EQ(field.samples().size(), static_cast<std::size_t>(nx * ny * nz));
+    EXPECT_EQ(field.nbytes(), 4 * field.samples().size());
+    EXPECT_EQ(field.surface_bounds().lower, mesh.bounds().lower);
+    EXPECT_EQ(field.surface_bounds().upper, mesh.bounds().upper);
+    EXPECT_EQ(field.voxel_size(), 0.1);
+  }
+}
+
+TEST(GridField, NodesHoldTheSignedDistance) {
+  Random random(71);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
+    const auto [nx, ny, nz] = field.shape();
+    int inside = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+      const auto i = static_cast<int>(random.below(static_cast<std::size_t>(nx)));
+      const auto j = static_cast<int>(random.below(static_cast<std::size_t>(ny)));
+      const auto k = static_cast<int>(random.below(static_cast<std::size_t>(nz)));
+      const Vec3 p = field.origin() + voxel_size * Vec3{1.0 * i, 1.0 * j, 1.0 * k};
+      const float sample = field.samples()[static_cast<std::size_t>(i + nx * (j + ny * k))];
+      const double expected = signed_distance_to_mesh(p, mesh);
+      inside += expected < 0.0;
+      // On the surface itself either sign will do.
+      ASSERT_NEAR(static_cast<double>(sample), expected, 1e-5 * voxel_size) << name;
+      ASSERT_NEAR(distance_at(field, p), expected, 1e-5 * voxel_size) << name;
+    }
+    EXPECT_GT(inside, 10) << name;
+  }
+}
+
+TEST(GridField, EveryNodeOfABoxIsExactToTheBit) {
+  // All coordinates are multiples of 1/16: nodes lie on faces, edges and corners.
+  const TriangleMesh mesh = make_box({0.5, 0.25, 0.75}).mesh();
+  const double h = 0.0625;
+  const GridField field = build(mesh, h, 0.25);
+  const auto [nx, ny, nz] = field.shape();
+  const Vec3 half{0.5, 0.25, 0.75};
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        const Vec3 p = field.origin() + h * Vec3{1.0 * i, 1.0 * j, 1.0 * k};
+        const Vec3 q{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
+        const double outside =
+            length(Vec3{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)});
+        const double expected = outside + std::min(std::max({q.x, q.y, q.z}), 0.0);
+        // Distances of no length at all may be a rounding error of float64 instead.
+        const float tolerance = expected == 0.0 ? 1e-15f : 0.0f;
+        ASSERT_NEAR(field.distance(static_cast<Vec3f>(p)), static_cast<float>(expected), tolerance)
+            << p.x << " " << p.y << " " << p.z;
+      }
+    }
+  }
+}
+
+TEST(GridField, ErrorInsideTheGridIsWithinTheInterpolationError) {
+  Random random(72);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
+    EXPECT_NEAR(field.interpolation_error(), std::sqrt(3.0) / 2.0 * voxel_size, 1e-15);
+    const Bounds bounds = grid_bounds(field);
+    double worst = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 p = point_in(random, bounds);
+      worst = std::max(worst, std::abs(distance_at(field, p) - signed_distance_to_mesh(p, mesh)));
+    }
+    EXPECT_LE(worst, field.interpolation_error() + 1e-6) << name;
+    EXPECT_GT(worst, 0.05 * voxel_size) << name;  // or the sampling missed where it is hard
+  }
+}
+
+TEST(GridField, ErrorBoundIsReachedByASpeckInTheMiddleOfACell) {
+  const TriangleMesh speck = make_icosphere(1e-3, 1).mesh();
+  const GridField field = build(speck, 1.0, 1.499);  // the speck is in the middle of the grid
+  ASSERT_EQ(field.shape(), (std::array<int, 3>{4, 4, 4}));
+  const double error = distance_at(field, {}) - signed_distance_to_mesh({}, speck);
+  EXPECT_LE(error, field.interpolation_error());
+  EXPECT_GE(error, 0.99 * field.interpolation_error());
+}
+
+TEST(GridField, OutsideTheGridIsNeverBelowTheTrueDistanceLessTheError) {
+  Random random(73);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grid_bounds(field);
+    int outside = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p = point_in(random, grown(bounds, i % 2 == 0 ? 0.1 : 3.0));
+      if (is_in(bounds, static_cast<Vec3f>(p))) continue;
+      ++outside;
+      const double value = distance_at(field, p);
+      EXPECT_GE(value, distance_to_mesh(p, mesh) - field.interpolation_error() - 1e-6) << name;
+      // Nor far above it: the way to the grid and from there to the surface is a detour of at most
+      // the grid's own depth on each axis.
+      EXPECT_LE(value, distance_to_mesh(p, mesh) + length(bounds.extents())) << name;
+    }
+    EXPECT_GT(outside, 500) << name;
+  }
+}
+
+TEST(GridField, IsContinuousAcrossCellsAndTheGridsBorder) {
+  Random random(74);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grid_bounds(field);
+    const auto step = static_cast<float>(1e-6);
+    for (int i = 0; i < 3000; ++i) {
+      // On a face between cells, or on the border, or a corner of either.
+      Vec3 p = point_in(random, grown(bounds, 0.2));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (axis != i % 3 && random.below(3) != 0) continue;
+        const double last = field.shape()[static_cast<std::size_t>(axis)] - 1.0;
+        const double cell = random.below(4) == 0 ? (random.below(2) == 0 ? 0.0 : last)
+                                                 : std::round(random.uniform(0.0, last));
+        p[axis] = field.origin()[axis] + cell * voxel_size;
+      }
+      const auto here = static_cast<Vec3f>(p);
+      for (int k = 0; k < 6; ++k) {
+        const Vec3f there = here + step * static_cast<Vec3f>(random.direction());
+        ASSERT_NEAR(field.distance(here), field.distance(there), 5e-6f) << name;
+      }
+    }
+  }
+}
+
+TEST(GridField, GradientIsThatOfTheValue) {
+  Random random(75);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grid_bounds(field);
+    const double step = 0.02 * voxel_size;
+    int checked_inside = 0;
+    int checked_outside = 0;
+    for (int i = 0; i < 6000; ++i) {
+      const Vec3 p = point_in(random, grown(bounds, 0.3));
+      // Both ends of all differences in one cell, or on one side of the border.
+      bool is_clear = true;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double cells = (p[axis] - field.origin()[axis]) / voxel_size;
+        is_clear = is_clear && std::abs(cells - std::round(cells)) > 0.03;
+      }
+      // Just outside the grid the distance to it bends too much for differences.
+      const double squared = squared_distance(bounds, p);
+      if (!is_clear || (squared > 0.0 && squared < 0.05 * 0.05)) continue;
+      ++(is_in(bounds, static_cast<Vec3f>(p)) ? checked_inside : checked_outside);
+      const Vec3f gradient = field.gradient(static_cast<Vec3f>(p));
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 ahead = p;
+        Vec3 behind = p;
+        ahead[axis] += step;
+        behind[axis] -= step;
+        const double slope = (distance_at(field, ahead) - distance_at(field, behind)) / (2 * step);
+        ASSERT_NEAR(static_cast<double>(gradient[axis]), slope, 2e-3)
+            << name << " at " << p.x << " " << p.y << " " << p.z;
+      }
+    }
+    EXPECT_GT(checked_inside, 500) << name;
+    EXPECT_GT(checked_outside, 500) << name;
+  }
+}
+
+TEST(GridField, GradientIsNearUnitLengthAwayFromTheMedialAxis) {
+  const TriangleMesh mesh = make_icosphere(0.5, 4).mesh();
+  const GridField field = build(mesh, 0.025, 0.1);
+  Random random(76);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 direction = random.direction();
+    const Vec3 p = random.uniform(0.3, 0.6) * direction;
+    const Vec3f gradient = field.gradient(static_cast<Vec3f>(p));
+    EXPECT_NEAR(length(gradient), 1.0f, 0.05f);
+    EXPECT_GT(dot(static_cast<Vec3>(gradient), direction), 0.95);
+  }
+}
+
+TEST(GridField, LipschitzConstantBoundsEveryPairInTheGrid) {
+  Random random(77);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
+    const double constant = field.lipschitz_constant();
+    EXPECT_GE(constant, 0.99) << name;
+    EXPECT_LE(constant, std::sqrt(3.0) + 1e-5) << name;
+    const Bounds bounds = grid_bounds(field);
+    double steepest = 0.0;
+    for (int i = 0; i < 100'000; ++i) {
+      const auto p = static_cast<Vec3f>(point_in(random, bounds));
+      const double reach = voxel_size * (i % 2 == 0 ? 0.5 : 20.0);
+      const auto q =
+          static_cast<Vec3f>(static_cast<Vec3>(p) + random.unit() * reach * random.direction());
+      if (!is_in(bounds, q)) continue;
+      const double apart = length(static_cast<Vec3>(p) - static_cast<Vec3>(q));
+      const double change =
+          std::abs(static_cast<double>(field.distance(p)) - static_cast<double>(field.distance(q)));
+      ASSERT_LE(change, constant * apart + 1e-6) << name;
+      if (apart > 0.05 * voxel_size) steepest = std::max(steepest, change / apart);
+      steepest = std::max(steepest, static_cast<double>(length(field.gradient(p))));
+    }
+    EXPECT_LE(steepest, constant + 1e-4) << name;
+    EXPECT_GT(steepest, 0.75 * constant) << name;  // a constant far too large would prune nothing
+  }
+}
+
+/// The smallest value that can be found in a ball: at random, downhill, and at the grid's nodes.
+float find_smallest(const GridField& field, const Vec3& centre, double radius, Random& random) {
+  float smallest = field.distance(static_cast<Vec3f>(centre));
+  const auto try_point = [&](const Vec3& p) {
+    const Vec3 away = p - centre;
+    const double far = length(away);
+    // Stay within the ball also after rounding.
+    const Vec3 clamped = far > radius ? centre + (radius * (1.0 - 1e-7) / far) * away : p;
+    smallest = std::min(smallest, field.distance(static_cast<Vec3f>(clamped)));
+    return clamped;
+  };
+  for (int i = 0; i < 10; ++i) {
+    try_point(centre + radius * random.direction());
+    try_point(centre + (radius * random.unit()) * random.direction());
+  }
+  for (int start = 0; start < 3; ++start) {
+    Vec3 p = start == 0 ? centre : try_point(centre + radius * random.direction());
+    for (int i = 0; i < 12; ++i) {
+      const Vec3f slope = field.gradient(static_cast<Vec3f>(p));
+      p = try_point(p - (radius / (1 + i / 3)) * static_cast<Vec3>(slope));
+    }
+  }
+  const double h = field.voxel_size();
+  Vec3 low = centre - Vec3{radius, radius, radius} - field.origin();
+  for (int i = 0; i < 20; ++i) {
+    Vec3 node;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cells = std::ceil(low[axis] / h) + std::floor(random.unit() * 2.0 * radius / h);
+      node[axis] = field.origin()[axis] + cells * h;
+    }
+    if (length(node - centre) < radius) try_point(node);
+  }
+  return smallest;
+}
+
+TEST(GridField, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
+  Random random(78);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
+    const Bounds bounds = grid_bounds(field);
+    int in_the_grid = 0;
+    int across = 0;
+    int outside = 0;
+    int deep = 0;
+    double slack = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3 centre = point_in(random, grown(bounds, i % 4 == 0 ? 1.0 : 0.0));
+      const double radius = std::pow(10.0, random.uniform(-3, 0));
+      const auto centre_f = static_cast<Vec3f>(centre);
+      const float bound = field.lower_bound(centre_f, static_cast<float>(radius));
+      const float smallest = find_smallest(field, static_cast<Vec3>(centre_f), radius, random);
+      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << centre.x << " " << centre.y << " "
+                                         << centre.z << ", radius " << radius;
+      const bool centre_in = is_in(bounds, centre_f);
+      const bool ball_in = is_in(Bounds{bounds.lower + Vec3{radius, radius, radius},
+                                        bounds.upper - Vec3{radius, radius, radius}},
+                                 centre_f);
+      in_the_grid += ball_in;
+      across += centre_in && !ball_in;
+      outside += !centre_in;
+      deep += smallest < -static_cast<float>(voxel_size);
+      if (ball_in && radius < voxel_size) {
+        slack = std::max(slack, static_cast<double>(smallest - bound) / radius);
+      }
+    }
+    EXPECT_GT(in_the_grid, 500) << name;
+    EXPECT_GT(across, 300) << name;
+    EXPECT_GT(outside, 300) << name;
+    if (std::string_view(name) != "plate" && std::string_view(name) != "wedge") {
+      EXPECT_GT(deep, 100) << name;
+    }
+    // A useless bound holds, too: small balls in the grid must be answered tightly.
+    EXPECT_LT(slack, 2.0 * field.lipschitz_constant()) << name;
+  }
+}
+
+TEST(GridField, LowerBoundOfABallDeepInsideIsBelowZero) {
+  // Regression: the distance to the surface's bounds, which is 0 in there, is no bound inside.
+  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
+  EXPECT_LE(field.lower_bound({0, 0, 0}, 0.01f), -0.99f);
+  EXPECT_GE(field.lower_bound({0, 0, 0}, 0.01f), -1.0f - 0.01f * 1.75f);
+}
+
+TEST(GridField, LowerBoundIsTightFarAway) {
+  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
+  EXPECT_GE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f - 0.1f);
+  EXPECT_LE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f);
+}
+
+TEST(GridField, SamplesAreTheSameBitsWithAnyNumberOfThreads) {
+  const TriangleMesh mesh = bodies()[1].mesh;
+  std::vector<std::vector<float>> samples;
+  for (const unsigned threads : {1u, 2u, 7u, 0u}) {
+    const auto field = GridField::build(mesh, {.voxel_size = 0.05, .threads = threads});
+    ASSERT_TRUE(field);
+    samples.emplace_back(field->samples().begin(), field->samples().end());
+  }
+  for (const auto& other : samples) EXPECT_EQ(other, samples[0]);
+}
+
+TEST(GridField, TakesFarMoreThreadsThanASystemGives) {
+  const auto field =
+      GridField::build(make_box({1, 1, 1}).mesh(), {.voxel_size = 0.02, .threads = 4'000'000'000u});
+  ASSERT_TRUE(field);
+  EXPECT_NEAR(field->distance({0, 0, 3}), 2.0f, 1e-6f);
+}
+
+TEST(GridField, TurnsWithTheMesh) {
+  // Same body, other grid: the difference stays within both errors.
+  Random random(79);
+  const Soup soup = make_blob(0.6, 2);
+  const GridField still = build(soup.mesh(), 0.05, 0.1);
+  const Pose turned_from_still = random.pose(0.5);
+  const GridField turned = build(transformed(soup, turned_from_still).mesh(), 0.05, 0.1);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p = random.in_cube(0.7);
+    EXPECT_NEAR(distance_at(still, p), distance_at(turned, turned_from_still.transform_point(p)),
+                2 * still.interpolation_error());
+  }
+}
+
+TEST(GridField, RefusesSettingsThatMakeNoSense) {
+  const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double voxel_size : {0.0, -0.1, nan, infinity}) {
+    expect_error(GridField::build(mesh, {.voxel_size = voxel_size}), ErrorCode::kInvalidArgument,
+                 "voxel size must be above 0 m");
+  }
+  for (const double padding : {-0.1, nan, infinity}) {
+    expect_error(GridField::build(mesh, {.voxel_size = 0.1, .padding = padding}),
+                 ErrorCode::kInvalidArgument, "padding must be at least 0 m");
+  }
+  expect_error(GridField::build(mesh, {.voxel_size = -0.25}), ErrorCode::kInvalidArgument, "-0.25");
+}
+
+TEST(GridField, RefusesOpenAndInsideOutMeshes) {
+  Soup open = make_box({1, 1, 1});
+  open.triangles.pop_back();
+  expect_error(GridField::build(open.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
+               "3 open");
+  expect_error(GridField::build(inverted(make_box({1, 1, 1})).mesh(), {.voxel_size = 0.1}),
+               ErrorCode::kInvalidMesh, "inside out");
+}
+
+TEST(GridField, RefusesAGridBeyondTheMemoryLimitAndAdvisesASizeThatFits) {
+  Random random(80);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Vec3 half{random.uniform(0.05, 1), random.uniform(0.05, 1), random.uniform(0.05, 1)};
+    const TriangleMesh mesh = make_box(half).mesh();
+    GridFieldSettings settings{.voxel_size = random.uniform(1e-4, 2e-3)};
+    settings.memory_limit = static_cast<std::size_t>(std::pow(10.0, random.uniform(3.3, 5.5)));
+    const auto refused = GridField::build(mesh, settings);
+    expect_error(refused, ErrorCode::kTooLarge, "GB");
+    if (refused) return;
+    const std::string& message = refused.error().message;
+    const std::string before_number = "use a voxel size of at least ";
+    const std::size_t at = message.find(before_number);
+    ASSERT_NE(at, std::string::npos) << message;
+    settings.voxel_size = std::stod(message.substr(at + before_number.size()));
+    const auto built = GridField::build(mesh, settings);
+    ASSERT_TRUE(built) << "advised: " << message << "\nthen: " << built.error().message;
+    EXPECT_LE(built->nbytes(), settings.memory_limit);
+  }
+}
+
+TEST(GridField, RefusesMoreNodesAlongAnAxisThanFloat32CanNumber) {
+  const TriangleMesh rod = make_box({1.0, 0.001, 0.001}).mesh();
+  expect_error(GridField::build(rod, {.voxel_size = 1e-4}), ErrorCode::kTooLarge, "voxel size of");
+  EXPECT_TRUE(GridField::build(rod, {.voxel_size = 4e-4}));
+  // Numbers that overflow any count.
+  expect_error(GridField::build(rod, {.voxel_size = 1e-300}), ErrorCode::kTooLarge,
+               "voxel size of");
+}
+
+TEST(GridField, RefusesOverlappingBodies) {
+  const Soup sphere = make_icosphere(0.5, 3);
+  const Soup overlapping = together(sphere, moved(sphere, {0.6, 0.1, 0.05}));
+  expect_error(GridField::build(overlapping.mesh(), {.voxel_size = 0.05}), ErrorCode::kInvalidMesh,
+               "overlaps itself");
+}
+
+TEST(GridField, RefusesNestedBodies) {
+  const Soup nested = together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5}));
+  expect_error(GridField::build(nested.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
+               "overlaps itself");
+}
+
+TEST(GridField, RefusesABodyInsideOutBesideAnother) {
+  const Soup pair =
+      together(make_box({1, 1, 1}), moved(inverted(make_box({0.5, 0.5, 0.5})), {3, 0, 0}));
+  expect_error(GridField::build(pair.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
+               "inside out");
+}
+
+TEST(GridField, NamesAPlaceInTheOverlap) {
+  const Soup overlapping =
+      together(make_box({1, 1, 1}), moved(make_box({0.3, 0.3, 0.3}), {1.01, 0.5, 0.25}));
+  const auto field = GridField::build(overlapping.mesh(), {.voxel_size = 0.05});
+  ASSERT_FALSE(field);
+  const std::string& message = field.error().message;
+  const std::size_t at = message.find("near [");
+  ASSERT_NE(at, std::string::npos) << message;
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  ASSERT_EQ(std::sscanf(message.c_str() + at, "near [%lf, %lf, %lf]", &x, &y, &z), 3) << message;
+  EXPECT_TRUE(x > 0.7 && x < 1.0 && y > 0.2 && y < 0.8 && z > -0.05 && z < 0.55) << message;
+}
+
+TEST(GridField, ACavityIsOutside) {
+  const Soup hollow = together(make_box({1, 1, 1}), inverted(make_box({0.5, 0.5, 0.5})));
+  const GridField field = build(hollow.mesh(), 0.0625);
+  EXPECT_EQ(field.distance({0, 0, 0}), 0.5f);
+  EXPECT_EQ(field.distance({0.75f, 0, 0}), -0.25f);
+  EXPECT_EQ(field.distance({0, 0, 1.0625f}), 0.0625f);
+}
+
+TEST(GridField, SeparateBodiesShareAField) {
+  const Soup pair =
+      together(make_box({0.5, 0.5, 0.5}), moved(make_box({0.5, 0.5, 0.5}), {2, 0, 0}));
+  const GridField field = build(pair.mesh(), 0.125);
+  EXPECT_EQ(field.distance({0, 0, 0}), -0.5f);
+  EXPECT_EQ(field.distance({2, 0, 0}), -0.5f);
+  EXPECT_EQ(field.distance({1, 0, 0}), 0.5f);
+}
+
+TEST(GridField, StopsWhereProgressSaysSo) {
+  const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
+  int calls = 0;
+  const auto stopped =
+      GridField::build(mesh, {.voxel_size = 0.05}, [&](std::string_view stage, double fraction) {
+        EXPECT_EQ(stage, "distance field");
+        EXPECT_GE(fraction, 0.0);
+        EXPECT_LE(fraction, 1.0);
+        ++calls;
+        return false;
+      });
+  expect_error(stopped, ErrorCode::kCancelled, "stopped");
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(GridField, ReportsProgressUpToTheEnd) {
+  double last = -1.0;
+  const auto field = GridField::build(make_blob(1, 3).mesh(), {.voxel_size = 0.03, .threads = 2},
+                                      [&](std::string_view, double fraction) {
+                                        EXPECT_GE(fraction, last);
+                                        last = fraction;
+                                        return true;
+                                      });
+  ASSERT_TRUE(field);
+  EXPECT_EQ(last, 1.0);
+}
+
+TEST(GridField, AnswersFarAwayWithoutTrouble) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const GridField field = build(bodies()[2].mesh, 0.07);
+  for (const float far : {1e3f, 1e6f, 1e10f}) {
+    for (const Vec3f& direction : {Vec3f{1, 0, 0}, Vec3f{0, -1, 0}, Vec3f{0.6f, 0, -0.8f}}) {
+      const Vec3f p = far * direction;
+      EXPECT_NEAR(field.distance(p), far, 1.0f + 1e-6f * far);
+      const Vec3f gradient = field.gradient(p);
+      EXPECT_GT(dot(gradient, direction), 0.999f);
+      EXPECT_LE(field.lower_bound(p, 1.0f), field.distance(p));
+      EXPECT_GT(field.lower_bound(p, 1.0f), 0.999f * far - 3.0f);
+    }
+  }
+  for (const float far : {1e30f, std::numeric_limits<float>::max(), infinity}) {
+    for (const Vec3f& p : {Vec3f{far, 0, 0}, Vec3f{-far, far, 0}, Vec3f{far, -far, far}}) {
+      EXPECT_GE(field.distance(p), 1e18f);
+      EXPECT_GE(field.lower_bound(p, 1.0f), 1e18f);
+      field.gradient(p);
+    }
+  }
+}
+
+TEST(GridField, IsNotANumberWhereThePointIsNot) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.25);
+  for (const Vec3f& p : {Vec3f{nan, 0, 0}, Vec3f{0, nan, 0}, Vec3f{0, 0, nan}}) {
+    EXPECT_TRUE(std::isnan(field.distance(p)));
+    field.gradient(p);
+    field.lower_bound(p, 1.0f);
+  }
+}
+
+TEST(GridField, ReachHoldsTheGrid) {
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grid_bounds(field);
+    EXPECT_GE(field.reach(), std::max(length(bounds.lower), length(bounds.upper)));
+  }
+}
+
+}  // namespace
+}  // namespace voxshell
