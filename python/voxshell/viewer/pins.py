@@ -14,7 +14,7 @@ from voxshell.viewer.quaternions import normals_as_wxyz
 
 # Warm colours, because bodies are given cool ones; from a touch to the deepest.
 DEPTH_COLORS = ((255, 196, 0), (255, 112, 16), (224, 30, 60), (92, 0, 34))
-_STEM_IN_BALL_RADII = 10.0
+_STEM_IN_BALL_RADII = 7.0
 _SEGMENTS = 8
 # 1/4096 turns a stem by less than a pixel, and numbers that end in zero bits pack well.
 _TURNS = 4096.0
@@ -29,7 +29,7 @@ class Pins:
     Args:
         positions: (k, 3) float32, display units, lane frame.
         rotations: (k, 4) float32, quaternions (w, x, y, z) that turn the mesh's z to the normal.
-        colors: (k, 3) uint8.
+        colors: (k, 3) uint8, amounts of red, green and blue light.
     """
 
     positions: NDArray[np.float32]
@@ -47,7 +47,7 @@ def build_pin_mesh(ball_radius: float) -> tuple[NDArray[np.float32], NDArray[np.
         vertices (n, 3) in the unit of ``ball_radius``, and faces (m, 3), counter-clockwise.
     """
     ball = [(math.sin(a), -math.cos(a)) for a in np.linspace(0.0, 0.9 * math.pi, 6)[1:]]
-    stem = [(0.28, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)]
+    stem = [(0.22, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)]
     profile = np.array([(0.0, -1.0), *ball, *stem]) * ball_radius
     angle = np.arange(_SEGMENTS) * (2.0 * math.pi / _SEGMENTS)
     rings = [
@@ -102,5 +102,15 @@ def build_pins(
     return Pins(
         positions.astype(np.float32),
         (np.round(normals_as_wxyz(contacts.normals[chosen]) * _TURNS) / _TURNS).astype(np.float32),
-        colors.round().astype(np.uint8),
+        _as_light(colors),
     )
+
+
+def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Colours (sRGB, 0 to 255) as the player takes those of instances: amounts of light, 0 to 255.
+
+    Sent as they are, they would come out pale.
+    """
+    share = colors / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return (255.0 * light).round().astype(np.uint8)

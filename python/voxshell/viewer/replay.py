@@ -136,9 +136,9 @@ def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
     if timeline.speed == 1.0:
         pace = "Plays in real time"
     elif timeline.speed < 1.0:
-        pace = f"Plays {1.0 / timeline.speed:.3g} times slower than real time (the bar included)"
+        pace = f"Plays {1.0 / timeline.speed:.3g} times slower than real time"
     else:
-        pace = f"Plays {timeline.speed:.3g} times faster than real time (the bar included)"
+        pace = f"Plays {timeline.speed:.3g} times faster than real time"
     rates = sorted({round(1.0 / lane.recording.time_step, 6) for lane in lanes})
     steps = f"{rates[0]:.6g}" if len(rates) == 1 else f"{rates[0]:.6g} to {rates[-1]:.6g}"
     if timeline.stride == 1:
@@ -147,7 +147,8 @@ def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
         shown = f"one step in {timeline.stride} is shown"
     else:
         shown = f"{rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
-    return f"{pace}: {timeline.times[-1]:.3g} s at {steps} steps a second, {shown}."
+    text = f"{pace}: {round(timeline.times[-1], 2):g} s at {steps} steps a second, {shown}."
+    return text if timeline.speed == 1.0 else f"{text} The bar counts seconds of playing."
 
 
 def _write_whole(path: Path, text: str) -> Path:
