@@ -1,0 +1,49 @@
+"""Lines of progress for long work."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.console import Console
+
+
+def open_progress(console: Console) -> Progress:
+    """A display of tasks, with what each is at and how long it has taken."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=24),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("[dim]{task.fields[stage]}"),
+        console=console,
+    )
+
+
+class Track:
+    """One line of a display."""
+
+    def __init__(self, progress: Progress, task: TaskID) -> None:
+        self._progress = progress
+        self._task = task
+
+    def update(self, stage: str, fraction: float) -> None:
+        """Says what is being done and how far it is, 0 to 1."""
+        self._progress.update(self._task, completed=fraction, stage=stage)
+
+    def advance(self, fraction: float) -> None:
+        """Says how far it is, 0 to 1."""
+        self._progress.update(self._task, completed=fraction)
+
+
+@contextmanager
+def tracked(progress: Progress, description: str) -> Iterator[Track]:
+    """A line that is full when the block ends well."""
+    track = Track(progress, progress.add_task(description, total=1.0, stage=""))
+    yield track
+    track.update("", 1.0)

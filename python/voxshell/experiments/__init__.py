@@ -1,0 +1,1 @@
+"""Experiments: scenes run, measured, and written down as data, figures and pages."""

@@ -1,0 +1,164 @@
+"""What a drop leaves behind: its data, its curves and its replay."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.errors import MissingExtraError
+from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
+from voxshell.experiments.environment import describe_environment
+from voxshell.experiments.files import replacing, write_json
+from voxshell.scenes.drop import GROUND_HALF_EXTENTS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from voxshell.experiments.drop import DropRun, DropSummary
+    from voxshell.scenes.drop import DropSettings
+
+COLORS = {
+    "vps-fine": "#0b6e4f",
+    "vps-coarse": "#43aa8b",
+    "vps-fine-plane": "#90be6d",
+    "gimpact": "#d1495b",
+    "gimpact-plane": "#f4978e",
+    "hull": "#5c6bc0",
+    "decomposition": "#e09f3e",
+}
+"""One colour a method, in every picture: ours are green."""
+
+
+def write_results(
+    path: Path,
+    mesh_name: str,
+    settings: DropSettings,
+    runs: list[DropRun],
+    summaries: list[DropSummary],
+) -> None:
+    """All figures, settings, versions and every step's values as JSON."""
+    write_json(
+        path,
+        {
+            "experiment": "drop",
+            "mesh": mesh_name,
+            "settings": asdict(settings) | {"ground_half_extents": GROUND_HALF_EXTENTS},
+            "full_operation_steps": FULL_OPERATION,
+            "rest_steps": REST_STEPS,
+            "environment": describe_environment(),
+            "units": "seconds, metres, m/s, rad/s",
+            "methods": [
+                asdict(run.method)
+                | asdict(summary)
+                | {
+                    "curves": {
+                        name: getattr(run, name).tolist()
+                        for name in (
+                            "narrow_phase",
+                            "query",
+                            "reduction",
+                            "manifold",
+                            "contacts",
+                            "depth",
+                            "speed",
+                            "angular_speed",
+                            "lowest",
+                        )
+                    }
+                }
+                for run, summary in zip(runs, summaries, strict=True)
+            ],
+        },
+    )
+
+
+def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
+    """Narrow-phase time and speed over steps, as the thesis draws them (section 5.3), as a PNG.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError(
+            "the curves need matplotlib: pip install voxshell[experiments]"
+        ) from error
+
+    figure = Figure(figsize=(11, 8.5), dpi=120, layout="constrained")
+    time_axes, speed_axes = figure.subplots(2, 1, sharex=True)
+    for run in runs:
+        steps = np.arange(1, run.steps + 1)
+        color = COLORS[run.method.key]
+        # Zero has no place on a logarithmic axis.
+        time = np.where(run.narrow_phase > 0.0, run.narrow_phase, np.nan)
+        speed = np.where(run.speed > 0.0, run.speed, np.nan)
+        time_axes.plot(steps, time * 1e6, color=color, lw=1.1, label=run.method.label)
+        speed_axes.plot(steps, speed, color=color, lw=1.1)
+    time_axes.set_ylabel("narrow phase, \N{MICRO SIGN}s a step")
+    speed_axes.set_ylabel("speed of the centre of mass, m/s")
+    speed_axes.set_xlabel("step")
+    for axes in (time_axes, speed_axes):
+        axes.set_yscale("log")
+        axes.axvspan(*FULL_OPERATION, color="#000000", alpha=0.05, lw=0)
+        axes.grid(visible=True, which="major", color="#dddddd", lw=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.margins(x=0.01)
+    time_axes.text(
+        sum(FULL_OPERATION) / 2,
+        0.985,
+        f"timed: steps {FULL_OPERATION[0]}-{FULL_OPERATION[1]}",
+        transform=time_axes.get_xaxis_transform(),
+        ha="center",
+        va="top",
+        fontsize=8,
+        color="#666666",
+    )
+    figure.suptitle(title, x=0.01, ha="left", fontsize=13)
+    figure.legend(loc="outside right center", frameon=False)
+    with replacing(path) as temporary:
+        figure.savefig(temporary)
+
+
+def save_page(path: Path, title: str, runs: list[DropRun], summaries: list[DropSummary]) -> None:
+    """All methods side by side, as one offline page.
+
+    Raises:
+        MissingExtraError: viser is not installed.
+    """
+    from dataclasses import replace
+
+    from voxshell.viewer.lanes import arrange_lanes
+    from voxshell.viewer.replay import save_replay
+
+    recordings = {}
+    for run, summary in zip(runs, summaries, strict=True):
+        color = tuple(int(COLORS[run.method.key][i : i + 2], 16) for i in (1, 3, 5))
+        bodies = tuple(
+            replace(body, color=color) if body.name == "body" else body
+            for body in run.recording.bodies
+        )
+        label = f"{run.method.label}, {format_time(summary.median)}"
+        recordings[label] = replace(run.recording, bodies=bodies)
+    save_replay(
+        path,
+        arrange_lanes(recordings),
+        title=title,
+        caption="Times: narrow phase of a step, median of the steps timed.",
+    )
+
+
+def format_time(seconds: float) -> str:
+    """Three digits in the unit that suits: "12.3 us", "4.56 ms".
+
+    Example:
+        >>> format_time(1.234e-5), format_time(0.0456), format_time(float("nan"))
+        ('12.3 µs', '45.6 ms', '-')
+    """
+    if not np.isfinite(seconds):
+        return "-"
+    number, unit = (seconds * 1e3, "ms") if seconds >= 1e-3 else (seconds * 1e6, "\N{MICRO SIGN}s")
+    digits = 0 if number >= 100 else 1 if number >= 10 else 2
+    return f"{number:.{digits}f} {unit}"

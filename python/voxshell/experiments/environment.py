@@ -1,0 +1,60 @@
+"""What a measurement was made with."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from importlib import metadata
+from pathlib import Path
+
+import voxshell
+from voxshell import _bullet
+
+_LIBRARIES = ("numpy", "trimesh", "vhacdx", "matplotlib", "viser")
+
+
+def describe_environment() -> dict[str, object]:
+    """Versions, machine and commit, ready for JSON."""
+    return {
+        "voxshell": voxshell.__version__,
+        "commit": _find_commit(),
+        "bullet": f"{_bullet.bullet_version / 100:.2f}, double precision",
+        "python": platform.python_version(),
+        "libraries": {name: _find_version(name) for name in _LIBRARIES},
+        "system": platform.platform(),
+        "cpu": _find_cpu(),
+        "cores": len(os.sched_getaffinity(0)),
+    }
+
+
+def _find_commit() -> str | None:
+    """Of the checkout that the package is in, with "-dirty" where it has changes; else None."""
+    try:
+        result = subprocess.run(
+            ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return result.stdout.strip()
+
+
+def _find_version(library: str) -> str | None:
+    try:
+        return metadata.version(library)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _find_cpu() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor()

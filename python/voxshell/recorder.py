@@ -1,0 +1,68 @@
+"""Taking down what a world does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.shape_meshes import mesh_of
+
+if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from voxshell.world import World
+
+
+class Recorder:
+    """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
+
+    Bodies must be added before the recording begins.
+    """
+
+    def __init__(self, world: World, every: int) -> None:
+        self._world = world
+        self._bodies = tuple(world.bodies)
+        self._every = every
+        self._steps = 0
+        self._poses: list[NDArray[np.float64]] = []
+        self._contacts: list[NDArray[np.void]] = []
+        self._take_frame()
+
+    def take(self) -> None:
+        """Notes one step; the world calls it."""
+        self._steps += 1
+        if self._steps % self._every == 0:
+            self._take_frame()
+
+    def recording(self) -> Recording:
+        """What has been recorded so far, as plain data.
+
+        Raises:
+            RecordingError: The world had no body when the recording began.
+        """
+        poses = np.array(self._poses)
+        tracks = []
+        for index, body in enumerate(self._bodies):
+            mesh = mesh_of(body.shape)
+            name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
+            tracks.append(BodyTrack(name, mesh.vertices, mesh.faces, None, poses[:, index]))
+        contacts = ContactTrack.from_frames(
+            [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
+        )
+        return Recording(self._every * self._world.time_step, tuple(tracks), contacts)
+
+    def save_html(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Writes the recording so far as one offline page; see :meth:`Recording.save_html`."""
+        return self.recording().save_html(path, **options)
+
+    def _take_frame(self) -> None:
+        self._poses.append(np.array([body.pose for body in self._bodies]).reshape(-1, 4, 4))
+        self._contacts.append(self._world.contacts())
+
+    def _is_unique(self, name: str) -> bool:
+        return sum(body.name == name for body in self._bodies) == 1
