@@ -13,7 +13,7 @@ from voxshell.recording import BodyTrack
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
-from voxshell.viewer.stage import Slab, Stage, find_slabs
+from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
 from voxshell.viewer.surface import is_faceted
 from voxshell.viewer.timeline import Timeline
 
@@ -37,6 +37,8 @@ _GRID_LIFT = 0.002  # display units; enough to lie on the slab and not flicker w
 _POSE_GRAIN = 2.0**-16  # display units, and parts of a quaternion; a tenth of a pixel
 _PIN_GRAIN = 2.0**-13
 _LABEL_WIDTH = 130  # characters that fit next to each other under all lanes of a row
+_SHORT_ROW = 3
+_LETTER_SHARE = 0.0205  # of the picture's height; 14 of 680 pixels
 _BALL_SHARE = 0.012  # of a body's diagonal
 
 
@@ -46,6 +48,7 @@ class Script:
 
     Args:
         stage: The space of every lane.
+        camera: The first view.
         timeline: The instants shown.
         up: The world axis that points up.
         lane_count: Number of lanes.
@@ -55,6 +58,7 @@ class Script:
     """
 
     stage: Stage
+    camera: Camera
     timeline: Timeline
     up: str
     lane_count: int
@@ -237,7 +241,11 @@ def _add_slab(
 
 
 def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.LabelHandle:
-    """Adds an empty caption in front of the stage, at its foot."""
+    """Adds an empty caption in front of the stage, at its foot.
+
+    In a long row, letters shrink with the lanes on a narrow window and grow when one comes close;
+    at a size of their own they would run into each other.
+    """
     _, forward, upward = view_axes(script.up)
     low, high = script.stage.low * script.stage.scale, script.stage.high * script.stage.scale
     half = 0.5 * (high - low)
@@ -247,7 +255,9 @@ def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.Labe
         "",
         position=_triple(place),
         anchor="top-center",
+        font_size_mode="scene" if script.stage.columns > _SHORT_ROW else "screen",
         font_screen_scale=1.15,
+        font_scene_height=_LETTER_SHARE * script.camera.view_height,
         depth_test=False,
     )
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from voxshell.viewer.pins import full_depth
 from voxshell.viewer.server import silent_server
 from voxshell.viewer.stage import find_slabs, place_camera, plan_stage
 from voxshell.viewer.timeline import Timeline, plan_timeline
-
-if TYPE_CHECKING:
-    import viser
 
 
 def save_replay(
@@ -75,8 +71,14 @@ def save_replay(
     if not (np.isfinite(hold) and hold >= 0.0):
         raise RecordingError(f"hold must be seconds, at least 0, got {hold!r}")
     recordings = [lane.recording for lane in lanes]
+    stage = plan_stage(lanes, up=up)
+    boxes = [
+        ((stage.low + lane.offset) * stage.scale, (stage.high + lane.offset) * stage.scale)
+        for lane in lanes
+    ]
     script = Script(
-        stage=plan_stage(lanes, up=up),
+        stage=stage,
+        camera=place_camera(boxes, rows=stage.rows, up=up),
         timeline=plan_timeline(recordings, frames_per_second=frames_per_second, speed=speed),
         up=up,
         lane_count=len(lanes),
@@ -84,14 +86,14 @@ def save_replay(
         counted=any(len(recording.contacts.points) for recording in recordings),
         max_contacts=max_contacts,
     )
-    grounded = any(find_slabs(recording, script.stage, up=up) for recording in recordings)
+    grounded = any(find_slabs(recording, stage, up=up) for recording in recordings)
     page = add_heading(
         _record(lanes, script, hold),
         title=title,
         caption=caption,
         rate=_describe_rate(script.timeline, lanes),
         deepest=script.deepest if script.counted else None,
-        grid=script.stage.cell if grounded else None,
+        grid=stage.cell if grounded else None,
     )
     return _write_whole(Path(path), page)
 
@@ -101,7 +103,9 @@ def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
     with silent_server() as server:
         server.scene.world_axes.visible = False
         server.scene.set_up_direction(script.up)  # pyright: ignore[reportArgumentType]
-        _aim(server, lanes, script)
+        camera = server.initial_camera
+        camera.position, camera.look_at = script.camera.position, script.camera.target
+        camera.up, camera.fov = view_axes(script.up)[2], script.camera.field_of_view
         actors = [
             actor
             for number, lane in enumerate(lanes)
@@ -116,19 +120,6 @@ def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
                 actor.show(instant)
         serializer.insert_sleep(hold)
         return serializer.as_html()
-
-
-def _aim(server: viser.ViserServer, lanes: Sequence[Lane], script: Script) -> None:
-    """Puts the camera where all lanes are seen."""
-    stage = script.stage
-    boxes = [
-        ((stage.low + lane.offset) * stage.scale, (stage.high + lane.offset) * stage.scale)
-        for lane in lanes
-    ]
-    view = place_camera(boxes, rows=stage.rows, up=script.up)
-    camera = server.initial_camera
-    camera.position, camera.look_at = view.position, view.target
-    camera.up, camera.fov = view_axes(script.up)[2], view.field_of_view
 
 
 def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:

@@ -57,6 +57,12 @@ class Camera:
     target: NDArray[np.float64]
     field_of_view: float
 
+    @property
+    def view_height(self) -> float:
+        """Display units from the lower to the upper edge of the picture, at the target."""
+        distance = float(np.linalg.norm(self.target - self.position))
+        return 2.0 * distance * math.tan(0.5 * self.field_of_view)
+
 
 @dataclass(frozen=True, eq=False)
 class Stage:
