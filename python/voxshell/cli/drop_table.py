@@ -37,7 +37,7 @@ def make_table(runs: list[DropRun], summaries: list[DropSummary]) -> Table:
             format_time(summary.p99),
             format_ratio(summary.ratio),
             format_ratio(run.method.thesis_ratio),
-            f"{summary.mean_contacts:.1f}",
+            f"{summary.mean_contacts:.1f}" if summary.steps > FULL_OPERATION[0] else "-",
             f"{summary.deepest * 1e3:.1f}",
             f"{summary.rest_speed * 1e3:.2f}",
             f"{summary.rest_lowest * 1e3:+.2f}",

@@ -140,7 +140,7 @@ def save_page(path: Path, title: str, runs: list[DropRun], summaries: list[DropS
             replace(body, color=color) if body.name == "body" else body
             for body in run.recording.bodies
         )
-        label = f"{run.method.label}, {format_time(summary.median)}"
+        label = f"{run.method.label}\n{format_time(summary.median)}"
         recordings[label] = replace(run.recording, bodies=bodies)
     save_replay(
         path,

@@ -140,7 +140,8 @@ class _CaptionActor:
 
     def __init__(self, node: Any, lane: Lane, script: Script) -> None:
         self._node = node
-        self._lines = _wrap(lane.label, max(12, _LABEL_WIDTH // script.stage.columns))
+        width = max(12, _LABEL_WIDTH // script.stage.columns)
+        self._lines = [part for line in lane.label.splitlines() for part in _wrap(line, width)]
         shown = script.timeline.frames(lane.recording)
         self._counts = lane.recording.contacts.counts[shown] if script.counted else None
 

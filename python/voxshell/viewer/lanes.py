@@ -24,7 +24,7 @@ class Lane:
     """A recording, its caption, and where the page puts it.
 
     Args:
-        label: Caption; empty for none.
+        label: Caption, of one or more lines; empty for none.
         recording: What happened.
         offset: (3,) metres, world frame, added to everything in the recording.
 
