@@ -50,7 +50,7 @@ HEADER_ONLY: dict[str, str] = {
 PYTHON_MAY_IMPORT: dict[str, set[str]] = {
     "api": {"bindings"},
     "viewer": {"api"},
-    "experiments": {"api"},
+    "experiments": {"api", "viewer"},
     "cli": {"api", "viewer", "experiments"},
 }
 PYTHON_BINDINGS = {"_core", "_bullet"}

@@ -31,7 +31,7 @@ CLEAN = {
     "python/voxshell/viewer/__init__.py": "",
     "python/voxshell/viewer/replay.py": "import viser\nfrom voxshell.recording import save_html\n",
     "python/voxshell/cli/__init__.py": "from voxshell import experiments, viewer\n",
-    "python/voxshell/experiments/__init__.py": "import voxshell as vx\n",
+    "python/voxshell/experiments/__init__.py": "import voxshell as vx\nfrom voxshell.viewer import replay\n",
 }
 
 
@@ -189,6 +189,13 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
             1,
             "viewer imports voxshell.cli.main, which belongs to cli; viewer may import api",
             id="viewer imports cli",
+        ),
+        pytest.param(
+            "python/voxshell/viewer/replay.py",
+            "from voxshell import experiments\n",
+            1,
+            "viewer imports voxshell.experiments, which belongs to experiments",
+            id="viewer imports experiments",
         ),
         pytest.param(
             "python/voxshell/experiments/ball.py",
