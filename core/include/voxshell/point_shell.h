@@ -28,6 +28,9 @@ struct PointShellSettings {
 /// (thesis, section 5.3). So no place of the surface is farther than sqrt(3) spacings from a point.
 class PointShell {
  public:
+  /// Those errors of build() that can be told before the work: kInvalidArgument, kTooLarge.
+  static Result<std::monostate> check(const TriangleMesh& mesh, const PointShellSettings& settings);
+
   /// Errors: kInvalidArgument, kTooLarge, kCancelled.
   static Result<PointShell> build(const TriangleMesh& mesh, const PointShellSettings& settings,
                                   const Progress& progress = {});

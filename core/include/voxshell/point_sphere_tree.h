@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "voxshell/progress.h"
 #include "voxshell/vector.h"
 
 namespace voxshell {
@@ -37,7 +38,9 @@ class PointSphereTree {
   PointSphereTree() = default;
 
   /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic.
-  static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order);
+  /// A tree without points where `progress` asked to stop.
+  static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
+                               const Progress& progress = {});
 
   /// Levels with spheres; the last one holds the leaves.
   int level_count() const { return level_count_; }

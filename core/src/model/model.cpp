@@ -72,8 +72,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   if (shell_settings.spacing == 0.0 && shell_settings.target_points == 0) {
     shell_settings.spacing = *voxel_size;
   }
-  auto shell = PointShell::build(mesh, shell_settings, progress);
-  if (!shell) return shell.error();
+  if (auto checked = PointShell::check(mesh, shell_settings); !checked) return checked.error();
 
   const GridFieldSettings field_settings{
       .voxel_size = *voxel_size,
@@ -81,6 +80,8 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
       .threads = settings.threads};
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();
+  auto shell = PointShell::build(mesh, shell_settings, progress);
+  if (!shell) return shell.error();
 
   return std::shared_ptr<const Model>(
       new Model(std::move(mesh), *std::move(field), *std::move(shell)));

@@ -17,9 +17,10 @@ struct ShellPoint {
 };
 
 /// Rounds samples to float32 and merges those that then share a place.
-std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid) {
+std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                             Stage& stage) {
   std::vector<ShellPoint> shell_points;
-  for (const SurfaceSample& sample : sample_surface_voxels(mesh, grid)) {
+  for (const SurfaceSample& sample : sample_surface_voxels(mesh, grid, stage)) {
     const auto [a, b, c] = mesh.corners(sample.triangle);
     shell_points.push_back({static_cast<Vec3f>(sample.point),
                             static_cast<Vec3f>(normalized(cross(b - a, c - a))), sample.area});
@@ -61,6 +62,8 @@ VoxelGrid make_odd_grid(double spacing, int index) {
           shift};
 }
 
+Error stopped() { return {ErrorCode::kCancelled, "building the point shell was stopped"}; }
+
 struct Sampling {
   std::vector<ShellPoint> points;
   double spacing = 0.0;
@@ -69,8 +72,7 @@ struct Sampling {
 /// Finds the spacing that gives a wanted number of points. The number falls with the spacing, but
 /// on regular meshes in steps, as many voxels appear at once. Where a bisection ends at such a
 /// step, the search goes on with odd grids.
-Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target,
-                               const Progress& progress) {
+Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target, Stage& stage) {
   constexpr int kMaxTrials = 64;
   constexpr double kTolerance = 0.01;
   const auto wanted = static_cast<double>(target);
@@ -83,10 +85,11 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target,
     return std::abs(static_cast<double>(points) - wanted);
   };
   for (int trial = 0; trial < kMaxTrials; ++trial) {
-    if (progress && !progress("point shell", static_cast<double>(trial) / kMaxTrials)) {
-      return Error{ErrorCode::kCancelled, "sampling the point shell was stopped"};
-    }
-    std::vector<ShellPoint> points = compute_shell_points(mesh, grid);
+    stage.set_part(static_cast<double>(trial) / kMaxTrials,
+                   static_cast<double>(trial + 1) / kMaxTrials);
+    stage.report(0.0);
+    std::vector<ShellPoint> points = compute_shell_points(mesh, grid, stage);
+    if (stage.stopped()) return stopped();
     const std::size_t count = points.size();
     if (best.points.empty() || miss(count) < miss(best.points.size())) {
       best = {std::move(points), grid.spacing};
@@ -119,8 +122,8 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target,
 
 }  // namespace
 
-Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellSettings& settings,
-                                     const Progress& progress) {
+Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
+                                         const PointShellSettings& settings) {
   const bool by_spacing = settings.spacing != 0.0;
   if (by_spacing == (settings.target_points != 0)) {
     return Error{ErrorCode::kInvalidArgument,
@@ -141,18 +144,25 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
                              std::sqrt(1.1 * kVoxelsPerArea * area /
                                        static_cast<double>(settings.point_limit)))};
   }
+  return std::monostate{};
+}
 
+Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellSettings& settings,
+                                     const Progress& progress) {
+  if (auto checked = check(mesh, settings); !checked) return checked.error();
+
+  Stage stage(progress, "point shell");
   Sampling sampling;
-  if (by_spacing) {
-    sampling = {compute_shell_points(mesh, {settings.spacing, {}}), settings.spacing};
+  if (settings.target_points == 0) {
+    sampling = {compute_shell_points(mesh, {settings.spacing, {}}, stage), settings.spacing};
   } else {
-    auto found = search_target(mesh, settings.target_points, progress);
+    auto found = search_target(mesh, settings.target_points, stage);
     if (!found) return found.error();
     sampling = *std::move(found);
+    stage.set_part(0.0, 1.0);
   }
-  if (progress && !progress("point-sphere tree", 0.0)) {
-    return Error{ErrorCode::kCancelled, "building the point-sphere tree was stopped"};
-  }
+  stage.report(1.0);
+  if (stage.stopped()) return stopped();
 
   std::vector<Vec3f> points;
   points.reserve(sampling.points.size());
@@ -162,7 +172,8 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
 
   PointShell shell;
   shell.spacing_ = sampling.spacing;
-  shell.tree_ = PointSphereTree::build(points, order);
+  shell.tree_ = PointSphereTree::build(points, order, progress);
+  if (shell.tree_.point_count() == 0) return stopped();
   shell.points_.reserve(order.size());
   shell.normals_.reserve(order.size());
   shell.areas_.reserve(order.size());
@@ -171,7 +182,6 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
     shell.normals_.push_back(sampling.points[id].normal);
     shell.areas_.push_back(static_cast<float>(sampling.points[id].area));
   }
-  if (progress) progress("point-sphere tree", 1.0);
   return shell;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/stage.h"
 #include "shell/enclosing_sphere.h"
 #include "voxshell/bounds.h"
 
@@ -11,7 +12,9 @@ namespace {
 /// Splits order[begin, end), which is cluster `index` of 2^depth, down to 2^max_depth clusters, at
 /// the medians along the longest axis. Ids settle ties, so the order is the same everywhere.
 void split(std::span<const Vec3f> points, std::vector<std::uint32_t>& order, std::uint64_t index,
-           int depth, int max_depth) {
+           int depth, int max_depth, Stage& stage) {
+  stage.report(0.0);
+  if (stage.stopped()) return;
   const std::uint64_t n = order.size();
   const auto boundary = [&](std::uint64_t i, int level) {
     return order.begin() + static_cast<std::ptrdiff_t>((n * i) >> level);
@@ -31,26 +34,31 @@ void split(std::span<const Vec3f> points, std::vector<std::uint32_t>& order, std
     return ca != cb ? ca < cb : a < b;
   };
   std::nth_element(begin, boundary(2 * index + 1, depth + 1), end, before);
-  split(points, order, 2 * index, depth + 1, max_depth);
-  split(points, order, 2 * index + 1, depth + 1, max_depth);
+  split(points, order, 2 * index, depth + 1, max_depth, stage);
+  split(points, order, 2 * index + 1, depth + 1, max_depth, stage);
 }
 
 }  // namespace
 
 PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
-                                       std::vector<std::uint32_t>& order) {
+                                       std::vector<std::uint32_t>& order,
+                                       const Progress& progress) {
+  Stage stage(progress, "point-sphere tree");
   PointSphereTree tree;
   tree.point_count_ = static_cast<std::uint32_t>(order.size());
   tree.level_count_ = 1;
   while (tree.point_count_ > kLeafPoints * cluster_count(tree.level_count_)) ++tree.level_count_;
-  split(points, order, 0, 0, 2 * (tree.level_count_ - 1));
+  split(points, order, 0, 0, 2 * (tree.level_count_ - 1), stage);
 
   tree.spheres_.reserve(first_sphere(tree.level_count_ + 1));
   for (int level = 1; level <= tree.level_count_; ++level) {
+    const auto clusters = static_cast<double>(cluster_count(level));
     for (std::uint64_t i = 0; i < cluster_count(level); ++i) {
       const PointRange range = tree.cluster_points(level, i);
       tree.spheres_.push_back(
           compute_enclosing_sphere(points, std::span(order).subspan(range.begin, range.size())));
+      stage.report((level - 1 + static_cast<double>(i + 1) / clusters) / tree.level_count_);
+      if (stage.stopped()) return {};
     }
   }
   return tree;

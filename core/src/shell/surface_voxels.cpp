@@ -87,20 +87,21 @@ struct Piece {
 /// Works in the grid's axes.
 class Cutter {
  public:
-  Cutter(std::span<const Vec3> vertices, double spacing, const Vec3& shift)
-      : vertices_(vertices), spacing_(spacing) {
+  Cutter(std::span<const Vec3> vertices, const VoxelGrid& grid, Stage& stage)
+      : vertices_(vertices), spacing_(grid.spacing), stage_(stage) {
     Bounds bounds;
     for (const Vec3& vertex : vertices) bounds.extend(vertex);
     for (int axis = 0; axis < 3; ++axis) {
       // A whole number of voxels with the mesh in their middle, so that no flat side of it lies on
       // a face between voxels.
-      const double voxels = std::floor(bounds.extents()[axis] / spacing) + 1.0;
-      origin_[axis] = bounds.centre()[axis] + (shift[axis] - 0.5 * voxels) * spacing;
+      const double voxels = std::floor(bounds.extents()[axis] / spacing_) + 1.0;
+      origin_[axis] = bounds.centre()[axis] + (grid.shift[axis] - 0.5 * voxels) * spacing_;
     }
   }
 
   std::vector<Piece> cut_all(std::span<const Triangle> triangles) {
-    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    for (std::uint32_t i = 0; i < triangles.size() && !stage_.stopped(); ++i) {
+      begun_ = static_cast<double>(i) / static_cast<double>(triangles.size());
       Polygon triangle;
       for (const std::uint32_t corner : triangles[i]) triangle.add(vertices_[corner]);
       cut_along(triangle, 0, {}, i);
@@ -123,7 +124,7 @@ class Cutter {
     const std::int64_t first = slab(low, axis);
     const std::int64_t last = slab(high, axis);
     Polygon rest = polygon;
-    for (std::int64_t i = first; i <= last && rest.count >= 3; ++i) {
+    for (std::int64_t i = first; i <= last && rest.count >= 3 && !stage_.stopped(); ++i) {
       voxel.index[static_cast<std::size_t>(axis)] = i;
       if (i == last) {
         cut_along(rest, axis + 1, voxel, triangle);
@@ -146,6 +147,8 @@ class Cutter {
     }
     const Vec3 point = closest_point_on_polygon(centre, polygon);
     pieces_.push_back({voxel, triangle, squared_length(point - centre), point, area});
+    constexpr std::size_t kPiecesAReport = 1 << 12;
+    if (pieces_.size() % kPiecesAReport == 0) stage_.report(begun_);
   }
 
   std::int64_t slab(double coordinate, int axis) const {
@@ -156,15 +159,19 @@ class Cutter {
   double spacing_;
   Vec3 origin_{};
   std::vector<Piece> pieces_;
+  Stage& stage_;
+  double begun_ = 0.0;  ///< share of the triangles
 };
 
 }  // namespace
 
-std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid) {
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                                 Stage& stage) {
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices().size());
   for (const Vec3& vertex : mesh.vertices()) vertices.push_back(grid.grid_from_mesh * vertex);
-  std::vector<Piece> pieces = Cutter(vertices, grid.spacing, grid.shift).cut_all(mesh.triangles());
+  std::vector<Piece> pieces = Cutter(vertices, grid, stage).cut_all(mesh.triangles());
+  if (stage.stopped()) return {};
   std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
     if (!(a.voxel == b.voxel)) return a.voxel < b.voxel;
     if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;

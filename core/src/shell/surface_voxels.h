@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/stage.h"
 #include "voxshell/pose.h"
 #include "voxshell/triangle_mesh.h"
 
@@ -24,6 +25,15 @@ struct VoxelGrid {
 
 /// Cuts a mesh along a grid and samples each voxel that the surface passes through. Ordered by
 /// voxel, x fastest.
-std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid);
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                                 Stage& stage);
+
+/// The same without anybody who watches.
+inline std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh,
+                                                        const VoxelGrid& grid) {
+  const Progress nobody;
+  Stage stage(nobody, "");
+  return sample_surface_voxels(mesh, grid, stage);
+}
 
 }  // namespace voxshell
