@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_integer, as_length, as_positive, as_real
+from voxshell._arguments import FARTHEST, as_integer, as_length, as_positive, as_real
 from voxshell._core import Model as CoreModel
 from voxshell.errors import InputTypeError, MeshError, SettingsError
 from voxshell.field import DistanceField
@@ -205,6 +205,6 @@ class Model:
 
 def _as_padding(value: float) -> float:
     number = as_real(value, "padding")
-    if number < 0.0:
-        raise SettingsError(f"padding must be at least 0, not {number:g}")
+    if not 0.0 <= number <= FARTHEST:
+        raise SettingsError(f"padding must be from 0 to {FARTHEST:g} m, not {number:g}")
     return number

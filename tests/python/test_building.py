@@ -1,0 +1,118 @@
+"""What happens while a model is built: reports, exceptions, Ctrl-C, other threads."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+import trimesh
+import voxshell as vx
+
+
+def build(**options: object) -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.icosphere(3), **{"resolution": 60, **options})
+
+
+def test_progress_is_reported_from_this_thread():
+    reports = []
+    build(progress=lambda stage, share: reports.append((stage, share, threading.get_ident())))
+    stages = list(dict.fromkeys(stage for stage, _, _ in reports))
+    assert "distance field" in stages
+    assert len(stages) >= 2
+    for stage in stages:
+        shares = [share for name, share, _ in reports if name == stage]
+        assert shares == sorted(shares)
+        assert all(0.0 <= share <= 1.0 for share in shares)
+        assert shares[-1] == 1.0
+    assert {ident for _, _, ident in reports} == {threading.get_ident()}
+
+
+@pytest.mark.parametrize("stop_at", [1, 2, 3])
+@pytest.mark.parametrize("error", [RuntimeError("enough"), KeyboardInterrupt(), SystemExit(3)])
+def test_what_progress_raises_stops_the_build_and_arrives(stop_at: int, error: BaseException):
+    calls = 0
+
+    def stop(stage: str, share: float) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == stop_at:
+            raise error
+
+    with pytest.raises(type(error)) as caught:
+        build(progress=stop)
+    assert caught.value is error
+    assert calls == stop_at  # not asked again
+
+
+def test_what_progress_returns_does_not_matter():
+    assert len(build(progress=lambda stage, share: False).shell) > 0
+
+
+def test_a_progress_of_wrong_arity_is_its_own_error():
+    with pytest.raises(TypeError, match="positional argument"):
+        build(progress=lambda: None)
+
+
+def test_a_model_can_be_built_inside_a_report():
+    inner = []
+
+    def nest(stage: str, share: float) -> None:
+        if not inner:
+            inner.append(build(resolution=10))
+
+    assert build(progress=nest).field.shape > inner[0].field.shape
+
+
+def test_other_threads_run_during_a_build():
+    thread = threading.Thread(target=lambda: build(resolution=120, threads=1))
+    thread.start()
+    ticks, start = 0, time.perf_counter()
+    while thread.is_alive():
+        time.sleep(0.001)
+        ticks += 1
+    took = time.perf_counter() - start
+    thread.join()
+    # With the GIL held there would be one tick, or one every 50 ms.
+    assert ticks > 60 * took
+
+
+BUILD_FOR_LONG = """
+import sys, trimesh
+import voxshell as vx
+print("building", flush=True)
+try:
+    vx.Model.from_mesh(trimesh.creation.icosphere(6), resolution=300, threads={threads}{progress})
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    sys.exit(7)
+print("built", flush=True)
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+@pytest.mark.parametrize("progress", ["", ", progress=print"], ids=["silent", "reporting"])
+def test_ctrl_c_stops_a_build_within_two_seconds(threads: int, progress: str):
+    child = subprocess.Popen(
+        [sys.executable, "-c", BUILD_FOR_LONG.format(threads=threads, progress=progress)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "building\n"
+    time.sleep(1.5)
+    assert child.poll() is None
+    start = time.perf_counter()
+    child.send_signal(signal.SIGINT)
+    try:
+        output, errors = child.communicate(timeout=20)
+    finally:
+        child.kill()
+    assert time.perf_counter() - start < 2.0
+    assert output.splitlines()[-1] == "interrupted", errors
+    assert child.returncode == 7
+    assert errors == ""

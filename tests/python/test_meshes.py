@@ -1,0 +1,196 @@
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+def build(mesh) -> vx.Model:
+    return vx.Model.from_mesh(mesh, resolution=10)
+
+
+# ---- what is taken -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        (VERTICES, FACES),
+        (VERTICES.tolist(), FACES.tolist()),
+        [VERTICES.astype(np.float32), FACES.astype(np.uint8)],
+        (np.asfortranarray(VERTICES), FACES.astype(float)),
+        (VERTICES.astype(int), FACES.astype(np.int16)[:, ::1]),
+        trimesh.Trimesh(VERTICES, FACES),
+        SimpleNamespace(vertices=VERTICES, faces=FACES),
+    ],
+    ids=["arrays", "lists", "list", "float faces", "int vertices", "trimesh", "alike"],
+)
+def test_kinds_of_meshes(mesh):
+    model = build(mesh)
+    np.testing.assert_array_equal(model.mesh.vertices[model.mesh.faces], VERTICES[FACES])
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off", "glb"])
+def test_kinds_of_files(tmp_path: Path, suffix: str):
+    path = tmp_path / f"corner piece.{suffix}"
+    trimesh.Trimesh(VERTICES, FACES).export(path)
+    for name in (path, str(path)):
+        model = build(name)
+        assert len(model.mesh.faces) == 4
+        np.testing.assert_allclose(model.bounds, [[0, 0, 0], [1, 1, 1]])
+
+
+def test_the_bodies_of_a_scene_become_one_mesh(tmp_path: Path):
+    scene = trimesh.Scene()
+    for i in range(2):
+        pose = trimesh.transformations.translation_matrix((3.0 * i, 0, 0))
+        scene.add_geometry(trimesh.creation.box(), transform=pose)
+    scene.export(tmp_path / "scene.glb")
+    model = build(tmp_path / "scene.glb")
+    assert len(model.mesh.faces) == 24
+    np.testing.assert_allclose(model.bounds, [[-0.5] * 3, [3.5, 0.5, 0.5]])
+
+
+# ---- what is refused -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("mesh", "message"),
+    [
+        (None, "not NoneType"),
+        (42, "not int"),
+        (VERTICES, "not ndarray"),
+        ((VERTICES,), "not tuple"),
+        ((VERTICES, FACES, FACES), "not tuple"),
+        (trimesh.Scene(), r"not Scene; pass scene.to_mesh\(\)"),
+        (b"bunny.obj", "not bytes"),
+    ],
+)
+def test_what_is_not_a_mesh_is_refused(mesh, message: str):
+    with pytest.raises(vx.InputTypeError, match=message):
+        build(mesh)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "message"),
+    [
+        (VERTICES[:, :2], r"vertices must be \(n, 3\) numbers, not \(4, 2\) float64"),
+        (VERTICES.ravel(), r"not \(12,\)"),
+        (VERTICES[None], r"not \(1, 4, 3\)"),
+        (VERTICES.astype(complex), "complex128"),
+        (VERTICES.astype(str), "<U"),
+        (VERTICES.astype(object), "object"),
+        (VERTICES > 0, "bool"),
+        (None, "object"),
+        ([[0, 0, 0], [1]], "inhomogeneous"),
+        (np.where(VERTICES == 1, np.nan, VERTICES), "vertex 1 .*finite"),
+        (np.where(VERTICES == 1, np.inf, VERTICES), "vertex 1 .*finite"),
+        (np.zeros((4, 3)), "no triangle with an area"),
+        (np.empty((0, 3)), "of the 0 vertices"),
+    ],
+)
+def test_wrong_vertices_are_refused(vertices, message: str):
+    with pytest.raises(vx.MeshError, match=message):
+        build((vertices, FACES))
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        (FACES[:, :2], r"faces must be \(m, 3\) integers, not \(4, 2\)"),
+        (np.hstack([FACES, FACES[:, :1]]), r"not \(4, 4\); split quadrilaterals into triangles"),
+        (FACES.ravel(), r"not \(12,\)"),
+        (None, r"not \(\)"),
+        ([[0, 1, 2], [3]], "inhomogeneous"),
+        (FACES.astype(str), "<U"),
+        (FACES.astype(complex), "complex"),
+        (FACES > 0, "bool"),
+        (FACES + 0.5, "fractions or NaN"),
+        (np.where(FACES == 3, np.nan, FACES), "fractions or NaN"),
+        (np.where(FACES == 3, np.inf, FACES), "3 of 12 face indices .* 4 vertices .*inf in face 1"),
+        (FACES - 1, "3 of 12 face indices are not of the 4 vertices .first: -1 in face 0"),
+        (FACES + 1, "3 of 12 face indices .* 4 in face 1"),
+        (np.where(FACES == 3, 2**32 + 3, FACES), "4294967299 in face 1"),
+        (np.where(FACES == 3, 2**64 - 1, FACES.astype(np.uint64)), "18446744073709551615"),
+        (np.where(FACES == 3, 1e300, FACES), "1e[+]300"),
+        (np.empty((0, 3), int), "no triangles"),
+        ([[0, 0, 0], [1, 1, 2]], "no triangle with an area"),
+    ],
+)
+def test_wrong_faces_are_refused(faces, message: str):
+    with pytest.raises(vx.MeshError, match=message):
+        build((VERTICES, faces))
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        (FACES[1:], "not watertight: 3 open"),
+        (FACES[:, ::-1], "inside out"),
+        (np.vstack([FACES[:3], FACES[3:, ::-1]]), "wrongly oriented"),
+    ],
+    ids=["open", "inside out", "mixed"],
+)
+def test_a_surface_that_encloses_nothing_is_refused(faces: np.ndarray, message: str):
+    with pytest.raises(vx.MeshError, match=message):
+        build((VERTICES, faces))
+
+
+def write(path: Path, content: bytes | str) -> Path:
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+BAD_FILES = {
+    # 4,294,967,295 triangles are announced, one is there.
+    "boast.stl": b"\0" * 80 + struct.pack("<I", 0xFFFFFFFF) + b"\0" * 50,
+    "none.stl": b"\0" * 80 + struct.pack("<I", 0),
+    "empty.stl": "",
+    "empty.obj": "",
+    "empty.ply": "",
+    "points.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+    "beyond.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+    "words.obj": "v a b c\nf 1 2 3\n",
+    "words.off": "OFF\nfour\n",
+    "cut.ply": "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n",
+    "cut.glb": b"glTF\x02\0\0\0\xff\xff\xff\xff",
+    "noise.stl": bytes(range(256)) * 4,
+    "noise.ply": bytes(range(256)) * 4,
+    "noise.glb": bytes(range(256)) * 4,
+    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    "huge.obj": "v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n",
+    "mesh.xyz123": "1 2 3\n",
+    "mesh": "1 2 3\n",
+}
+
+
+@pytest.mark.filterwarnings("ignore")  # trimesh's own, on its way to failing
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_bad_files_are_refused_by_name(tmp_path: Path, name: str):
+    path = write(tmp_path / name, BAD_FILES[name])
+    with pytest.raises(vx.MeshError) as caught:
+        build(path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("missing.stl", "does not exist"), (".", "is a directory")]
+)
+def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: str):
+    path = tmp_path / name
+    with pytest.raises(vx.MeshError, match=message) as caught:
+        build(str(path))
+    assert str(path) in str(caught.value)
+
+
+def test_an_address_is_not_fetched():
+    with pytest.raises(vx.MeshError, match="does not exist"):
+        build("https://example.com/bunny.stl")
