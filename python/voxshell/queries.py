@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-Body: TypeAlias = Model | Field
+Collidable: TypeAlias = Model | Field
 """What queries take: a model, or a field without a shell such as a plane, box or sphere."""
 
 Shell: TypeAlias = Literal["auto", "a", "b"]
@@ -32,8 +32,8 @@ _CHOICES = {
 
 
 def contacts(
-    a: Body,
-    b: Body,
+    a: Collidable,
+    b: Collidable,
     a_pose: ArrayLike | None = None,
     b_pose: ArrayLike | None = None,
     *,
@@ -104,8 +104,8 @@ def contacts(
 
 
 def collide(
-    a: Body,
-    b: Body,
+    a: Collidable,
+    b: Collidable,
     a_pose: ArrayLike | None = None,
     b_pose: ArrayLike | None = None,
     *,
@@ -156,8 +156,8 @@ def collide(
 
 def find(
     search: Callable[..., _core.ContactSet],
-    a: Body,
-    b: Body,
+    a: Collidable,
+    b: Collidable,
     a_pose: ArrayLike | None,
     b_pose: ArrayLike | None,
     shell: Shell,
@@ -179,7 +179,7 @@ def find(
     )
 
 
-def _parts(body: Body, name: str) -> tuple[_core.Field, _core.PointShell | None]:
+def _parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | None]:
     """The field and the shell that the core wants of a body."""
     if isinstance(body, Model):
         return body.field._core, body.shell._core

@@ -23,7 +23,7 @@ class PointShell:
     Example:
         >>> import trimesh
         >>> import voxshell as vx
-        >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(), target_points=500)
+        >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(), resolution=20, target_points=500)
         >>> model.shell
         PointShell(... points, spacing 0.19... m, ... levels)
         >>> model.shell.points.shape == (len(model.shell), 3)
@@ -78,7 +78,7 @@ class PointSphereTree:
     Example:
         >>> import trimesh
         >>> import voxshell as vx
-        >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(), target_points=500)
+        >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(), resolution=20, target_points=500)
         >>> tree = model.shell.tree
         >>> tree.levels
         4

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
     from voxshell.contact_set import Contacts
     from voxshell.model import Model
-    from voxshell.queries import Body, Shell
+    from voxshell.queries import Collidable, Shell
 
 
 def contacts_flat(
-    a: Body,
-    b: Body,
+    a: Collidable,
+    b: Collidable,
     a_pose: ArrayLike | None = None,
     b_pose: ArrayLike | None = None,
     *,

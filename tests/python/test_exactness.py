@@ -16,7 +16,7 @@ import voxshell as vx
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from voxshell.queries import Body
+    from voxshell.queries import Collidable
 
 COARSE_POSES = 8_000  # a pair
 FINE_POSES = 2_000  # a pair, of the shell with some 35,600 points
@@ -50,7 +50,7 @@ def random_pose(rng: np.random.Generator, reach: float) -> np.ndarray:
     return pose
 
 
-def random_queries(a: Body, b: Body, seed: int, count: int) -> Iterator[Query]:
+def random_queries(a: Collidable, b: Collidable, seed: int, count: int) -> Iterator[Query]:
     """A third each far apart, touching and deep in one another, as seen along a random direction.
 
     `a` comes from far along the direction to where it first touches `b`; from there it is moved.
@@ -80,7 +80,7 @@ def random_queries(a: Body, b: Body, seed: int, count: int) -> Iterator[Query]:
 
 
 @pytest.fixture(params=PAIRS)
-def pair(request: pytest.FixtureRequest) -> tuple[str, Body | None]:
+def pair(request: pytest.FixtureRequest) -> tuple[str, Collidable | None]:
     """The second body; None stands for the bunny itself."""
     others = {
         "bunny-plane": vx.Plane(normal=(0.1, -0.2, 0.9), offset=0.03),
@@ -103,7 +103,7 @@ def assert_same_bits(found: vx.Contacts, oracle: vx.Contacts) -> None:
 
 
 def test_contacts_are_those_of_the_flat_loop(
-    pair: tuple[str, Body | None], coarse_bunny: vx.Model, fine_bunny: vx.Model
+    pair: tuple[str, Collidable | None], coarse_bunny: vx.Model, fine_bunny: vx.Model
 ):
     name, other = pair
     hits = 0
@@ -260,7 +260,7 @@ class NumpyGrid(NumpyPosed):
         return distances, gradients
 
 
-def contacts_by_numpy(shell_body: vx.Model, other: Body, shell_pose, other_pose, margin):
+def contacts_by_numpy(shell_body: vx.Model, other: Collidable, shell_pose, other_pose, margin):
     """The contacts of `shell_body`'s points in `other`'s field, with the shell as body a."""
     inverse = other_pose[:3, :3].T
     rotation = np.stack([rotated(shell_pose[:3, :3].T, row) for row in inverse])
@@ -287,7 +287,7 @@ def contacts_by_numpy(shell_body: vx.Model, other: Body, shell_pose, other_pose,
 
 @pytest.mark.parametrize("fine", [False, True], ids=["coarse", "fine"])
 def test_contacts_are_those_of_a_flat_loop_in_numpy(
-    pair: tuple[str, Body | None], fine: bool, coarse_bunny: vx.Model, fine_bunny: vx.Model
+    pair: tuple[str, Collidable | None], fine: bool, coarse_bunny: vx.Model, fine_bunny: vx.Model
 ):
     _, other = pair
     shell = fine_bunny if fine else coarse_bunny

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -142,6 +144,59 @@ def test_wrong_faces_are_refused(faces, message: str):
 def test_a_surface_that_encloses_nothing_is_refused(faces: np.ndarray, message: str):
     with pytest.raises(vx.MeshError, match=message):
         build((VERTICES, faces))
+
+
+TETRAHEDRON = trimesh.Trimesh(VERTICES, FACES)
+COORDINATES = st.one_of(
+    st.floats(-2.0, 2.0),
+    st.sampled_from([0.0, -0.0, 1.0, 0.5, 1e-30, 1e30, 1e300, np.nan, np.inf, -np.inf]),
+)
+
+
+@st.composite
+def damaged_meshes(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
+    """Closed meshes with some coordinates and corners replaced."""
+    whole = draw(
+        st.sampled_from([TETRAHEDRON, trimesh.creation.box(), trimesh.creation.icosphere(1)])
+    )
+    vertices, faces = np.array(whole.vertices), np.array(whole.faces)
+    for _ in range(draw(st.integers(0, 3))):
+        vertices[draw(st.integers(0, len(vertices) - 1)), draw(st.integers(0, 2))] = draw(
+            COORDINATES
+        )
+    for _ in range(draw(st.integers(0, 3))):
+        corner = draw(st.integers(-1, len(vertices)))
+        faces[draw(st.integers(0, len(faces) - 1)), draw(st.integers(0, 2))] = corner
+    return vertices, faces
+
+
+@given(
+    mesh=damaged_meshes(),
+    resolution=st.integers(2, 12),
+    target_points=st.one_of(st.none(), st.integers(1, 300)),
+    scale=st.sampled_from([1.0, 1.0, 1e-6, 1e6]),
+)
+@settings(max_examples=300, deadline=None)
+def test_any_damage_is_an_error_or_a_sound_model(mesh, resolution, target_points, scale):
+    try:
+        model = vx.Model.from_mesh(
+            mesh, resolution=resolution, target_points=target_points, scale=scale, threads=1
+        )
+    except vx.VoxshellError:
+        return
+    shell = model.shell
+    assert len(shell) > 0
+    assert np.isfinite(shell.points).all()
+    assert np.isfinite(vx.testing.grid_samples(model)).all()
+    assert shell.areas.astype(float).sum() == pytest.approx(
+        trimesh.Trimesh(*model.mesh, process=False).area, rel=1e-4
+    )
+    assert model.mass_properties().mass == 1.0
+    found = vx.contacts(model, model, margin=1e-3 * scale)
+    assert (
+        found.ids.tolist()
+        == vx.testing.contacts_flat(model, model, margin=1e-3 * scale).ids.tolist()
+    )
 
 
 def write(path: Path, content: bytes | str) -> Path:

@@ -214,7 +214,7 @@ def test_a_wrong_progress_is_refused():
     ids=str,
 )
 def test_what_would_not_fit_memory_is_refused_at_once(settings: dict):
-    with pytest.raises(vx.MemoryLimitError, match="use a (voxel size|spacing) of at least"):
+    with pytest.raises(vx.MemoryLimitError, match=r"use a (voxel size|spacing) of at least"):
         vx.Model.from_mesh(trimesh.creation.box(), **settings)
 
 
