@@ -50,8 +50,9 @@ HEADER_ONLY: dict[str, str] = {
 PYTHON_MAY_IMPORT: dict[str, set[str]] = {
     "api": {"bindings"},
     "viewer": {"api"},
-    "experiments": {"api", "viewer"},
-    "cli": {"api", "viewer", "experiments"},
+    "scenes": {"api"},
+    "experiments": {"api", "viewer", "scenes"},
+    "cli": {"api", "viewer", "scenes", "experiments"},
 }
 PYTHON_BINDINGS = {"_core", "_bullet"}
 

@@ -14,10 +14,16 @@ surface and mass properties. Models, and the analytic shapes :class:`Plane`, :cl
     >>> float(contacts.depths.max())
     0.001...
 
+In a :class:`World` they fall, bounce and rest by the physics of stock Bullet.
+
 Conventions: metres, kilograms, seconds, radians; right-handed frames; poses are 4x4
 ``world_from_body`` matrices; signed distances are negative inside; depths are positive inside;
 a contact's normal is on body b and points towards body a.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
@@ -40,11 +46,28 @@ from voxshell.queries import collide, contacts
 from voxshell.shapes import Box, Plane, Sphere
 from voxshell.shell import PointShell, PointSphereTree
 
+if TYPE_CHECKING:
+    from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
+    from voxshell.world import Body, World
+
+# What needs Bullet; loaded when it is first asked for.
+_SIMULATION = {
+    "Body": "voxshell.world",
+    "ConvexDecomposition": "voxshell.comparison_shapes",
+    "ConvexHull": "voxshell.comparison_shapes",
+    "GImpact": "voxshell.comparison_shapes",
+    "World": "voxshell.world",
+}
+
 __all__ = [
+    "Body",
     "Box",
     "Contacts",
+    "ConvexDecomposition",
+    "ConvexHull",
     "DistanceField",
     "Field",
+    "GImpact",
     "InputTypeError",
     "MassProperties",
     "MemoryLimitError",
@@ -60,8 +83,23 @@ __all__ = [
     "SettingsError",
     "Sphere",
     "VoxshellError",
+    "World",
     "__version__",
     "collide",
     "contacts",
     "testing",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _SIMULATION:
+        raise AttributeError(f"module 'voxshell' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(_SIMULATION[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

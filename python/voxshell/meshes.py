@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -11,6 +12,8 @@ from voxshell._arguments import as_floats, describe
 from voxshell.errors import InputTypeError, MeshError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import trimesh
     from numpy.typing import ArrayLike, NDArray
 
@@ -54,6 +57,17 @@ def read_mesh(mesh: MeshLike) -> Mesh:
         )
     vertices = as_floats(vertices, "vertices", (None, 3), MeshError)
     return Mesh(vertices, _as_faces(faces, len(vertices)))
+
+
+@contextmanager
+def naming_file(mesh: MeshLike) -> Iterator[None]:
+    """Puts the path in front of what is wrong with a mesh, where it is a file's."""
+    try:
+        yield
+    except MeshError as error:
+        if not isinstance(mesh, (str, os.PathLike)) or os.fspath(mesh) in str(error):
+            raise
+        raise MeshError(f"{os.fspath(mesh)}: {error}") from None
 
 
 def _load(path: str) -> trimesh.Trimesh:

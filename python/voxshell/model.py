@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from voxshell._arguments import FARTHEST, as_integer, as_length, as_positive, as_real
 from voxshell._core import Model as CoreModel
-from voxshell.errors import InputTypeError, MeshError, SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import DistanceField
 from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh, read_mesh
+from voxshell.meshes import Mesh, naming_file, read_mesh
 from voxshell.shell import PointShell
 
 if TYPE_CHECKING:
@@ -132,13 +131,9 @@ class Model:
             "threads": 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS),
         }
         factor = as_positive(scale, "scale")
-        try:
+        with naming_file(mesh):
             vertices, faces = read_mesh(mesh)
             core = CoreModel.build(vertices * factor, faces, **settings, progress=progress)
-        except MeshError as error:
-            if not isinstance(mesh, (str, os.PathLike)) or os.fspath(mesh) in str(error):
-                raise
-            raise MeshError(f"{os.fspath(mesh)}: {error}") from None
         return cls(core)
 
     @property

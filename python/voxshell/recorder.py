@@ -49,8 +49,9 @@ class Recorder:
         tracks = []
         for index, body in enumerate(self._bodies):
             mesh = mesh_of(body.shape)
+            faces = mesh.faces.astype(np.int64)
             name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
-            tracks.append(BodyTrack(name, mesh.vertices, mesh.faces, None, poses[:, index]))
+            tracks.append(BodyTrack(name, mesh.vertices, faces, None, poses[:, index]))
         contacts = ContactTrack.from_frames(
             [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
         )

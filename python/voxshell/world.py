@@ -21,13 +21,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-Shape: TypeAlias = "Model | Plane | Box | Sphere | GImpact | ConvexDecomposition"
+Shape: TypeAlias = Model | Plane | Box | Sphere | GImpact | ConvexDecomposition
 """What a body can be made of."""
 
 _Geometry: TypeAlias = (
-    "_bullet.ModelGeometry | _bullet.PlaneGeometry | _bullet.BoxGeometry | _bullet.SphereGeometry "
-    "| _bullet.GImpactGeometry | _bullet.HullsGeometry"
+    _bullet.ModelGeometry
+    | _bullet.PlaneGeometry
+    | _bullet.BoxGeometry
+    | _bullet.SphereGeometry
+    | _bullet.GImpactGeometry
+    | _bullet.HullsGeometry
 )
+
+BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
+"""Of the library that simulates."""
 
 CONTACT_DTYPE = np.dtype(
     [
@@ -228,9 +235,7 @@ class World:
             raise SettingsError(f"friction must be at least 0, not {grip:g}")
         geometry = _make_geometry(shape)
         matter = _mass_properties(shape, kilograms, inertia)
-        world_from_body = (
-            np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
-        )
+        world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
         number = self._simulation.add_body(
             geometry,
             mass=kilograms,

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "field/posed_field.h"
+#include "query/posed_field.h"
 #include "voxshell/contacts.h"
 #include "voxshell/point_shell.h"
 

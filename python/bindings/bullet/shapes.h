@@ -63,7 +63,7 @@ class BulletShape {
 };
 
 /// The convex hulls of sets of points as one mesh of triangles, for mass properties and pictures.
-/// Empty where the points of a set span no volume.
+/// Bullet rounds the corners to a grid: they are off by up to 2e-4 of the hull's size.
 struct HullMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;

@@ -42,7 +42,9 @@ def drop(
     out: Path = Path("drop"),
     steps: int = 1000,
     slow_steps: int = 600,
-    methods: Annotated[list[MethodKey] | None, Parameter(consume_multiple=True)] = None,
+    methods: Annotated[
+        list[MethodKey] | None, Parameter(consume_multiple=True, negative="")
+    ] = None,
     size: float = 0.2115,
     up: Literal["x", "y", "z"] = "y",
     height: float = 0.5,
@@ -59,10 +61,9 @@ def drop(
     writes into OUT: results.json (all figures, settings and versions), curves.png (time and speed
     over steps) and index.html (an offline replay).
 
-    Examples:
+    For example, the bunny, and a part of one's own with two methods:
 
         voxshell simulate drop --out bunny
-
         voxshell simulate drop part.stl --up z --size 0.1 --methods vps-fine hull
 
     Parameters
@@ -75,7 +76,8 @@ def drop(
         How many steps to simulate.
     slow_steps
         The same for GImpact on the block, which takes tens of milliseconds a step.
-    methods
+
+    Methods:
         Which to run: all by default. Ratios need vps-fine.
     size
         Length of the body's longest side, metres; the mesh is scaled to it.

@@ -107,8 +107,7 @@ def run_drop(
         progress: Called after each step with the share of the steps that is done.
     """
     world, body = build_world(shapes, method, settings)
-    # The hull's vertices are those that can be lowest.
-    corners = _outer_vertices(shapes.mesh.vertices)
+    vertices = shapes.mesh.vertices
     recorder = world.record()
     contacts = np.zeros(steps, np.int64)
     depth, speed, angular_speed, lowest = np.zeros((4, steps))
@@ -120,19 +119,22 @@ def run_drop(
         speed[step] = np.linalg.norm(body.linear_velocity)
         angular_speed[step] = np.linalg.norm(body.angular_velocity)
         pose = body.pose
-        lowest[step] = (corners @ pose[2, :3]).min() + pose[2, 3]
+        lowest[step] = (vertices @ pose[2, :3]).min() + pose[2, 3]
         if progress is not None:
             progress((step + 1) / steps)
     timings = world.timings
     return DropRun(
-        method,
-        *(timings[part].copy() for part in ("narrow_phase", "query", "reduction", "manifold")),
-        contacts,
-        depth,
-        speed,
-        angular_speed,
-        lowest,
-        recorder.recording(),
+        method=method,
+        narrow_phase=timings["narrow_phase"],
+        query=timings["query"],
+        reduction=timings["reduction"],
+        manifold=timings["manifold"],
+        contacts=contacts,
+        depth=depth,
+        speed=speed,
+        angular_speed=angular_speed,
+        lowest=lowest,
+        recording=recorder.recording(),
     )
 
 
@@ -169,10 +171,3 @@ def _median(values: NDArray[np.float64]) -> float:
 
 def _percentile(values: NDArray[np.float64], percent: float) -> float:
     return float(np.percentile(values, percent)) if values.size else np.nan
-
-
-def _outer_vertices(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vertices of the convex hull, (n, 3)."""
-    from voxshell._bullet import triangulate_hulls
-
-    return triangulate_hulls([vertices])[0]

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 import voxshell
-from voxshell import _bullet
+from voxshell.world import BULLET_VERSION
 
 _LIBRARIES = ("numpy", "trimesh", "vhacdx", "matplotlib", "viser")
 
@@ -19,7 +19,7 @@ def describe_environment() -> dict[str, object]:
     return {
         "voxshell": voxshell.__version__,
         "commit": _find_commit(),
-        "bullet": f"{_bullet.bullet_version / 100:.2f}, double precision",
+        "bullet": BULLET_VERSION,
         "python": platform.python_version(),
         "libraries": {name: _find_version(name) for name in _LIBRARIES},
         "system": platform.platform(),

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from voxshell._arguments import as_integer, as_positive
 from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
-from voxshell.errors import MeshError, MissingExtraError, SettingsError
-from voxshell.meshes import Mesh, read_mesh
+from voxshell.errors import MeshError, MissingExtraError
+from voxshell.meshes import Mesh, naming_file, read_mesh
 from voxshell.model import Model
 from voxshell.shape_meshes import mesh_of
 from voxshell.shapes import Box, Plane
@@ -54,6 +55,9 @@ class DropSettings:
         coarse_points: Points of the coarse shell.
         voxel_size: Of the fields of body and ground, metres.
         mass: Kilograms; the inertia is that of the surface, as in the thesis.
+
+    Raises:
+        SettingsError: A number is not above 0.
     """
 
     size: float = 0.2115
@@ -64,6 +68,12 @@ class DropSettings:
     coarse_points: int = 799
     voxel_size: float = 0.002
     mass: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("size", "height", "rate", "voxel_size", "mass"):
+            as_positive(getattr(self, name), name)
+        for name in ("fine_points", "coarse_points"):
+            as_integer(getattr(self, name), name, 1, 2**31 - 1)
 
 
 @dataclass(frozen=True)
@@ -140,8 +150,17 @@ def build_shapes(
         SettingsError: A setting is out of range.
         MissingExtraError: The decomposition is wanted, but its library is not installed.
     """
+    with naming_file(mesh):
+        return _build_shapes(_scale(read_mesh(mesh), settings.size), settings, methods, progress)
+
+
+def _build_shapes(
+    scaled: Mesh,
+    settings: DropSettings,
+    methods: tuple[Method, ...],
+    progress: Callable[[str, float], object] | None,
+) -> DropShapes:
     keys = {method.key for method in methods}
-    scaled = _scale(read_mesh(mesh), settings.size)
 
     def stage(name: str) -> Callable[[str, float], None]:
         def report(part: str, fraction: float) -> None:
@@ -243,8 +262,6 @@ def compute_start_pose(mesh: Mesh, settings: DropSettings) -> NDArray[np.float64
 def _scale(mesh: Mesh, size: float) -> Mesh:
     if len(mesh.faces) == 0:
         raise MeshError("mesh has no triangles")
-    if not size > 0.0:
-        raise SettingsError(f"size must be above 0 m, not {size:g}")
     used = mesh.vertices[np.unique(mesh.faces)]
     longest = float(np.ptp(used, axis=0).max())
     if not (np.isfinite(longest) and longest > 0.0):

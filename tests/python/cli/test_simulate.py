@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import trimesh
+
+
+def voxshell(*arguments, **options):
+    return subprocess.run(
+        [sys.executable, "-c", "from voxshell.cli import main; main()", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "COLUMNS": "80", "NO_COLOR": "1"},
+        **options,
+    )
+
+
+@pytest.fixture(scope="module")
+def cone(tmp_path_factory):
+    path = tmp_path_factory.mktemp("mesh") / "cone.stl"
+    trimesh.creation.cone(radius=30, height=50).export(path)  # millimetres
+    return path
+
+
+SMALL = ("--up", "z", "--size", "0.1", "--voxel-size", "0.005")
+SMALL += ("--fine-points", "1000", "--coarse-points", "200")
+
+
+def test_drop_prints_a_table_and_writes_three_files(tmp_path, cone):
+    out = tmp_path / "a" / "b"
+    result = voxshell(
+        "simulate", "drop", cone, "--out", out, *SMALL, "--steps", 300, "--slow-steps", 60
+    )
+    assert result.returncode == 0, result.stderr
+    assert sorted(p.name for p in out.iterdir()) == ["curves.png", "index.html", "results.json"]
+    for label in ("VPS fine", "VPS coarse", "GImpact", "Convex hull", "Decomposition"):
+        assert label in result.stdout
+    assert "GImpact (60 steps)" in result.stdout
+    assert max(map(len, result.stdout.splitlines()[:12])) <= 80
+    assert "drop VPS fine" in result.stderr  # progress stays out of what is piped
+    results = json.loads((out / "results.json").read_text())
+    assert [m["steps"] for m in results["methods"]] == [300, 300, 300, 60, 300, 300, 300]
+
+
+def test_json_is_all_that_stdout_holds(tmp_path, cone):
+    result = voxshell(
+        *("simulate", "drop", cone, "--out", tmp_path, *SMALL),
+        *("--steps", 260, "--methods", "vps-fine", "hull", "--json"),
+    )
+    assert result.returncode == 0, result.stderr
+    rows = json.loads(result.stdout)
+    assert [row["key"] for row in rows] == ["vps-fine", "hull"]
+    assert rows[0]["ratio"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["missing.stl"], "missing.stl"),
+        (["--steps", "0"], "steps"),
+        (["--size", "-1"], "size"),
+        (["--rate", "0"], "rate"),
+        (["--voxel-size", "1e-7"], "voxel size"),
+        (["--methods", "magic"], "magic"),
+    ],
+)
+def test_bad_input_is_an_error_that_names_it(tmp_path, arguments, part):
+    result = voxshell("simulate", "drop", *arguments, "--out", tmp_path / "out")
+    assert result.returncode != 0
+    said = " ".join((result.stdout + result.stderr).split())
+    assert part in said
+    assert "Traceback" not in said
+
+
+def test_open_mesh_is_refused_with_its_path(tmp_path):
+    path = tmp_path / "open.stl"
+    box = trimesh.creation.box()
+    trimesh.Trimesh(box.vertices, box.faces[1:], process=False).export(path)
+    result = voxshell("simulate", "drop", path, "--out", tmp_path / "out", *SMALL)
+    assert result.returncode == 1
+    said = result.stderr.replace("\n", "")
+    assert "not watertight" in said
+    assert "open.stl" in said
+
+
+def test_unwritable_folder_is_an_error(tmp_path, cone):
+    file = tmp_path / "file"
+    file.write_text("")
+    result = voxshell("simulate", "drop", cone, "--out", file / "out", *SMALL)
+    assert result.returncode == 1
+    assert "Traceback" not in result.stderr
+
+
+def test_help_teaches():
+    result = voxshell("simulate", "drop", "--help")
+    assert result.returncode == 0
+    for word in ("--fine-points", "part.stl", "results.json", "metres"):
+        assert word in result.stdout
+    assert "simulate" in voxshell("--help").stdout
+
+
+def test_ctrl_c_ends_with_130_and_no_torn_files(tmp_path, cone):
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-c", "from voxshell.cli import main; main()"),
+            *("simulate", "drop", str(cone), "--out", str(out), "--steps", "10000000", *SMALL),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 30
+    while not out.is_dir() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "Traceback" not in errors
+    assert list(out.iterdir()) == []

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import voxshell as vx
+
+
+def test_recording_holds_what_the_world_did():
+    world = vx.World()
+    world.add(vx.Plane(), mass=0, name="ground")
+    start = np.eye(4)
+    start[2, 3] = 0.3
+    ball = world.add(vx.Sphere(0.1), pose=start, name="ball")
+    recorder = world.record(every=5)
+    poses = [ball.pose]
+    for _ in range(40):
+        world.step(5)
+        poses.append(ball.pose)
+    recording = recorder.recording()
+    assert [body.name for body in recording.bodies] == ["ground", "ball"]
+    assert recording.time_step == pytest.approx(5 / 200)
+    np.testing.assert_array_equal(recording.bodies[1].poses, poses)
+    assert recording.contacts.counts[0] == 0
+    assert recording.contacts.counts[-1] == len(world.contacts()) == 1
+    np.testing.assert_allclose(recording.contacts.frame(40).points[0, 2], 0.0, atol=1e-3)
+
+
+def test_bodies_of_one_name_are_told_apart():
+    world = vx.World()
+    for _ in range(2):
+        world.add(vx.Sphere(0.1), name="ball")
+    names = [body.name for body in world.record().recording().bodies]
+    assert names == ["ball (0)", "ball (1)"]
+
+
+def test_a_world_without_bodies_has_nothing_to_record():
+    with pytest.raises(vx.RecordingError):
+        vx.World().record().recording()
+
+
+def test_bodies_added_later_are_left_out():
+    world = vx.World()
+    world.add(vx.Sphere(0.1))
+    recorder = world.record()
+    world.add(vx.Sphere(0.2))
+    world.step(2)
+    assert len(recorder.recording().bodies) == 1

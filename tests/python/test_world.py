@@ -1,0 +1,335 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.1), voxel_size=0.005)
+
+
+@pytest.fixture(scope="module")
+def brick():
+    return vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.1, 0.06)), voxel_size=0.005)
+
+
+def at(x=0.0, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+GROUNDS = {
+    "plane": lambda: vx.Plane(),
+    "box": lambda: vx.Box((0.5, 0.5, 0.1)),
+    "model": lambda: vx.Model.from_mesh(
+        trimesh.creation.box(extents=(1.0, 1.0, 0.2)), voxel_size=0.01
+    ),
+}
+
+
+def top(kind):
+    return at(z=0.0 if kind == "plane" else -0.1)
+
+
+@pytest.mark.parametrize("kind", GROUNDS)
+@pytest.mark.parametrize("contact", ["auto", "regular", "segmented"])
+def test_brick_comes_to_rest_on_its_flat_side(brick, kind, contact):
+    world = vx.World(contact=contact, sleeping=False)
+    world.add(GROUNDS[kind](), mass=0, pose=top(kind))
+    body = world.add(brick, pose=at(z=0.08))
+    world.step(600)
+    assert body.pose[2, 3] == pytest.approx(0.03, abs=2e-4)
+    assert body.pose[2, 2] == pytest.approx(1.0, abs=1e-4)
+    assert np.linalg.norm(body.linear_velocity) < 1e-3
+    assert np.linalg.norm(body.angular_velocity) < 1e-2
+
+
+def test_brick_on_brick(brick):
+    world = vx.World(sleeping=False)
+    world.add(vx.Plane(), mass=0)
+    lower = world.add(brick, pose=at(z=0.031))
+    upper = world.add(brick, pose=at(z=0.093))
+    world.step(400)
+    assert lower.pose[2, 3] == pytest.approx(0.03, abs=3e-4)
+    assert upper.pose[2, 3] == pytest.approx(0.09, abs=6e-4)
+
+
+def test_analytic_sphere_rests_on_a_model():
+    ground = GROUNDS["model"]()
+    world = vx.World(sleeping=False)
+    world.add(ground, mass=0, pose=top("model"))
+    body = world.add(vx.Sphere(0.1), pose=at(z=0.12))
+    world.step(300)
+    # The ground's points are 1 cm apart: the sphere sinks between them by less than a millimetre.
+    assert body.pose[2, 3] == pytest.approx(0.1, abs=1e-3)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("phase", [0.0, 0.013, 0.031, 0.047])
+def test_rebound_is_true(ball, restitution, phase):
+    start = 0.6 + phase
+    world = vx.World(gravity=(0, 0, -10), sleeping=False)
+    world.add(vx.Plane(), mass=0, restitution=1.0)
+    body = world.add(ball, pose=at(z=start), restitution=restitution)
+    heights, energies = [], []
+
+    def note(world):
+        z, v = body.pose[2, 3], body.linear_velocity[2]
+        heights.append(z)
+        energies.append(10.0 * z + 0.5 * v * v)
+
+    world.step(200, callback=note)
+    hit = next(i for i in range(len(heights)) if heights[i] < 0.1)
+    apex = max(heights[hit:], default=0.1)
+    ratio = (apex - 0.1) / (start - 0.1)
+    assert ratio == pytest.approx(restitution**2, abs=0.03)
+    assert max(energies) <= 10.0 * start * 1.01
+
+
+def test_contacts_describe_a_resting_brick(brick):
+    world = vx.World(sleeping=False)
+    ground = world.add(vx.Plane(), mass=0)
+    body = world.add(brick, mass=2.0, pose=at(z=0.0301))
+    world.step(300)
+    contacts = world.contacts()
+    assert len(contacts) >= 4
+    for contact in contacts:
+        assert {int(contact["body_a"]), int(contact["body_b"])} == {ground.number, body.number}
+        towards_a = 1.0 if contact["body_a"] == body.number else -1.0
+        np.testing.assert_allclose(contact["normal"], (0, 0, towards_a), atol=1e-6)
+        np.testing.assert_allclose(
+            contact["point_a"] - contact["point_b"],
+            -contact["depth"] * contact["normal"],
+            atol=1e-6,
+        )
+    # They carry the weight: their impulses in a step are mass times gravity times the step.
+    assert contacts["impulse"].sum() == pytest.approx(2.0 * 9.81 / 200.0, rel=0.05)
+
+
+def test_origin_is_the_mesh_origin_wherever_the_mass_lies():
+    offset = np.array([0.3, -0.2, 0.5])
+    mesh = trimesh.creation.box(extents=(0.2, 0.1, 0.06))
+    mesh.apply_translation(offset)
+    model = vx.Model.from_mesh(mesh, voxel_size=0.005)
+    world = vx.World(gravity=(0, 0, 0))
+    turned = trimesh.transformations.rotation_matrix(0.7, (1, 2, 3))
+    body = world.add(model, pose=turned)
+    np.testing.assert_allclose(body.pose, turned, atol=1e-12)
+    body.angular_velocity = (0, 0, 3.0)
+    center = (turned @ [*offset, 1])[:3]
+    world.step(100)
+    # Free rotation moves the origin, but not the centre of mass.
+    np.testing.assert_allclose((body.pose @ [*offset, 1])[:3], center, atol=1e-6)
+    assert np.linalg.norm(body.pose[:3, 3] - turned[:3, 3]) > 0.1
+
+
+def test_inertia_kinds_and_given_mass_properties(brick):
+    def spin(**inertia):
+        """Angular speed about x, after a while, of a free body spun about a skew axis."""
+        world = vx.World(gravity=(0, 0, 0), sleeping=False)
+        body = world.add(brick, mass=3.0, **inertia)
+        body.angular_velocity = (5.0, 4.0, 3.0)
+        world.step(40)
+        return body.angular_velocity
+
+    solid, surface = spin(inertia="solid"), spin(inertia="surface")
+    assert not np.allclose(solid, surface, atol=1e-3)
+    given = spin(inertia=brick.mass_properties(7.0, "solid"))
+    np.testing.assert_allclose(given, solid, atol=1e-9)
+
+
+def test_sleeping_and_waking(brick):
+    world = vx.World(sleeping=True)
+    world.add(vx.Plane(), mass=0)
+    body = world.add(brick, pose=at(z=0.0305))
+    world.step(1000)
+    assert body.sleeping
+    before = body.pose
+    world.step(10)
+    np.testing.assert_array_equal(body.pose, before)
+    body.linear_velocity = (0, 0, 1.0)
+    assert not body.sleeping
+    world.step(10)
+    assert body.pose[2, 3] > before[2, 3] + 0.02
+
+
+def test_pose_can_be_set(ball):
+    world = vx.World(gravity=(0, 0, 0))
+    body = world.add(ball)
+    pose = trimesh.transformations.rotation_matrix(1.0, (0, 1, 0), (0.5, 0, 0))
+    body.pose = pose
+    np.testing.assert_allclose(body.pose, pose, atol=1e-12)
+
+
+def test_same_bits_on_every_run(ball, brick):
+    def run():
+        world = vx.World()
+        world.add(vx.Plane(), mass=0)
+        bodies = [
+            world.add(shape, pose=at(0.02 * i, 0.01 * i, 0.15 + 0.22 * i))
+            for i, shape in enumerate([brick, ball, brick, ball])
+        ]
+        world.step(400)
+        return np.array([body.pose for body in bodies]).tobytes()
+
+    assert run() == run()
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        lambda: vx.GImpact(trimesh.creation.icosphere(2, radius=0.1)),
+        lambda: vx.ConvexHull(trimesh.creation.icosphere(2, radius=0.1).vertices),
+        lambda: vx.ConvexDecomposition(
+            [
+                trimesh.creation.box(bounds=[(-0.1, -0.1, -0.1), (0, 0.1, 0.1)]).vertices,
+                trimesh.creation.box(bounds=[(0, -0.1, -0.1), (0.1, 0.1, 0.1)]).vertices,
+            ]
+        ),
+    ],
+)
+def test_comparison_shapes_fall_and_stay_on_a_plane(shape):
+    world = vx.World(split_impulse_threshold=-0.04)
+    world.add(vx.Plane(), mass=0)
+    body = world.add(shape(), pose=at(z=0.15))
+    world.step(300)
+    # Bullet's margin holds them off by a millimetre.
+    assert body.pose[2, 3] == pytest.approx(0.1, abs=2e-3)
+
+
+def test_comparison_shapes_meet_models(brick):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    world.add(brick, mass=0, pose=at(z=0.03))
+    hull = world.add(
+        vx.ConvexHull(trimesh.creation.box(extents=[0.05] * 3).vertices), pose=at(z=0.1)
+    )
+    world.step(300)
+    assert hull.pose[2, 3] == pytest.approx(0.06 + 0.025, abs=3e-3)
+
+
+def test_timings_have_a_row_a_step(brick):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    world.add(brick, pose=at(z=0.029))
+    assert world.timings.shape == (0,)
+    world.step(7)
+    timings = world.timings
+    assert timings.shape == (7,)
+    assert (timings["query"] > 0).all()
+    parts = timings["query"] + timings["reduction"] + timings["manifold"]
+    assert (parts <= timings["narrow_phase"]).all()
+    assert (timings["narrow_phase"] <= timings["step"]).all()
+
+
+def test_callback_sees_every_step_and_may_stop_the_run(ball):
+    world = vx.World()
+    world.add(ball)
+    seen = []
+
+    def callback(world):
+        seen.append(len(world.timings))
+        if len(seen) == 3:
+            raise StopIteration
+
+    with pytest.raises(StopIteration):
+        world.step(10, callback=callback)
+    assert seen == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("settings", "part"),
+    [
+        ({"time_step": 0.0}, "time_step"),
+        ({"time_step": float("nan")}, "time_step"),
+        ({"gravity": (0, 0)}, "gravity"),
+        ({"gravity": (0, 0, float("inf"))}, "gravity"),
+        ({"contact": "none"}, "'auto', 'regular', 'segmented'"),
+        ({"level": 0}, "level"),
+        ({"level": 13}, "level"),
+        ({"contact": "regular", "level": 3}, "level"),
+        ({"margin": -1e-3}, "margin"),
+        ({"split_impulse_threshold": "x"}, "split_impulse_threshold"),
+    ],
+)
+def test_wrong_settings_of_a_world(settings, part):
+    with pytest.raises(vx.SettingsError, match=part):
+        vx.World(**settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "part"),
+    [
+        ({"mass": -1.0}, vx.SettingsError, "mass"),
+        ({"mass": float("nan")}, vx.SettingsError, "mass"),
+        ({"friction": -0.1}, vx.SettingsError, "friction"),
+        ({"restitution": 1.5}, vx.SettingsError, "restitution"),
+        ({"inertia": "hollow"}, vx.SettingsError, "inertia"),
+        ({"pose": np.ones((4, 4))}, vx.PoseError, "pose"),
+        ({"pose": np.eye(3)}, vx.PoseError, "pose"),
+    ],
+)
+def test_wrong_settings_of_a_body(ball, settings, error, part):
+    world = vx.World()
+    with pytest.raises(error, match=part):
+        world.add(ball, **settings)
+    assert world.bodies == []
+    world.step(1)
+
+
+def test_what_cannot_be_simulated_is_refused(ball):
+    world = vx.World()
+    with pytest.raises(vx.InputTypeError, match="Trimesh"):
+        world.add(trimesh.creation.box())
+    with pytest.raises(vx.SettingsError, match="mass=0"):
+        world.add(vx.Plane(), mass=1.0)
+    with pytest.raises(vx.SettingsError, match="n must"):
+        world.step(-1)
+    body = world.add(ball)
+    with pytest.raises(vx.PoseError):
+        body.pose = np.zeros((4, 4))
+    with pytest.raises(vx.SettingsError, match="linear_velocity"):
+        body.linear_velocity = (0, float("nan"), 0)
+
+
+def test_bodies_outlive_nothing_they_need():
+    def make():
+        world = vx.World()
+        world.add(vx.Plane(), mass=0)
+        model = vx.Model.from_mesh(trimesh.creation.icosphere(2, radius=0.1), voxel_size=0.02)
+        return world.add(model, pose=at(z=0.2))
+
+    body = make()  # the world object is gone, its simulation is not
+    assert body.pose[2, 3] == 0.2
+
+
+def test_ctrl_c_stops_a_long_run():
+    program = """
+        import voxshell as vx
+        world = vx.World()
+        world.add(vx.Sphere(0.1))
+        print("running", flush=True)
+        world.step(2_000_000_000)
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "running\n"
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert "KeyboardInterrupt" in errors
