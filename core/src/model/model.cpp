@@ -48,7 +48,7 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
       ErrorCode::kInvalidMesh,
       format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
                   "single precision; move it to its origin (put the offset in the pose) or "
-                  "use a voxel size of at least %.2g m",
+                  "use a voxel size of at least %.3g m",
                   farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
 }
 

@@ -134,15 +134,21 @@ Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
                  format_text("point spacing must be above 0 m, not %g", settings.spacing)};
   }
   const double area = mesh.compute_area();
-  const double expected = by_spacing ? kVoxelsPerArea * area / (settings.spacing * settings.spacing)
-                                     : static_cast<double>(settings.target_points);
-  if (expected > static_cast<double>(settings.point_limit)) {
+  const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  const auto limit = static_cast<double>(settings.point_limit);
+  // A wire has no area to speak of, but passes a voxel a spacing.
+  const double expected =
+      by_spacing ? std::max(kVoxelsPerArea * area / (settings.spacing * settings.spacing),
+                            longest / settings.spacing)
+                 : static_cast<double>(settings.target_points);
+  if (expected > limit) {
+    constexpr double kSafety = 1.2;  // how far the estimate may be below the number found
     return Error{ErrorCode::kTooLarge,
                  format_text("a point shell of about %.3g points is above the limit of %zu; use a "
-                             "spacing of at least %.2g m",
+                             "spacing of at least %.3g m",
                              expected, settings.point_limit,
-                             std::sqrt(1.1 * kVoxelsPerArea * area /
-                                       static_cast<double>(settings.point_limit)))};
+                             std::max(std::sqrt(kSafety * kVoxelsPerArea * area / limit),
+                                      kSafety * longest / limit))};
   }
   return std::monostate{};
 }

@@ -93,8 +93,9 @@ class Cutter {
     for (const Vec3& vertex : vertices) bounds.extend(vertex);
     for (int axis = 0; axis < 3; ++axis) {
       // A whole number of voxels with the mesh in their middle, so that no flat side of it lies on
-      // a face between voxels.
-      const double voxels = std::floor(bounds.extents()[axis] / spacing_) + 1.0;
+      // a face between voxels; a side of whole voxels must not end up on either side by rounding.
+      constexpr double kRounding = 1e-6;
+      const double voxels = std::floor(bounds.extents()[axis] / spacing_ + kRounding) + 1.0;
       origin_[axis] = bounds.centre()[axis] + (grid.shift[axis] - 0.5 * voxels) * spacing_;
     }
   }
@@ -121,6 +122,10 @@ class Cutter {
       low = std::min(low, polygon.corners[i][axis]);
       high = std::max(high, polygon.corners[i][axis]);
     }
+    // In the plane of a face, corners lie on either side of it by rounding: cutting there would
+    // count parts twice.
+    constexpr double kFlat = 1e-9;  // spacings
+    if (high - low <= kFlat * spacing_) low = high = 0.5 * (low + high);
     const std::int64_t first = slab(low, axis);
     const std::int64_t last = slab(high, axis);
     Polygon rest = polygon;

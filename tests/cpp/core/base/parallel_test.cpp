@@ -38,7 +38,10 @@ TEST(ParallelFor, ReportsFromTheCallingThreadUpToTheEnd) {
     last = fraction;
     return true;
   };
-  EXPECT_TRUE(parallel_for(50, 4, "stage", progress, [](std::size_t) {}));
+  // Long enough for reports on the way.
+  EXPECT_TRUE(parallel_for(400, 4, "stage", progress, [](std::size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }));
   EXPECT_EQ(last, 1.0);
   last = -1.0;
   EXPECT_TRUE(parallel_for(0, 4, "stage", progress, [](std::size_t) {}));

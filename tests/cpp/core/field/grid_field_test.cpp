@@ -296,6 +296,40 @@ TEST(GridField, LipschitzConstantBoundsEveryPairInTheGrid) {
   }
 }
 
+TEST(GridField, LipschitzConstantIsTheSteepestSlopeWhereThatIsKnown) {
+  // Around a speck at a node the eight cells fall by a voxel a voxel along every axis.
+  const GridField around_speck = build(make_icosphere(1e-5, 1).mesh(), 1.0, 3.0);
+  EXPECT_NEAR(around_speck.lipschitz_constant(), std::sqrt(3.0), 1e-4);
+  EXPECT_GE(around_speck.lipschitz_constant(),
+            static_cast<double>(length(around_speck.gradient({0.01f, 0.01f, 0.01f}))));
+  // Any cell's gradient is longest at one of its corners, where it is made of the three edges.
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const auto [nx, ny, nz] = field.shape();
+    double steepest = 0.0;
+    for (int k = 0; k + 1 < nz; ++k) {
+      for (int j = 0; j + 1 < ny; ++j) {
+        for (int i = 0; i + 1 < nx; ++i) {
+          for (int corner = 0; corner < 8; ++corner) {
+            const std::array<int, 3> at{i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)};
+            const auto sample = [&](int x, int y, int z) {
+              return static_cast<double>(
+                  field.samples()[static_cast<std::size_t>(x + nx * (y + ny * z))]);
+            };
+            const double here = sample(at[0], at[1], at[2]);
+            const Vec3 slope{sample(2 * i + 1 - at[0], at[1], at[2]) - here,
+                             sample(at[0], 2 * j + 1 - at[1], at[2]) - here,
+                             sample(at[0], at[1], 2 * k + 1 - at[2]) - here};
+            steepest = std::max(steepest, length(slope) / voxel_size);
+          }
+        }
+      }
+    }
+    EXPECT_GE(field.lipschitz_constant(), steepest) << name;
+    EXPECT_LE(field.lipschitz_constant(), 1.1 * steepest) << name;
+  }
+}
+
 /// The smallest value that can be found in a ball: at random, downhill, and at the grid's nodes.
 float find_smallest(const GridField& field, const Vec3& centre, double radius, Random& random) {
   float smallest = field.distance(static_cast<Vec3f>(centre));
@@ -489,6 +523,13 @@ TEST(GridField, RefusesABodyInsideOutBesideAnother) {
       together(make_box({1, 1, 1}), moved(inverted(make_box({0.5, 0.5, 0.5})), {3, 0, 0}));
   expect_error(GridField::build(pair.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
                "inside out");
+}
+
+TEST(GridField, ASpeckInsideOutThatIsSmallerThanAVoxelDoesNoHarm) {
+  const Soup speck = moved(inverted(make_box({0.05, 0.05, 0.05})), {2, 0, 0});
+  const GridField field = build(together(make_box({1, 1, 1}), speck).mesh(), 0.25);
+  EXPECT_NEAR(field.distance({2, 0, 0}), 0.05f, 1e-6f);  // a node, and not inside of anything
+  EXPECT_EQ(field.distance({0, 0, 0}), -1.0f);
 }
 
 TEST(GridField, NamesAPlaceInTheOverlap) {

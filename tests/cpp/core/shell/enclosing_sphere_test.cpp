@@ -220,6 +220,23 @@ TEST(EnclosingSphere, IsTheSmallestOfThinSets) {
   }
 }
 
+TEST(EnclosingSphere, IsTheSmallestOfFlatTrianglesAndTetrahedra) {
+  // Hardly acute: the ball hangs on a point that adds little height to the others.
+  Random random(57);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double bend = std::pow(10.0, random.uniform(-6, -0.5));
+    std::vector<Vec3f> points{{-1, 0, 0}, {1, 0, 0}};
+    for (int i = 0; i < 3; ++i) {
+      const double angle = random.uniform(-bend, bend);
+      const double reach = 1.0 + random.uniform(-bend, bend) * bend;
+      points.push_back(
+          static_cast<Vec3f>((i % 2 == 0 ? reach : -reach) *
+                             Vec3{std::cos(angle), std::sin(angle), random.uniform(-bend, bend)}));
+    }
+    expect_minimal(points);
+  }
+}
+
 TEST(EnclosingSphere, IsTheSmallestFarFromTheOriginAndAtAnySize) {
   Random random(57);
   for (int trial = 0; trial < 500; ++trial) {

@@ -198,16 +198,23 @@ TEST(PointSphereTree, IsTheSameOnEveryBuildAndWithTies) {
 }
 
 TEST(PointSphereTree, OrderDoesNotDependOnTheOrderGiven) {
-  const std::vector<Vec3f> points = random_points(799, 48);
-  const BuiltTree built = build(points);
-  std::vector<std::uint32_t> shuffled(points.size());
-  std::iota(shuffled.begin(), shuffled.end(), 0u);
-  Random random(49);
-  for (std::size_t i = shuffled.size(); i > 1; --i) {
-    std::swap(shuffled[i - 1], shuffled[random.below(i)]);
+  std::vector<Vec3f> lattice;
+  for (int i = 0; i < 900; ++i) {
+    lattice.push_back({static_cast<float>(i % 10), static_cast<float>(i / 10 % 10),
+                       static_cast<float>(i / 100 % 3)});
   }
-  PointSphereTree::build(points, shuffled);
-  EXPECT_EQ(shuffled, built.order);
+  // The lattice is full of ties, and each of its places is taken three times.
+  for (const std::vector<Vec3f>& points : {random_points(799, 48), lattice}) {
+    const BuiltTree built = build(points);
+    std::vector<std::uint32_t> shuffled(points.size());
+    std::iota(shuffled.begin(), shuffled.end(), 0u);
+    Random random(49);
+    for (std::size_t i = shuffled.size(); i > 1; --i) {
+      std::swap(shuffled[i - 1], shuffled[random.below(i)]);
+    }
+    PointSphereTree::build(points, shuffled);
+    EXPECT_EQ(shuffled, built.order);
+  }
 }
 
 TEST(PointSphereTree, TakesPointsThatAllLieAtOnePlace) {

@@ -1,0 +1,231 @@
+#include "voxshell/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "support/meshes.h"
+#include "support/random.h"
+#include "voxshell/contacts.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+using Built = Result<std::shared_ptr<const Model>>;
+
+void expect_error(const Built& model, ErrorCode code, const std::string& reason) {
+  ASSERT_FALSE(model) << "accepted, but expected: " << reason;
+  EXPECT_EQ(model.error().code, code);
+  EXPECT_NE(model.error().message.find(reason), std::string::npos) << model.error().message;
+}
+
+std::shared_ptr<const Model> build(const Soup& soup, const ModelSettings& settings) {
+  auto model = Model::build(soup.mesh(), settings);
+  EXPECT_TRUE(model) << model.error().message;
+  if (!model) std::abort();
+  return *std::move(model);
+}
+
+TEST(Model, HasAHundredVoxelsAndOnePointAVoxelUnlessToldOtherwise) {
+  const auto model = build(make_box({0.5, 0.25, 0.1}), {});
+  EXPECT_DOUBLE_EQ(model->grid().voxel_size(), 0.01);
+  EXPECT_EQ(model->shell().spacing(), model->grid().voxel_size());
+  // Four voxels of padding on each side.
+  EXPECT_NEAR(model->grid().origin().x, -0.5 - 0.04, 1e-12);
+  EXPECT_GE(model->grid().shape()[0], 109);
+  EXPECT_LE(model->grid().shape()[0], 110);
+}
+
+TEST(Model, TakesVoxelSizeOrResolutionAndSpacingOrTarget) {
+  const Soup soup = make_box({0.5, 0.25, 0.1});
+  EXPECT_EQ(build(soup, {.voxel_size = 0.05})->grid().voxel_size(), 0.05);
+  EXPECT_DOUBLE_EQ(build(soup, {.resolution = 25})->grid().voxel_size(), 0.04);
+  EXPECT_EQ(build(soup, {.voxel_size = 0.05, .point_spacing = 0.1})->shell().spacing(), 0.1);
+  EXPECT_NEAR(
+      static_cast<double>(build(soup, {.voxel_size = 0.05, .target_points = 500})->shell().size()),
+      500.0, 5.0);
+  const auto padded = build(soup, {.voxel_size = 0.05, .padding = 0.3});
+  EXPECT_NEAR(padded->grid().origin().x, -0.8, 1e-12);
+  // At least one voxel is kept.
+  EXPECT_NEAR(build(soup, {.voxel_size = 0.05, .padding = 0.0})->grid().origin().x, -0.55, 1e-12);
+}
+
+TEST(Model, ResolutionCountsAlongTheLongestSide) {
+  for (const Vec3& half : {Vec3{1, 0.2, 0.3}, Vec3{0.2, 1, 0.3}, Vec3{0.2, 0.3, 1}}) {
+    EXPECT_DOUBLE_EQ(build(make_box(half), {.resolution = 20})->grid().voxel_size(), 0.1);
+  }
+}
+
+TEST(Model, RefusesSettingsThatContradict) {
+  const Soup soup = make_box({0.5, 0.5, 0.5});
+  expect_error(Model::build(soup.mesh(), {.voxel_size = 0.1, .resolution = 10}),
+               ErrorCode::kInvalidArgument, "either a voxel size or a resolution");
+  expect_error(
+      Model::build(soup.mesh(), {.voxel_size = 0.1, .point_spacing = 0.1, .target_points = 100}),
+      ErrorCode::kInvalidArgument, "either a point spacing or a number of target points");
+}
+
+TEST(Model, RefusesSettingsThatMakeNoSense) {
+  const Soup soup = make_box({0.5, 0.5, 0.5});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {-0.1, nan, infinity, -infinity}) {
+    expect_error(Model::build(soup.mesh(), {.voxel_size = bad}), ErrorCode::kInvalidArgument,
+                 "voxel size must be above 0 m");
+    expect_error(Model::build(soup.mesh(), {.voxel_size = 0.1, .point_spacing = bad}),
+                 ErrorCode::kInvalidArgument, "point spacing must be above 0 m");
+  }
+  for (const int resolution : {1, -1, std::numeric_limits<int>::min()}) {
+    expect_error(Model::build(soup.mesh(), {.resolution = resolution}), ErrorCode::kInvalidArgument,
+                 "at least 2 voxels along the longest side, not " + std::to_string(resolution));
+  }
+  for (const double bad : {nan, infinity}) {
+    expect_error(Model::build(soup.mesh(), {.voxel_size = 0.1, .padding = bad}),
+                 ErrorCode::kInvalidArgument, "padding");
+  }
+  // A negative padding means the default.
+  EXPECT_NEAR(build(soup, {.voxel_size = 0.1, .padding = -7.0})->grid().origin().x, -0.9, 1e-12);
+}
+
+TEST(Model, RefusesMeshesThatEncloseNothing) {
+  Soup open = make_box({0.5, 0.5, 0.5});
+  open.triangles.pop_back();
+  expect_error(Model::build(open.mesh(), {.resolution = 10}), ErrorCode::kInvalidMesh,
+               "not watertight");
+  expect_error(Model::build(inverted(make_box({0.5, 0.5, 0.5})).mesh(), {.resolution = 10}),
+               ErrorCode::kInvalidMesh, "inside out");
+  const Soup nested = together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5}));
+  expect_error(Model::build(nested.mesh(), {.resolution = 20}), ErrorCode::kInvalidMesh,
+               "overlaps itself");
+}
+
+TEST(Model, RefusesBodiesTooFarFromTheirOriginForFloat32AndAdvisesAVoxelSize) {
+  const Soup near = make_box({0.5, 0.5, 0.5});
+  EXPECT_TRUE(Model::build(moved(near, {80, 0, 0}).mesh(), {.voxel_size = 0.02}));
+  for (const Vec3& offset : {Vec3{1e4, 0, 0}, Vec3{0, -1e4, 0}, Vec3{0, 0, 1e4}}) {
+    const Soup far = moved(near, offset);
+    const auto refused = Model::build(far.mesh(), {.voxel_size = 0.05});
+    expect_error(refused, ErrorCode::kInvalidMesh, "move it to its origin");
+    if (refused) return;
+    const std::string& message = refused.error().message;
+    const std::string before_number = "voxel size of at least ";
+    const std::size_t at = message.find(before_number);
+    ASSERT_NE(at, std::string::npos) << message;
+    const double advised = std::stod(message.substr(at + before_number.size()));
+    EXPECT_TRUE(Model::build(far.mesh(), {.voxel_size = advised})) << message;
+  }
+  Random random(140);
+  for (int trial = 0; trial < 50; ++trial) {
+    const double distance = std::pow(10.0, random.uniform(3, 6));
+    const Soup far = scaled(moved(near, {distance, 0, 0}), 0.001);
+    const auto refused = Model::build(far.mesh(), {.voxel_size = 1e-9 * distance});
+    expect_error(refused, ErrorCode::kInvalidMesh, "move it to its origin");
+    if (refused) return;
+    const std::string& message = refused.error().message;
+    const double advised = std::stod(message.substr(message.rfind("at least ") + 9));
+    const auto again = Model::build(far.mesh(), {.voxel_size = advised});
+    EXPECT_TRUE(again || again.error().code != ErrorCode::kInvalidMesh) << message;
+  }
+}
+
+/// Refusals that need no work come before any: nothing is ever reported.
+void expect_error_at_once(const TriangleMesh& mesh, const ModelSettings& settings, ErrorCode code,
+                          const std::string& reason) {
+  expect_error(Model::build(mesh, settings,
+                            [](std::string_view stage, double) {
+                              ADD_FAILURE() << "already at work on the " << stage;
+                              return false;
+                            }),
+               code, reason);
+}
+
+TEST(Model, RefusesBeforeItWorks) {
+  const TriangleMesh box = make_box({0.5, 0.5, 0.5}).mesh();
+  expect_error_at_once(box, {.resolution = 2000}, ErrorCode::kTooLarge, "distance field");
+  expect_error_at_once(box, {.voxel_size = 2e-4}, ErrorCode::kTooLarge, "at least");
+  expect_error_at_once(box, {.voxel_size = 1e-9}, ErrorCode::kInvalidMesh, "single precision");
+  expect_error_at_once(box, {.resolution = 100, .point_spacing = 1e-5}, ErrorCode::kTooLarge,
+                       "point shell");
+  expect_error_at_once(box, {.resolution = 100, .point_spacing = 0.1, .target_points = 7},
+                       ErrorCode::kInvalidArgument, "point spacing");
+  Soup open = make_box({0.5, 0.5, 0.5});
+  open.triangles.pop_back();
+  expect_error_at_once(open.mesh(), {.resolution = 500}, ErrorCode::kInvalidMesh, "not watertight");
+}
+
+TEST(Model, StopsAtEveryStageWhereProgressSaysSo) {
+  const TriangleMesh mesh = make_blob(0.5, 3).mesh();
+  for (const ModelSettings& settings :
+       {ModelSettings{.resolution = 20}, ModelSettings{.resolution = 20, .target_points = 1000}}) {
+    std::set<std::string> stages;
+    int reports = 0;
+    ASSERT_TRUE(Model::build(mesh, settings, [&](std::string_view stage, double fraction) {
+      EXPECT_GE(fraction, 0.0);
+      EXPECT_LE(fraction, 1.0);
+      stages.emplace(stage);
+      ++reports;
+      return true;
+    }));
+    EXPECT_GE(stages.size(), 2u);
+    EXPECT_TRUE(stages.contains("distance field"));
+    for (const std::string& stop_in : stages) {
+      bool asked = false;
+      const auto stopped = Model::build(mesh, settings, [&](std::string_view stage, double) {
+        EXPECT_FALSE(asked) << "a report after the request to stop, in " << stage;
+        asked = stage == stop_in;
+        return !asked;
+      });
+      expect_error(stopped, ErrorCode::kCancelled, "stopped");
+      EXPECT_TRUE(asked);
+    }
+  }
+}
+
+TEST(Model, IsTheSameWithAnyNumberOfThreads) {
+  const Soup soup = make_torus(0.4, 0.1, 30, 15);
+  const auto one = build(soup, {.resolution = 40, .threads = 1});
+  const auto seven = build(soup, {.resolution = 40, .threads = 7});
+  EXPECT_TRUE(std::equal(one->grid().samples().begin(), one->grid().samples().end(),
+                         seven->grid().samples().begin(), seven->grid().samples().end()));
+  EXPECT_TRUE(std::equal(one->shell().points().begin(), one->shell().points().end(),
+                         seven->shell().points().begin(), seven->shell().points().end()));
+}
+
+TEST(Model, KeepsItsMeshBoundsAndMass) {
+  const auto model = build(moved(make_box({0.3, 0.2, 0.1}), {1, 2, 3}), {.resolution = 20});
+  EXPECT_EQ(model->mesh().triangles().size(), 12u);
+  EXPECT_EQ(model->bounds().lower, (Vec3{0.7, 1.8, 2.9}));
+  EXPECT_NEAR(model->solid_mass_properties().inertia.row_x.x, (0.16 + 0.04) / 12, 1e-12);
+  EXPECT_GT(model->surface_mass_properties().inertia.row_x.x,
+            model->solid_mass_properties().inertia.row_x.x);
+  EXPECT_LE(length(model->solid_mass_properties().centre_of_mass - Vec3{1, 2, 3}), 1e-12);
+}
+
+TEST(Model, OfAnySizeCollidesWithItself) {
+  // From a micrometre to a kilometre, the same body gives the same contacts.
+  std::size_t expected = 0;
+  for (const double size : {1.0, 1e-6, 1e-3, 1e3}) {
+    // By powers of two, so that rounding is the same.
+    const double factor = std::exp2(std::round(std::log2(size)));
+    const auto model = build(scaled(make_torus(0.4, 0.1, 24, 12), factor), {.resolution = 32});
+    QueryScratch scratch;
+    const auto contacts = find_contacts(model->field(), model->shell(),
+                                        {{}, factor * Vec3{0.35, 0.05, 0.02}}, {}, scratch);
+    if (size == 1.0) expected = contacts.size();
+    EXPECT_GT(contacts.size(), 50u);
+    EXPECT_EQ(contacts.size(), expected) << size;
+  }
+}
+
+}  // namespace
+}  // namespace voxshell

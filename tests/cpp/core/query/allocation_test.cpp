@@ -1,0 +1,92 @@
+// A program of its own, as it replaces the allocation functions of all of it.
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/pairs.h"
+#include "support/random.h"
+#include "voxshell/contacts.h"
+#include "voxshell/manifold.h"
+
+namespace {
+
+std::atomic<std::size_t> allocation_count{0};
+
+void* allocate(std::size_t size) {
+  ++allocation_count;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+
+void* allocate(std::size_t size, std::align_val_t alignment) {
+  ++allocation_count;
+  const auto align = static_cast<std::size_t>(alignment);
+  if (void* memory = std::aligned_alloc(align, (size + align - 1) / align * align)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return allocate(size); }
+void* operator new[](std::size_t size) { return allocate(size); }
+void* operator new(std::size_t size, std::align_val_t align) { return allocate(size, align); }
+void* operator new[](std::size_t size, std::align_val_t align) { return allocate(size, align); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+TEST(Allocation, IsCounted) {
+  const std::size_t before = allocation_count;
+  const std::vector<int> some(1000);
+  EXPECT_EQ(some.size(), 1000u);
+  EXPECT_GT(allocation_count, before);
+}
+
+TEST(Allocation, HappensInNoWarmQuery) {
+  Random random(130);
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      std::vector<Pose> poses;
+      for (int i = 0; i < 50; ++i) {
+        poses.push_back(make_pose_at(field, shell, random.uniform(-0.1, 0.05), random));
+      }
+      QueryScratch scratch;
+      std::vector<std::uint32_t> deepest;
+      std::size_t contacts = 0;
+      const auto ask = [&](const Pose& pose) {
+        const auto found = find_contacts(field, shell, pose, {.margin = 0.01f}, scratch);
+        const ManifoldPoints manifold = select_manifold(found);
+        select_deepest_per_segment(found, shell.tree(), 4, deepest);
+        contacts += found.size() + manifold.count + deepest.size();
+        contacts += collides(field, shell, pose, 0.01f);
+      };
+      const std::size_t cold = allocation_count;
+      for (const Pose& pose : poses) ask(pose);
+      EXPECT_GT(allocation_count, cold);
+      contacts = 0;
+
+      const std::size_t warm = allocation_count;
+      for (const Pose& pose : poses) ask(pose);
+      EXPECT_EQ(allocation_count - warm, 0u);
+      EXPECT_GT(contacts, 500u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxshell

@@ -1,0 +1,344 @@
+#include "voxshell/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/meshes.h"
+#include "support/pairs.h"
+#include "support/random.h"
+#include "voxshell/contacts_flat.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+/// Compares the tree's answer with the flat loop's, all fields and the order included.
+void expect_equal_to_flat(const Field& field, const PointShell& shell, const Pose& pose,
+                          float margin, QueryScratch& scratch) {
+  const auto contacts = find_contacts(field, shell, pose, {.margin = margin}, scratch);
+  const auto flat = find_contacts_flat(field, shell, pose, {.margin = margin});
+  ASSERT_EQ(contacts.size(), flat.size()) << "margin " << margin;
+  for (std::size_t i = 0; i < flat.size(); ++i) ASSERT_EQ(contacts[i], flat[i]) << i;
+  ASSERT_EQ(collides(field, shell, pose, margin), !flat.empty()) << "margin " << margin;
+}
+
+/// What contacts promise whatever found them.
+void expect_sound(const std::vector<Contact>& contacts, const PointShell& shell, float margin) {
+  std::int64_t last = -1;
+  for (const Contact& contact : contacts) {
+    ASSERT_GT(contact.id, last);
+    last = contact.id;
+    ASSERT_LT(contact.id, shell.size());
+    ASSERT_EQ(contact.point, shell.points()[contact.id]);
+    ASSERT_GT(contact.depth, -margin);
+    ASSERT_NEAR(length(contact.normal), 1.0f, 1e-5f);
+  }
+}
+
+TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
+  Random random(100);
+  QueryScratch scratch;
+  int poses = 0;
+  int colliding = 0;
+  int near = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 120; ++i) {
+        // A third far away, a third about to touch, a third inside.
+        const double clearance = i % 3 == 0   ? random.uniform(0.01, 0.5)
+                                 : i % 3 == 1 ? random.uniform(-0.01, 0.01)
+                                              : random.uniform(-0.2, -0.01);
+        const Pose pose = make_pose_at(field, shell, clearance, random);
+        for (const float margin : {0.0f, 0.02f, -0.01f, -0.1f}) {
+          expect_equal_to_flat(field, shell, pose, margin, scratch);
+          if (testing::Test::HasFatalFailure()) return;
+          expect_sound(find_contacts_flat(field, shell, pose, {.margin = margin}), shell, margin);
+          if (testing::Test::HasFatalFailure()) return;
+        }
+        ++poses;
+        const double smallest = smallest_distance(field, shell, pose);
+        colliding += smallest < 0.0;
+        near += std::abs(smallest) < 0.02;
+      }
+    }
+  }
+  EXPECT_GE(poses, 2000);
+  EXPECT_GT(colliding, 0.3 * poses);
+  EXPECT_GT(near, 0.3 * poses);
+  EXPECT_LT(colliding, 0.7 * poses);
+}
+
+TEST(Contacts, OnTheVeryEdgeOfTheMarginAgreeAsWell) {
+  // The margin is a point's own distance or the next number: rounding in a bound that is meant to
+  // be below all distances shows here first.
+  Random random(101);
+  QueryScratch scratch;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 30; ++i) {
+        const Pose pose = make_pose_at(field, shell, random.uniform(-0.1, 0.1), random);
+        const auto all =
+            find_contacts_flat(field, shell, pose, {.margin = std::numeric_limits<float>::max()});
+        ASSERT_EQ(all.size(), shell.size());
+        const auto nearest =
+            std::max_element(all.begin(), all.end(),
+                             [](const Contact& a, const Contact& b) { return a.depth < b.depth; });
+        for (const Contact& at : {*nearest, all[random.below(all.size())]}) {
+          const float edge = -at.depth;
+          const float beyond = std::nextafter(edge, 1000.0f);
+          expect_equal_to_flat(field, shell, pose, edge, scratch);
+          expect_equal_to_flat(field, shell, pose, beyond, scratch);
+          if (testing::Test::HasFatalFailure()) return;
+        }
+        const float edge = -nearest->depth;
+        EXPECT_FALSE(collides(field, shell, pose, edge));
+        EXPECT_TRUE(collides(field, shell, pose, std::nextafter(edge, 1000.0f)));
+      }
+    }
+  }
+}
+
+TEST(Contacts, AgreeAtSimilarPosesOneAfterAnother) {
+  // A slide through contact, as in a simulation, with one scratch for everything.
+  Random random(102);
+  QueryScratch scratch;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      Pose pose = make_pose_at(field, shell, 0.02, random);
+      const Vec3 step = -0.002 * normalized(pose.translation);
+      std::size_t found = 0;
+      for (int i = 0; i < 60; ++i) {
+        expect_equal_to_flat(field, shell, pose, 0.0f, scratch);
+        if (testing::Test::HasFatalFailure()) return;
+        found += scratch.contacts.size();
+        pose.translation += step;
+      }
+      EXPECT_GT(found, 0u);
+    }
+  }
+}
+
+TEST(Contacts, OfBodiesFarFromTheWorldsOriginAreThoseNearIt) {
+  Random random(103);
+  QueryScratch scratch;
+  int colliding = 0;
+  for (const double far : {1e3, 1e5}) {
+    for (const PointShell& shell : shells()) {
+      for (const Field& field : fields()) {
+        for (int i = 0; i < 10; ++i) {
+          const Pose field_from_shell = make_pose_at(field, shell, random.uniform(-0.1, 0), random);
+          const Pose world_from_field{random.rotation(), far * random.direction()};
+          const Pose world_from_shell = world_from_field * field_from_shell;
+          const Pose far_pose = world_from_field.inverse() * world_from_shell;
+          expect_equal_to_flat(field, shell, far_pose, 0.0f, scratch);
+          if (testing::Test::HasFatalFailure()) return;
+          // World coordinates in float64 keep 1e-10 of 1e5 m.
+          const auto near_contacts = find_contacts_flat(field, shell, field_from_shell, {1e-6f});
+          for (const Contact& contact : scratch.contacts) {
+            const auto same = std::find_if(near_contacts.begin(), near_contacts.end(),
+                                           [&](const Contact& c) { return c.id == contact.id; });
+            ASSERT_NE(same, near_contacts.end());
+            ASSERT_NEAR(same->depth, contact.depth, 1e-6f);
+          }
+          colliding += !scratch.contacts.empty();
+        }
+      }
+    }
+  }
+  EXPECT_GT(colliding, 300);
+}
+
+TEST(Contacts, OfAShellFarFromItsFieldsOriginAgree) {
+  // The rounding of large coordinates is in the bounds: here float32 itself is off by 8 mm.
+  Random random(104);
+  QueryScratch scratch;
+  for (const double far : {1e3, 1e5}) {
+    for (const PointShell& shell : shells()) {
+      for (const Vec3& direction : {Vec3{0, 0, 1}, Vec3{0.6, 0, 0.8}}) {
+        const std::vector<Field> fields_there{SphereField{far}, BoxField{{far, far, far}},
+                                              PlaneField{direction, far}};
+        for (const Field& field : fields_there) {
+          std::size_t found = 0;
+          for (int i = 0; i < 30; ++i) {
+            const double clearance = random.uniform(-0.5, 0.5);
+            Vec3 place = (far + clearance) * direction;
+            if (std::holds_alternative<BoxField>(field)) place = {0.1 * far, 0, far + clearance};
+            expect_equal_to_flat(field, shell, {random.rotation(), place}, 0.0f, scratch);
+            if (testing::Test::HasFatalFailure()) return;
+            found += scratch.contacts.size();
+          }
+          EXPECT_GT(found, 1000u);
+        }
+      }
+    }
+  }
+}
+
+TEST(Contacts, WithRotationsAtTheEdgeOfWhatPosesMayBeAgree) {
+  // Pose::from_matrix takes rotations that are off orthonormal by a millionth.
+  Random random(105);
+  QueryScratch scratch;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 40; ++i) {
+        Pose pose = make_pose_at(field, shell, random.uniform(-0.05, 0.01), random);
+        for (Vec3* row : {&pose.rotation.row_x, &pose.rotation.row_y, &pose.rotation.row_z}) {
+          *row = (1.0 + random.uniform(-4.9e-7, 4.9e-7)) * *row;
+        }
+        const auto all =
+            find_contacts_flat(field, shell, pose, {.margin = std::numeric_limits<float>::max()});
+        float nearest = std::numeric_limits<float>::infinity();
+        for (const Contact& c : all) nearest = std::min(nearest, -c.depth);
+        for (const float margin : {0.0f, nearest, std::nextafter(nearest, 1000.0f)}) {
+          expect_equal_to_flat(field, shell, pose, margin, scratch);
+          if (testing::Test::HasFatalFailure()) return;
+        }
+      }
+    }
+  }
+}
+
+TEST(Contacts, OfABodyWhollyInsideAnotherAreAllItsPoints) {
+  const Field box = make_grid(make_box({1, 1, 1}), 0.0625);
+  const PointShell blob = make_shell(make_blob(0.3, 3), 0.05);
+  QueryScratch scratch;
+  Random random(106);
+  for (int i = 0; i < 20; ++i) {
+    const Pose pose{random.rotation(), random.in_cube(0.4)};
+    EXPECT_EQ(find_contacts(box, blob, pose, {}, scratch).size(), blob.size());
+    expect_equal_to_flat(box, blob, pose, 0.0f, scratch);
+    EXPECT_TRUE(collides(box, blob, pose));
+    EXPECT_TRUE(collides(BoxField{{1, 1, 1}}, blob, pose));
+  }
+}
+
+TEST(Contacts, DeeperThanANegativeMarginAreFoundInTheMiddleOfABody) {
+  // Regression: with a negative margin the tree skipped what lay within the field's bounds.
+  const Field box = make_grid(make_box({1, 1, 1}), 0.125);
+  const PointShell blob = make_shell(make_blob(0.3, 3), 0.05);
+  QueryScratch scratch;
+  const Pose pose{};
+  EXPECT_EQ(find_contacts(box, blob, pose, {.margin = -0.5f}, scratch).size(), blob.size());
+  expect_equal_to_flat(box, blob, pose, -0.65f, scratch);
+  EXPECT_GT(scratch.contacts.size(), 0u);
+  EXPECT_LT(scratch.contacts.size(), blob.size());
+}
+
+TEST(Contacts, WithMarginsOfEverySizeAgree) {
+  Random random(107);
+  QueryScratch scratch;
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      const Pose pose = make_pose_at(field, shell, -0.05, random);
+      for (const float margin : {infinity, std::numeric_limits<float>::max(), 1e6f, 1.0f, 1e-30f,
+                                 -1e-30f, -1.0f, -1e6f, -infinity}) {
+        expect_equal_to_flat(field, shell, pose, margin, scratch);
+        if (testing::Test::HasFatalFailure()) return;
+        if (margin >= 1e6f) {
+          EXPECT_EQ(scratch.contacts.size(), shell.size());
+        }
+        if (margin <= -1.0f) {
+          EXPECT_TRUE(scratch.contacts.empty());
+        }
+      }
+    }
+  }
+}
+
+TEST(Contacts, OfShellsOfFewPointsAgree) {
+  Random random(108);
+  QueryScratch scratch;
+  for (const double spacing : {10.0, 0.6, 0.3, 0.2}) {
+    const PointShell shell = make_shell(make_corner_tetrahedron(0.5), spacing);
+    EXPECT_LT(shell.size(), 60u);
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 50; ++i) {
+        const Pose pose = make_pose_at(field, shell, random.uniform(-0.1, 0.05), random);
+        expect_equal_to_flat(field, shell, pose, 0.0f, scratch);
+        if (testing::Test::HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(Contacts, OnAPlaneAreThePointsBelowIt) {
+  // Closed form: a box of 0.6 x 0.6 x 0.3 m sunk into the floor by 10 mm.
+  const PointShell shell = make_shell(make_box({0.3, 0.3, 0.15}), 0.03);
+  const Field floor = PlaneField{};
+  QueryScratch scratch;
+  const auto contacts = find_contacts(floor, shell, {{}, {5, 6, 0.14}}, {}, scratch);
+  std::size_t below = 0;
+  for (const Vec3f& p : shell.points()) below += p.z < -0.1401f;
+  EXPECT_GT(below, 400u);
+  EXPECT_EQ(contacts.size(), below);
+  for (const Contact& c : contacts) {
+    EXPECT_NEAR(c.depth, -0.14f - c.point.z, 1e-6f);
+    EXPECT_EQ(c.normal, (Vec3f{0, 0, 1}));
+  }
+}
+
+TEST(Contacts, HaveNormalsInTheShellsFrame) {
+  const PointShell shell = make_shell(make_icosphere(0.1, 2), 0.05);
+  // The shell's z is the field's -x.
+  const Pose field_from_shell{{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}, {0.45, 0, 0}};
+  const Field ball = SphereField{0.4};
+  QueryScratch scratch;
+  const auto contacts = find_contacts(ball, shell, field_from_shell, {}, scratch);
+  ASSERT_FALSE(contacts.empty());
+  for (const Contact& c : contacts) {
+    const Vec3 outwards = normalized(field_from_shell.transform_point(static_cast<Vec3>(c.point)));
+    const Vec3 expected = field_from_shell.inverse().rotate(outwards);
+    EXPECT_LE(length(static_cast<Vec3>(c.normal) - expected), 1e-6);
+    EXPECT_LT(c.normal.z, -0.5f);
+  }
+}
+
+TEST(Contacts, WithoutAGradientTakeTheReversedNormalOfTheShell) {
+  // The cell in the middle of the box has eight equal corners.
+  const GridField grid = make_grid(make_box({0.375, 0.375, 0.375}), 0.25);
+  ASSERT_EQ(grid.gradient({0, 0, 0}), Vec3f{});
+  const PointShell shell = make_shell(make_icosphere(0.001, 1), 10.0);
+  const Pose pose{{}, -static_cast<Vec3>(shell.points()[0])};
+  QueryScratch scratch;
+  const auto contacts = find_contacts(grid, shell, pose, {}, scratch);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].depth, 0.25f);
+  EXPECT_EQ(contacts[0].normal, -shell.normals()[0]);
+}
+
+TEST(Contacts, OfPosesThatAreNotNumbersAreNoneAndCrashNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  QueryScratch scratch;
+  for (const Field& field : fields()) {
+    Pose pose;
+    pose.translation.y = nan;
+    EXPECT_TRUE(find_contacts(field, shells()[0], pose, {}, scratch).empty());
+    EXPECT_FALSE(collides(field, shells()[0], pose));
+    pose = {{{nan, 0, 0}, {0, nan, 0}, {0, 0, nan}}, {}};
+    EXPECT_TRUE(find_contacts(field, shells()[0], pose, {}, scratch).empty());
+  }
+}
+
+TEST(Contacts, AreFoundFarOutsideOfAGridWithALargeMargin) {
+  QueryScratch scratch;
+  const PointShell& shell = shells()[2];
+  for (const Field& field : fields()) {
+    for (const double far : {10.0, 1e3, 1e6}) {
+      const Pose pose{{}, far * normalized(Vec3{1, -2, 3})};
+      expect_equal_to_flat(field, shell, pose, static_cast<float>(far), scratch);
+      expect_equal_to_flat(field, shell, pose, static_cast<float>(far + 1), scratch);
+      EXPECT_GT(scratch.contacts.size(), 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxshell
