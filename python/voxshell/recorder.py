@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell.body_shapes import mesh_of
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.shape_meshes import mesh_of
 
 if TYPE_CHECKING:
     from os import PathLike

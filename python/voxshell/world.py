@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from voxshell import _bullet
 from voxshell._arguments import as_floats, as_integer, as_positive, as_real, as_vector
-from voxshell.comparison_shapes import ConvexDecomposition, GImpact, as_margin
-from voxshell.errors import InputTypeError, PoseError, SettingsError
-from voxshell.mass_properties import MassProperties
-from voxshell.model import Model
+from voxshell.body_shapes import compute_mass_properties, make_geometry
+from voxshell.comparison_shapes import as_margin
+from voxshell.errors import PoseError, SettingsError
 from voxshell.recorder import Recorder
-from voxshell.shape_meshes import mesh_of
-from voxshell.shapes import Box, Plane, Sphere
+from voxshell.shapes import Plane
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
 
-Shape: TypeAlias = Model | Plane | Box | Sphere | GImpact | ConvexDecomposition
-"""What a body can be made of."""
-
-_Geometry: TypeAlias = (
-    _bullet.ModelGeometry
-    | _bullet.PlaneGeometry
-    | _bullet.BoxGeometry
-    | _bullet.SphereGeometry
-    | _bullet.GImpactGeometry
-    | _bullet.HullsGeometry
-)
+    from voxshell.body_shapes import Inertia, Shape
 
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
 """Of the library that simulates."""
@@ -199,7 +187,7 @@ class World:
         pose: ArrayLike | None = None,
         friction: float = 0.5,
         restitution: float = 0.0,
-        inertia: Literal["solid", "surface"] | MassProperties = "solid",
+        inertia: Inertia = "solid",
         name: str | None = None,
     ) -> Body:
         """Adds a body.
@@ -233,8 +221,8 @@ class World:
         grip = as_real(friction, "friction")
         if grip < 0.0:
             raise SettingsError(f"friction must be at least 0, not {grip:g}")
-        geometry = _make_geometry(shape)
-        matter = _mass_properties(shape, kilograms, inertia)
+        geometry = make_geometry(shape)
+        matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
         number = self._simulation.add_body(
             geometry,
@@ -313,57 +301,3 @@ class World:
         recorder = Recorder(self, as_integer(every, "every", 1, 2**31 - 1))
         self._recorders.append(recorder)
         return recorder
-
-
-def _make_geometry(shape: Shape) -> _Geometry:
-    match shape:
-        case Model():
-            return _bullet.ModelGeometry(shape._core)
-        case Plane():
-            return _bullet.PlaneGeometry(shape.normal.tolist(), shape.offset)
-        case Box():
-            return _bullet.BoxGeometry(shape.half_extents.tolist())
-        case Sphere():
-            return _bullet.SphereGeometry(shape.radius)
-        case GImpact():
-            return _bullet.GImpactGeometry(*shape.mesh, shape.margin)
-        case ConvexDecomposition():
-            return _bullet.HullsGeometry(shape.hulls, shape.margin)
-    raise InputTypeError(
-        "a body is made of a Model, Plane, Box, Sphere, GImpact, ConvexHull or "
-        f"ConvexDecomposition, not {type(shape).__name__}"
-    )
-
-
-def _mass_properties(
-    shape: Shape, mass: float, inertia: Literal["solid", "surface"] | MassProperties
-) -> MassProperties:
-    """Of a body of the given mass; for a static one they do not matter."""
-    if isinstance(inertia, MassProperties):
-        if mass == 0.0:
-            return _nothing()
-        ratio = mass / as_positive(inertia.mass, "inertia.mass")
-        tensor = as_floats(inertia.inertia, "inertia.inertia", (3, 3))
-        center = as_floats(inertia.center_of_mass, "inertia.center_of_mass", (3,))
-        if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor).min() > 0.0):
-            raise SettingsError("inertia.inertia must be finite, symmetric and positive definite")
-        return MassProperties(mass, center, tensor * ratio)
-    if inertia not in ("solid", "surface"):
-        raise SettingsError(
-            f"inertia must be 'solid', 'surface' or a MassProperties, not {inertia!r}"
-        )
-    if mass == 0.0:
-        return _nothing()
-    match shape:
-        case Model():
-            return shape.mass_properties(mass, inertia)
-        case Sphere():
-            factor = 2.0 / 5.0 if inertia == "solid" else 2.0 / 3.0
-            return MassProperties(mass, np.zeros(3), np.eye(3) * factor * mass * shape.radius**2)
-        case _:
-            center, tensor = _bullet.mesh_mass_properties(*mesh_of(shape), inertia)
-            return MassProperties(mass, np.array(center), mass * np.array(tensor))
-
-
-def _nothing() -> MassProperties:
-    return MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.shape_meshes import mesh_of
+from voxshell.body_shapes import mesh_of
 
 
 def as_trimesh(shape):
