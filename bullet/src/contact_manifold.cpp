@@ -1,9 +1,9 @@
 #include "contact_manifold.h"
 
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-
 #include <array>
 #include <cassert>
+
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include "voxshell/bullet/convert.h"
 
@@ -12,18 +12,16 @@ namespace {
 
 void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
                        const btCollisionObject* object1) {
-  point.m_combinedFriction = btManifoldResult::calculateCombinedFriction(object0, object1);
-  point.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(object0, object1);
-  point.m_combinedRollingFriction =
-      btManifoldResult::calculateCombinedRollingFriction(object0, object1);
-  point.m_combinedSpinningFriction =
-      btManifoldResult::calculateCombinedSpinningFriction(object0, object1);
+  // Through Bullet's pointers, which users may have set to rules of their own.
+  point.m_combinedFriction = gCalculateCombinedFrictionCallback(object0, object1);
+  point.m_combinedRestitution = gCalculateCombinedRestitutionCallback(object0, object1);
+  point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(object0, object1);
+  point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(object0, object1);
   const int flags = object0->getCollisionFlags() | object1->getCollisionFlags();
   if (flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
-    point.m_combinedContactDamping1 =
-        btManifoldResult::calculateCombinedContactDamping(object0, object1);
+    point.m_combinedContactDamping1 = gCalculateCombinedContactDampingCallback(object0, object1);
     point.m_combinedContactStiffness1 =
-        btManifoldResult::calculateCombinedContactStiffness(object0, object1);
+        gCalculateCombinedContactStiffnessCallback(object0, object1);
     point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
   }
   if (flags & btCollisionObject::CF_HAS_FRICTION_ANCHOR) {
@@ -56,10 +54,11 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
   const int before_count = manifold.getNumContacts();
   for (int i = 0; i < before_count; ++i) {
     before[static_cast<std::size_t>(i)] = manifold.getContactPoint(i);
-    // The point that takes over its id takes over the data too; clearing must not destroy it.
+    // The point that takes over its id takes over the data too.
     manifold.getContactPoint(i).m_userPersistentData = nullptr;
   }
-  manifold.clearManifold();
+  // Not clearManifold(), which would tell gContactEndedCallback that the bodies have parted.
+  manifold.setNumContacts(0);
 
   std::array<bool, MANIFOLD_CACHE_SIZE> carried{};
   for (const WorldContact& contact : contacts) {
@@ -82,7 +81,8 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
         break;
       }
     }
-    const int index = manifold.addManifoldPoint(point);
+    // Points within the margin are predictive: Bullet asserts that others are in touch.
+    const int index = manifold.addManifoldPoint(point, /*isPredictive=*/contact.depth <= 0.0);
     const int flags = wrap0.getCollisionObject()->getCollisionFlags() |
                       wrap1.getCollisionObject()->getCollisionFlags();
     if (gContactAddedCallback != nullptr &&
@@ -97,6 +97,20 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
         gContactDestroyedCallback != nullptr) {
       gContactDestroyedCallback(before[slot].m_userPersistentData);
     }
+  }
+  const int count = manifold.getNumContacts();
+  btPersistentManifold* const filled = &manifold;
+  if (before_count == 0 && count > 0 && gContactStartedCallback != nullptr) {
+    gContactStartedCallback(filled);
+  }
+  if (before_count > 0 && count == 0 && gContactEndedCallback != nullptr) {
+    gContactEndedCallback(filled);
+  }
+  if (gContactProcessedCallback == nullptr) return;
+  for (int i = 0; i < count; ++i) {
+    gContactProcessedCallback(manifold.getContactPoint(i),
+                              const_cast<btCollisionObject*>(manifold.getBody0()),
+                              const_cast<btCollisionObject*>(manifold.getBody1()));
   }
 }
 

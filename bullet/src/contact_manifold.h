@@ -1,10 +1,10 @@
 #pragma once
 
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-
 #include <cstdint>
 #include <span>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "voxshell/vector.h"
 
@@ -21,7 +21,7 @@ struct WorldContact {
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
 /// it held before are carried over, so that the solver starts warm; material properties are those
-/// of the two objects, and Bullet's contact-added callback is honoured.
+/// of the two objects, and Bullet's contact callbacks are honoured.
 void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
                    const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 
