@@ -1,8 +1,8 @@
 #include "voxshell/bullet/collision_configuration.h"
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
-
 #include <algorithm>
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 
 #include "model_algorithm.h"
 
@@ -23,9 +23,8 @@ bool is_served(int type0, int type1) {
 
 /// The pools of the base class must hold our algorithm, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
-  info.m_customCollisionAlgorithmMaxElementSize =
-      std::max(info.m_customCollisionAlgorithmMaxElementSize,
-               static_cast<int>(sizeof(ModelAlgorithm)));
+  info.m_customCollisionAlgorithmMaxElementSize = std::max(
+      info.m_customCollisionAlgorithmMaxElementSize, static_cast<int>(sizeof(ModelAlgorithm)));
   return info;
 }
 
@@ -46,8 +45,8 @@ CollisionConfiguration::CollisionConfiguration(const ContactSettings& settings,
 
 CollisionConfiguration::~CollisionConfiguration() = default;
 
-btCollisionAlgorithmCreateFunc* CollisionConfiguration::getCollisionAlgorithmCreateFunc(
-    int type0, int type1) {
+btCollisionAlgorithmCreateFunc* CollisionConfiguration::getCollisionAlgorithmCreateFunc(int type0,
+                                                                                        int type1) {
   if (is_served(type0, type1)) return &create_functions_->simulation;
   return btDefaultCollisionConfiguration::getCollisionAlgorithmCreateFunc(type0, type1);
 }

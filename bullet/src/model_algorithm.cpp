@@ -1,5 +1,11 @@
 #include "model_algorithm.h"
 
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <optional>
+#include <typeinfo>
+
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -7,11 +13,7 @@
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include <algorithm>
-#include <chrono>
-#include <new>
-#include <optional>
-
+#include "rest_margin.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/manifold.h"
@@ -20,7 +22,6 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr int kDefaultLevel = 4;
-constexpr double kDefaultMarginOfDiameter = 1e-3;
 
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
 class Side {
@@ -46,8 +47,8 @@ class Side {
             from_bullet(static_cast<const btBoxShape*>(shape)->getHalfExtentsWithMargin())};
         break;
       case SPHERE_SHAPE_PROXYTYPE:
-        analytic_ = SphereField{
-            static_cast<double>(static_cast<const btSphereShape*>(shape)->getRadius())};
+        analytic_ =
+            SphereField{static_cast<double>(static_cast<const btSphereShape*>(shape)->getRadius())};
         break;
       default:
         btAssert(!"ModelAlgorithm is registered for the shapes above only");
@@ -66,8 +67,8 @@ class Side {
   Vec3 velocity_at(const Vec3& world_point) const {
     const btRigidBody* body = btRigidBody::upcast(wrap_.getCollisionObject());
     if (body == nullptr) return {};
-    return from_bullet(body->getVelocityInLocalPoint(to_bullet(world_point) -
-                                                     body->getCenterOfMassPosition()));
+    return from_bullet(
+        body->getVelocityInLocalPoint(to_bullet(world_point) - body->getCenterOfMassPosition()));
   }
 
  private:
@@ -149,10 +150,13 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {
   const PosedPair pair(*a, *b);
-  const bool simulates = purpose_ == Purpose::kSimulation;
+  // A contact test without a threshold takes the step's algorithms for the children of compounds;
+  // its result is of a class of its own.
+  const bool simulates =
+      purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   NarrowPhaseTimings* timings = simulates ? settings_.timings : nullptr;
-  const double margin = simulates ? rest_margin(pair)
-                                  : static_cast<double>(result->m_closestPointDistanceThreshold);
+  const double margin =
+      simulates ? rest_margin(pair) : static_cast<double>(result->m_closestPointDistanceThreshold);
 
   std::span<const Contact> found;
   {
@@ -188,20 +192,28 @@ void ModelAlgorithm::drop_fast_approaches(const PosedPair& pair, double margin, 
 }
 
 double ModelAlgorithm::rest_margin(const PosedPair& pair) const {
-  if (settings_.margin >= 0.0) return settings_.margin;
-  const Sphere& root = pair.shell().tree().spheres(1)[0];
-  return kDefaultMarginOfDiameter * 2.0 * static_cast<double>(root.radius);
+  return settings_.margin >= 0.0 ? settings_.margin : default_rest_margin(pair.shell());
 }
 
 void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
+  const btCollisionObjectWrapper& a = pair.a.wrap();
+  const btCollisionObjectWrapper& b = pair.b.wrap();
+  // Of this manifold, the result wants only the order of the bodies.
+  btPersistentManifold order(a.getCollisionObject(), b.getCollisionObject(), 0, BT_LARGE_FLOAT,
+                             BT_LARGE_FLOAT);
+  btPersistentManifold* const before = result.getPersistentManifold();
+  result.setPersistentManifold(&order);
+  const bool swapped = result.getBody0Internal() != a.getCollisionObject();
   const ManifoldPoints chosen = select_manifold(contacts_);
   for (const std::uint32_t index : chosen.chosen()) {
     const WorldContact contact = pair.to_world(contacts_[index]);
-    result.setShapeIdentifiersA(pair.a.wrap().m_partId, static_cast<int>(contact.id));
-    result.setShapeIdentifiersB(pair.b.wrap().m_partId, static_cast<int>(contact.id));
+    const int id = static_cast<int>(contact.id);
+    result.setShapeIdentifiersA((swapped ? b : a).m_partId, id);
+    result.setShapeIdentifiersB((swapped ? a : b).m_partId, id);
     result.addContactPoint(to_bullet(contact.normal), to_bullet(contact.point_b),
                            static_cast<btScalar>(-contact.depth));
   }
+  result.setPersistentManifold(before);
 }
 
 void ModelAlgorithm::fill_regular(const PosedPair& pair) {
@@ -221,7 +233,8 @@ void ModelAlgorithm::fill_regular(const PosedPair& pair) {
 }
 
 void ModelAlgorithm::fill_segmented(const PosedPair& pair, const PointSphereTree& tree) {
-  const int level = settings_.level > 0 ? settings_.level : kDefaultLevel;
+  const int level =
+      settings_.level > 0 ? std::min(settings_.level, PointSphereTree::kMaxLevel) : kDefaultLevel;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     select_deepest_per_segment(contacts_, tree, level, deepest_);
@@ -256,8 +269,12 @@ btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {
     idle_.pop_back();
     return manifold;
   }
-  return m_dispatcher->getNewManifold(pair.a.wrap().getCollisionObject(),
-                                      pair.b.wrap().getCollisionObject());
+  btPersistentManifold* manifold = m_dispatcher->getNewManifold(pair.a.wrap().getCollisionObject(),
+                                                                pair.b.wrap().getCollisionObject());
+  // Compounds refresh their children's manifolds, which drops points that have moved by more than
+  // the threshold, and their impulses with them. Here, fill_manifold() alone decides.
+  manifold->setContactBreakingThreshold(BT_LARGE_FLOAT);
+  return manifold;
 }
 
 btCollisionAlgorithm* ModelAlgorithmCreateFunc::CreateCollisionAlgorithm(

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-
-#include <cstdint>
-#include <vector>
 
 #include "contact_manifold.h"
 #include "voxshell/bullet/contact_settings.h"
@@ -15,7 +15,8 @@
 
 namespace voxshell::bullet {
 
-/// What asks: the world's step, which keeps manifolds, or a contact test, which wants points at once.
+/// What asks: the world's step, which keeps manifolds, or a contact test, which wants points at
+/// once.
 enum class Purpose { kSimulation, kContactTest };
 
 /// Narrow phase of a pair in which at least one shape is a ModelShape.

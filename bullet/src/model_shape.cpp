@@ -1,12 +1,13 @@
 #include "voxshell/bullet/model_shape.h"
 
-#include <LinearMath/btMatrix3x3.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include <LinearMath/btMatrix3x3.h>
+
+#include "rest_margin.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -85,14 +86,17 @@ void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
                          btVector3& upper) const {
   const Bounds box =
       transform_bounds(from_bullet(world_from_body) * body_from_model_, model_->bounds());
-  const btVector3 margin(m_collisionMargin, m_collisionMargin, m_collisionMargin);
+  // Compounds compare the bounds of children without Bullet's own slack for contacts: points within
+  // the rest margin must lie inside.
+  const btScalar reach =
+      m_collisionMargin + static_cast<btScalar>(default_rest_margin(model_->shell()));
+  const btVector3 margin(reach, reach, reach);
   lower = to_bullet(box.lower) - margin;
   upper = to_bullet(box.upper) + margin;
 }
 
 void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
-  const MassProperties solid =
-      model_->solid_mass_properties().with_mass(static_cast<double>(mass));
+  const MassProperties solid = model_->solid_mass_properties().with_mass(static_cast<double>(mass));
   const Matrix3 in_body =
       body_from_model_.rotation * solid.inertia * body_from_model_.rotation.transposed();
   inertia = to_bullet(Vec3{in_body.row_x.x, in_body.row_y.y, in_body.row_z.z});
@@ -102,8 +106,8 @@ btScalar ModelShape::getContactBreakingThreshold(btScalar) const { return kBreak
 
 void ModelShape::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
                                      const btVector3& upper) const {
-  const Bounds wanted = transform_bounds(body_from_model_.inverse(),
-                                         {from_bullet(lower), from_bullet(upper)});
+  const Bounds wanted =
+      transform_bounds(body_from_model_.inverse(), {from_bullet(lower), from_bullet(upper)});
   const TriangleMesh& mesh = model_->mesh();
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
     const auto corners = mesh.corners(i);

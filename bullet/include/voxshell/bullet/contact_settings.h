@@ -28,7 +28,8 @@ struct ContactSettings {
   /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the shell's
   /// diameter. "Slow" is an approach that takes longer than a step to cross the margin, so that
   /// impacts keep their rebound: a contact reported before touching makes the solver close the gap
-  /// instead of reversing the velocity.
+  /// instead of reversing the velocity. Where a btCompoundShape takes part, give the ModelShape a
+  /// margin above the default with setMargin() too: compounds skip children whose bounds are apart.
   double margin = -1.0;
 
   /// Where to add up times, or none. Not for worlds that dispatch on several threads.
