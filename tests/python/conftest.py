@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 import trimesh
 import voxshell as vx
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 BUNNY_LENGTH = 0.2115  # metres along its longest side, as in the thesis' section 5.3
 BUNNY_VOXEL_SIZE = 0.002
@@ -48,3 +53,11 @@ def ball() -> vx.Model:
 def cube() -> vx.Model:
     """1 m, centred at its origin."""
     return vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    from player import launched_browser
+
+    with launched_browser() as browser:
+        yield browser

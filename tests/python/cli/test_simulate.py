@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -33,11 +34,18 @@ SMALL = ("--up", "z", "--size", "0.1", "--voxel-size", "0.005")
 SMALL += ("--fine-points", "1000", "--coarse-points", "200")
 
 
-def test_drop_prints_a_table_and_writes_three_files(tmp_path, cone):
-    out = tmp_path / "a" / "b"
+@pytest.fixture(scope="module")
+def dropped(tmp_path_factory, cone):
+    """A small drop with all methods: what it printed, and the folder that it wrote."""
+    out = tmp_path_factory.mktemp("drop") / "a" / "b"
     result = voxshell(
         "simulate", "drop", cone, "--out", out, *SMALL, "--steps", 300, "--slow-steps", 60
     )
+    return result, out
+
+
+def test_drop_prints_a_table_and_writes_three_files(dropped):
+    result, out = dropped
     assert result.returncode == 0, result.stderr
     assert sorted(p.name for p in out.iterdir()) == ["curves.png", "index.html", "results.json"]
     for label in ("VPS fine", "VPS coarse", "GImpact", "Convex hull", "Decomposition"):
@@ -47,6 +55,18 @@ def test_drop_prints_a_table_and_writes_three_files(tmp_path, cone):
     assert "drop VPS fine" in result.stderr  # progress stays out of what is piped
     results = json.loads((out / "results.json").read_text())
     assert [m["steps"] for m in results["methods"]] == [300, 300, 300, 60, 300, 300, 300]
+
+
+def test_page_plays_offline(dropped, browser):
+    from player import Player
+
+    _, out = dropped
+    player = Player(browser, out / "index.html")
+    # The bodies are green, red, blue and amber; the stage is not coloured.
+    player.wait(lambda p: int(np.sum(np.ptp(p, axis=2) > 60)) > 100, "no body is seen")
+    assert "cone dropped 0.5 m at 200 Hz" in player.page.inner_text("#voxshell-heading")
+    assert player.complaints == []
+    assert player.fetched == [(out / "index.html").as_uri()]
 
 
 def test_json_is_all_that_stdout_holds(tmp_path, cone):
