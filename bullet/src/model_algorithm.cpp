@@ -137,9 +137,13 @@ ModelAlgorithm::ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
                                const ContactSettings& settings, Purpose purpose)
     : btCollisionAlgorithm(info), settings_(settings), purpose_(purpose) {}
 
-ModelAlgorithm::~ModelAlgorithm() {
+ModelAlgorithm::~ModelAlgorithm() { release_manifolds(); }
+
+void ModelAlgorithm::release_manifolds() {
   for (const SegmentManifold& entry : active_) m_dispatcher->releaseManifold(entry.manifold);
   for (btPersistentManifold* manifold : idle_) m_dispatcher->releaseManifold(manifold);
+  active_.clear();
+  idle_.clear();
 }
 
 void ModelAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) {
@@ -173,7 +177,11 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     const Stopwatch watch(timings, &NarrowPhaseTimings::reduction);
     drop_fast_approaches(pair, margin, static_cast<double>(info.m_timeStep));
   }
-  if (settings_.mode == ContactMode::kRegular) {
+  if (contacts_.empty()) {
+    // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to
+    // look through.
+    release_manifolds();
+  } else if (settings_.mode == ContactMode::kRegular) {
     fill_regular(pair);
   } else {
     fill_segmented(pair, pair.shell().tree());

@@ -46,6 +46,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   double rest_margin(const PosedPair& pair) const;
   void drop_fast_approaches(const PosedPair& pair, double margin, double time_step);
   void report(const PosedPair& pair, btManifoldResult& result);
+  void release_manifolds();
   void fill_regular(const PosedPair& pair);
   void fill_segmented(const PosedPair& pair, const PointSphereTree& tree);
   btPersistentManifold* take_manifold(const PosedPair& pair);
