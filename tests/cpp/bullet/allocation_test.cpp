@@ -1,0 +1,70 @@
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "support/models.h"
+#include "support/world.h"
+
+namespace {
+
+std::atomic<long> allocations{0};
+
+}  // namespace
+
+// Bullet takes its memory from malloc, so what is counted here is the adapter's and the core's.
+// Not inline, or compilers see a malloc freed by delete.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+
+class Allocation : public testing::TestWithParam<ContactMode> {};
+
+INSTANTIATE_TEST_SUITE_P(Modes, Allocation,
+                         testing::Values(ContactMode::kRegular, ContactMode::kSegmented));
+
+TEST_P(Allocation, IsNoneInASettledStep) {
+  TestWorld world({.mode = GetParam()});
+  world.add(world.make<btStaticPlaneShape>(btVector3(0, 0, 1), btScalar(0)), 0).setFriction(1);
+  world.add(world.make<btBoxShape>(to_bullet(Vec3{0.3, 0.3, 0.1})), 0, {{}, {1, 0, 0.1}});
+  auto& compound = world.make<btCompoundShape>();
+  compound.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
+  world.add_model(slab_model(), 0, {{}, {0, 2, 0.1}}).setFriction(1);
+  btRigidBody* const bodies[] = {&world.add_model(cube_model(), 1, {{}, {0, 0, 0.1}}),
+                                 &world.add_model(torus_model(), 1, {{}, {0, 2, 0.13}}),
+                                 &world.add_model(cube_model(), 1, {{}, {1, 0, 0.3}}),
+                                 &world.add(compound, 1, {{}, {2, 0, 0.1}})};
+  for (btRigidBody* body : bodies) {
+    body->setFriction(scalar(0.8));
+    body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  world.step(600);
+  EXPECT_GE(world.points().size(), 12u);
+  const long before = allocations;
+  world.step(200);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+TEST_P(Allocation, IsCounted) {
+  const long before = allocations;
+  TestWorld world({.mode = GetParam()});
+  world.add_model(slab_model(), 0);
+  world.add_model(cube_model(), 1, {{}, {0, 0, 0.099}});
+  const long built = allocations;
+  world.world.performDiscreteCollisionDetection();
+  EXPECT_GT(built, before);
+  EXPECT_GT(allocations, built);  // the first step does allocate
+}
+
+}  // namespace
+}  // namespace voxshell::bullet

@@ -1,0 +1,118 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "support/models.h"
+#include "support/world.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+
+enum class Ground { kPlane, kBox, kModel };
+enum class Body { kCube, kTorus, kBlob, kCubeInCompound };
+
+btRigidBody& add_ground(TestWorld& world, Ground ground) {
+  switch (ground) {
+    case Ground::kPlane:
+      return world.add(world.make<btStaticPlaneShape>(btVector3(0, 0, 1), btScalar(0)), 0);
+    case Ground::kBox:
+      return world.add(world.make<btBoxShape>(to_bullet(Vec3{0.5, 0.5, 0.05})), 0,
+                       {{}, {0, 0, -0.05}});
+    case Ground::kModel:
+      break;
+  }
+  return world.add_model(slab_model(), 0);
+}
+
+btCollisionShape& make_body(TestWorld& world, Body body) {
+  switch (body) {
+    case Body::kCube:
+      return world.make<ModelShape>(cube_model());
+    case Body::kTorus:
+      return world.make<ModelShape>(torus_model());
+    case Body::kBlob:
+      break;
+    case Body::kCubeInCompound: {
+      auto& compound = world.make<btCompoundShape>();
+      compound.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
+      return compound;
+    }
+  }
+  const BodyFrame frame = compute_principal_frame(blob_model()->solid_mass_properties());
+  return world.make<ModelShape>(blob_model(), frame.model_from_body.inverse());
+}
+
+class Rest : public testing::TestWithParam<std::tuple<Body, Ground>> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    BodiesAndGrounds, Rest,
+    testing::Combine(testing::Values(Body::kCube, Body::kTorus, Body::kBlob, Body::kCubeInCompound),
+                     testing::Values(Ground::kPlane, Ground::kBox, Ground::kModel)));
+
+TEST_P(Rest, IsCalmAndStaysWhereItIs) {
+  TestWorld world;
+  add_ground(world, std::get<1>(GetParam())).setFriction(1);
+  btRigidBody& body = world.add(make_body(world, std::get<0>(GetParam())), 1, {{}, {0, 0, 0.13}});
+  body.setFriction(scalar(0.8));
+  body.setDamping(0, scalar(0.05));
+  body.setActivationState(DISABLE_DEACTIVATION);
+  world.step(4000);
+  const btVector3 start = body.getWorldTransform().getOrigin();
+  double fastest_turn = 0.0;
+  double farthest = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    world.step(1);
+    fastest_turn = std::max(fastest_turn, static_cast<double>(body.getAngularVelocity().length()));
+    farthest = std::max(
+        farthest, static_cast<double>((body.getWorldTransform().getOrigin() - start).length()));
+  }
+  RecordProperty("fastest_turn", std::to_string(fastest_turn));
+  RecordProperty("farthest", std::to_string(farthest));
+  EXPECT_LT(fastest_turn, 0.02);
+  EXPECT_LT(farthest, 1.5e-3);  // the creep of a friction without memory, as in the pile below
+}
+
+TEST_P(Rest, FallsAsleepAndWakesWhenHit) {
+  TestWorld world;
+  add_ground(world, std::get<1>(GetParam())).setFriction(1);
+  btRigidBody& body = world.add(make_body(world, std::get<0>(GetParam())), 1, {{}, {0, 0, 0.13}});
+  body.setFriction(scalar(0.8));
+  body.setDamping(0, scalar(0.05));
+  int steps = 0;
+  while (body.getActivationState() != ISLAND_SLEEPING && steps < 6000) {
+    world.step(1);
+    ++steps;
+  }
+  ASSERT_EQ(body.getActivationState(), ISLAND_SLEEPING);
+  const btTransform asleep = body.getWorldTransform();
+  world.step(50);
+  EXPECT_EQ(body.getWorldTransform(), asleep);
+  EXPECT_FALSE(world.points().empty());  // it still knows what it lies on
+  btRigidBody& hammer = world.add_model(ball_model(), 1, {{}, {0.03, 0, 0.5}});
+  hammer.setLinearVelocity(btVector3(0, 0, -3));
+  for (int i = 0; i < 100 && !body.isActive(); ++i) world.step(1);
+  EXPECT_TRUE(body.isActive());
+}
+
+// Boxes of Bullet's own creep sideways by about 1 mm/s in such a pile.
+TEST(Pile, OfThreeCubesStands) {
+  TestWorld world;
+  add_ground(world, Ground::kPlane).setFriction(1);
+  btRigidBody* cubes[3];
+  for (int i = 0; i < 3; ++i) {
+    cubes[i] = &world.add_model(cube_model(), 1, {{}, {0.005 * i, 0, 0.1 + 0.2 * i}});
+    cubes[i]->setFriction(scalar(0.8));
+    cubes[i]->setActivationState(DISABLE_DEACTIVATION);
+  }
+  world.step(1000);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(height(*cubes[i]), 0.1 + 0.2 * i, 0.0005);
+    EXPECT_NEAR(cubes[i]->getWorldTransform().getOrigin().x(), 0.005 * i, 0.015);
+    EXPECT_LT(cubes[i]->getAngularVelocity().length(), scalar(0.1));
+  }
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
