@@ -32,8 +32,9 @@ struct PointRange {
 class PointSphereTree {
  public:
   static constexpr std::uint32_t kBranching = 4;
-  static constexpr std::uint32_t kLeafPoints = 8;  ///< leaves hold at most this many points
-  static constexpr int kMaxLevel = 12;             ///< 4^11 = 4,194,304 clusters
+  /// Leaves hold at most this many points, unless there are more than kMaxLevel levels could hold.
+  static constexpr std::uint32_t kLeafPoints = 8;
+  static constexpr int kMaxLevel = 12;  ///< 4^11 = 4,194,304 clusters
 
   PointSphereTree() = default;
 

@@ -47,7 +47,10 @@ PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
   PointSphereTree tree;
   tree.point_count_ = static_cast<std::uint32_t>(order.size());
   tree.level_count_ = 1;
-  while (tree.point_count_ > kLeafPoints * cluster_count(tree.level_count_)) ++tree.level_count_;
+  while (tree.level_count_ < kMaxLevel &&
+         tree.point_count_ > kLeafPoints * cluster_count(tree.level_count_)) {
+    ++tree.level_count_;
+  }
   split(points, order, 0, 0, 2 * (tree.level_count_ - 1), stage);
 
   tree.spheres_.reserve(first_sphere(tree.level_count_ + 1));

@@ -108,6 +108,18 @@ TEST(Pose, RefusesWhatIsNotFiniteInAnyEntry) {
   }
 }
 
+TEST(Pose, RefusesPlacesBeyondWhatFloat32CanSquare) {
+  for (const std::size_t entry : {3u, 7u, 11u}) {
+    auto matrix = to_matrix(Pose{});
+    matrix[entry] = -0.9e15;
+    EXPECT_TRUE(Pose::from_matrix(matrix));
+    matrix[entry] = -1.1e15;
+    expect_refused(matrix, "1e+15");
+    matrix[entry] = 1e308;
+    expect_refused(matrix, "1e+15");
+  }
+}
+
 TEST(Pose, RefusesScaleShearAndRotationsOffOrthonormal) {
   for (std::size_t entry : {0u, 5u, 10u}) {
     auto matrix = to_matrix(Pose{});

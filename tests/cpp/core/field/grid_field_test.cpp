@@ -150,6 +150,46 @@ TEST(GridField, EveryNodeOfABoxIsExactToTheBit) {
   }
 }
 
+/// Puts a vertex on an edge of one of its two triangles, and a triangle without area between them.
+/// Half of the vertices go a little off the edge, which makes a needle or a fold of it.
+void insert_needle(Soup& soup, Random& random) {
+  const std::size_t chosen = random.below(soup.triangles.size());
+  const std::size_t side = random.below(3);
+  const std::uint32_t a = soup.triangles[chosen][side];
+  const std::uint32_t b = soup.triangles[chosen][(side + 1) % 3];
+  const std::uint32_t c = soup.triangles[chosen][(side + 2) % 3];
+  const auto m = static_cast<std::uint32_t>(soup.vertices.size());
+  const double off = random.below(2) == 0 ? 0.0 : 1e-12;
+  const Vec3 on_edge =
+      soup.vertices[a] + random.uniform(0.1, 0.9) * (soup.vertices[b] - soup.vertices[a]);
+  soup.vertices.push_back(on_edge + random.in_cube(off));
+  soup.triangles[chosen] = {a, m, c};
+  soup.triangles.push_back({m, b, c});
+  soup.triangles.push_back({a, b, m});
+}
+
+TEST(GridField, NeedlesAndTrianglesWithoutAreaDoNotShow) {
+  Random random(81);
+  for (int trial = 0; trial < 60; ++trial) {
+    Soup soup = make_box({0.5, 0.25, 0.75});
+    if (trial % 3 == 1) soup = make_l_shape(0.5);
+    if (trial % 3 == 2) soup = transformed(soup, random.pose(0.3));
+    const TriangleMesh plain = soup.mesh();
+    for (int i = 0; i < 12; ++i) insert_needle(soup, random);
+    const auto field = GridField::build(soup.mesh(), {.voxel_size = 0.12});
+    ASSERT_TRUE(field) << field.error().message;
+    const GridField expected = build(plain, 0.12);
+    ASSERT_EQ(field->shape(), expected.shape());
+    for (std::size_t i = 0; i < expected.samples().size(); ++i) {
+      const float d = expected.samples()[i];
+      ASSERT_NEAR(std::abs(field->samples()[i]), std::abs(d), 1e-6f);
+      if (std::abs(d) > 1e-5f) {
+        ASSERT_EQ(field->samples()[i] < 0.0f, d < 0.0f);
+      }
+    }
+  }
+}
+
 TEST(GridField, ErrorInsideTheGridIsWithinTheInterpolationError) {
   Random random(72);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
@@ -503,6 +543,24 @@ TEST(GridField, RefusesMoreNodesAlongAnAxisThanFloat32CanNumber) {
   // Numbers that overflow any count.
   expect_error(GridField::build(rod, {.voxel_size = 1e-300}), ErrorCode::kTooLarge,
                "voxel size of");
+}
+
+TEST(GridField, IsAsGoodAtTheFarEndOfTheLongestAxis) {
+  // Eight thousand nodes, and an origin away from zero: the coarsest float32 places of all.
+  Random random(82);
+  const double h = 1.25e-4;
+  const TriangleMesh rod = moved(make_box({0.499, 0.002, 0.001}), {0.6, 0.3, -0.2}).mesh();
+  const GridField field = build(rod, h);
+  EXPECT_GT(field.shape()[0], 7980);
+  for (int i = 0; i < 20'000; ++i) {
+    const double x = random.below(2) == 0 ? random.uniform(1.05, 1.0992) : random.uniform(0.1, 1.1);
+    const Vec3 p{x, 0.3 + random.uniform(-0.0021, 0.0021), -0.2 + random.uniform(-0.0011, 0.0011)};
+    const Vec3 q{std::abs(p.x - 0.6) - 0.499, std::abs(p.y - 0.3) - 0.002,
+                 std::abs(p.z + 0.2) - 0.001};
+    const double outside = length(Vec3{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)});
+    const double expected = outside + std::min(std::max({q.x, q.y, q.z}), 0.0);
+    ASSERT_NEAR(distance_at(field, p), expected, field.interpolation_error() + 3e-7);
+  }
 }
 
 TEST(GridField, RefusesOverlappingBodies) {

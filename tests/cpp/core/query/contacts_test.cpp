@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/brute_force.h"
 #include "support/meshes.h"
 #include "support/pairs.h"
 #include "support/random.h"
@@ -50,7 +52,7 @@ TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
   int near = 0;
   for (const PointShell& shell : shells()) {
     for (const Field& field : fields()) {
-      for (int i = 0; i < 120; ++i) {
+      for (int i = 0; i < 600; ++i) {
         // A third far away, a third about to touch, a third inside.
         const double clearance = i % 3 == 0   ? random.uniform(0.01, 0.5)
                                  : i % 3 == 1 ? random.uniform(-0.01, 0.01)
@@ -69,7 +71,7 @@ TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
       }
     }
   }
-  EXPECT_GE(poses, 2000);
+  EXPECT_GE(poses, 14'000);
   EXPECT_GT(colliding, 0.3 * poses);
   EXPECT_GT(near, 0.3 * poses);
   EXPECT_LT(colliding, 0.7 * poses);
@@ -265,6 +267,60 @@ TEST(Contacts, OfShellsOfFewPointsAgree) {
         expect_equal_to_flat(field, shell, pose, 0.0f, scratch);
         if (testing::Test::HasFatalFailure()) return;
       }
+    }
+  }
+}
+
+TEST(Contacts, HaveTrueDepthsWithinTheInterpolationErrorAndMissNoneDeeper) {
+  // Against the meshes themselves, by brute force: nothing in common with fields and shells.
+  Random random(109);
+  QueryScratch scratch;
+  const std::vector<Soup> soups{make_torus(0.4, 0.12, 40, 20), make_l_shape(0.3),
+                                make_blob(0.35, 3)};
+  std::size_t compared = 0;
+  std::size_t must_touch = 0;
+  for (std::size_t f = 0; f < soups.size(); ++f) {
+    const TriangleMesh mesh = soups[f].mesh();
+    const double error = std::get<GridField>(fields()[f]).interpolation_error() + 1e-6;
+    for (const PointShell& shell : shells()) {
+      for (int i = 0; i < 6; ++i) {
+        const Pose pose = make_pose_at(fields()[f], shell, random.uniform(-0.2, 0.0), random);
+        const auto contacts = find_contacts(fields()[f], shell, pose, {}, scratch);
+        for (std::uint32_t id = 0; id < shell.size(); id += 7) {
+          const double truth = signed_distance_to_mesh(
+              pose.transform_point(static_cast<Vec3>(shell.points()[id])), mesh);
+          const auto found = std::find_if(contacts.begin(), contacts.end(),
+                                          [&](const Contact& c) { return c.id == id; });
+          if (found == contacts.end()) {
+            ASSERT_GT(truth, -error) << "a missed contact, " << -truth << " m deep";
+          } else {
+            ASSERT_NEAR(static_cast<double>(found->depth), -truth, error);
+            ++compared;
+          }
+          must_touch += truth < -error;
+        }
+      }
+    }
+  }
+  EXPECT_GT(compared, 500u);
+  EXPECT_GT(must_touch, 300u);
+}
+
+TEST(Contacts, WithALongGridOfFineVoxelsAgree) {
+  Random random(111);
+  QueryScratch scratch;
+  const Field rod = make_grid(moved(make_box({0.499, 0.002, 0.001}), {0.6, 0.3, -0.2}), 1.25e-4);
+  const PointShell shell = make_shell(make_blob(0.01, 3), 0.001);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 place{random.uniform(0.1, 1.1), 0.3 + random.uniform(-0.015, 0.015),
+                     -0.2 + random.uniform(-0.015, 0.015)};
+    const Pose pose{random.rotation(), place};
+    const auto all =
+        find_contacts_flat(rod, shell, pose, {.margin = std::numeric_limits<float>::max()});
+    const float edge = -all[random.below(all.size())].depth;
+    for (const float margin : {0.0f, edge, std::nextafter(edge, 1000.0f)}) {
+      expect_equal_to_flat(rod, shell, pose, margin, scratch);
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }
