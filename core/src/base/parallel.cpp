@@ -42,10 +42,16 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   {
     std::vector<std::jthread> helpers;
     const std::size_t helper_count = std::min<std::size_t>(threads - 1, count);
-    try {
-      for (std::size_t i = 0; i < helper_count; ++i) helpers.emplace_back(work, false);
-    } catch (const std::system_error&) {
-      // The system has no more threads to give: the work is done by fewer.
+    // Where the system has no more threads to give, the work is done by fewer.
+    const auto start_helper = [&] {
+      try {
+        helpers.emplace_back(work, false);
+        return true;
+      } catch (const std::system_error&) {
+        return false;
+      }
+    };
+    while (helpers.size() < helper_count && start_helper()) {
     }
     work(true);
   }

@@ -113,8 +113,9 @@ Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSett
   std::vector<OverlapCount> overlaps(ny * nz);
   const auto fill_row = [&](std::size_t row) {
     const double h = field.voxel_size_;
-    Vec3 p = field.origin_ +
-             Vec3{0.0, static_cast<double>(row % ny) * h, static_cast<double>(row / ny) * h};
+    const std::size_t j = row % ny;
+    const std::size_t k = row / ny;
+    Vec3 p = field.origin_ + Vec3{0.0, static_cast<double>(j) * h, static_cast<double>(k) * h};
     std::vector<int> layers(nx);
     winding->compute(row, row_x, layers);
     ClosestPoint closest{};

@@ -62,9 +62,9 @@ nb::ndarray<nb::numpy, double> to_matrix(const Pose& pose) {
   const Matrix3& r = pose.rotation;
   const Vec3& t = pose.translation;
   return to_array<double, 4>({{r.row_x.x, r.row_x.y, r.row_x.z, t.x},
-                      {r.row_y.x, r.row_y.y, r.row_y.z, t.y},
-                      {r.row_z.x, r.row_z.y, r.row_z.z, t.z},
-                      {0.0, 0.0, 0.0, 1.0}});
+                              {r.row_y.x, r.row_y.y, r.row_y.z, t.y},
+                              {r.row_z.x, r.row_z.y, r.row_z.z, t.z},
+                              {0.0, 0.0, 0.0, 1.0}});
 }
 
 void step(Simulation& simulation, std::size_t count) {
@@ -150,9 +150,10 @@ void bind_geometries(nb::module_& module) {
         const auto mesh = unwrap(TriangleMesh::create(to_points(vertices), to_triangles(faces)));
         const MassProperties m = kind == "surface" ? compute_surface_mass_properties(mesh)
                                                    : compute_solid_mass_properties(mesh);
-        return std::pair(to_coordinates(m.centre_of_mass),
-                         std::array{to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
-                                    to_coordinates(m.inertia.row_z)});
+        return std::pair(
+            to_coordinates(m.centre_of_mass),
+            std::array{to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
+                       to_coordinates(m.inertia.row_z)});
       },
       nb::arg("vertices"), nb::arg("faces"), nb::arg("kind"),
       "Centre of mass and inertia tensor about it at 1 kg, of kind 'solid' or 'surface'.");
@@ -184,8 +185,7 @@ void bind_simulation(nb::module_& module) {
                                    .contact = {.mode = mode, .level = level, .margin = margin}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
-          nb::arg("split_impulse_threshold"), nb::arg("mode"),
-          nb::arg("level"), nb::arg("margin"))
+          nb::arg("split_impulse_threshold"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, double mass,
@@ -205,11 +205,10 @@ void bind_simulation(nb::module_& module) {
       .def("step", &step, nb::arg("count"))
       .def("timings", &timings)
       .def("contacts", &contacts)
-      .def("pose", [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
-      .def("set_pose",
-           [](Simulation& s, std::size_t i, const PoseArray& pose) {
-             s.set_world_from_geometry(i, to_pose(pose));
-           })
+      .def("pose",
+           [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
+      .def("set_pose", [](Simulation& s, std::size_t i,
+                          const PoseArray& pose) { s.set_world_from_geometry(i, to_pose(pose)); })
       .def("linear_velocity",
            [](const Simulation& s, std::size_t i) { return to_coordinates(s.linear_velocity(i)); })
       .def("angular_velocity",

@@ -83,8 +83,8 @@ HullMesh triangulate_hulls(const std::vector<std::vector<Vec3>>& hulls) {
   HullMesh mesh;
   for (const std::vector<Vec3>& points : hulls) {
     btConvexHullComputer hull;
-    hull.compute(&points.data()->x, static_cast<int>(sizeof(Vec3)),
-                 static_cast<int>(points.size()), 0.0, 0.0);
+    hull.compute(&points.data()->x, static_cast<int>(sizeof(Vec3)), static_cast<int>(points.size()),
+                 0.0, 0.0);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (int i = 0; i < hull.vertices.size(); ++i) {
       mesh.vertices.push_back(from_bullet(hull.vertices[i]));
@@ -92,8 +92,8 @@ HullMesh triangulate_hulls(const std::vector<std::vector<Vec3>>& hulls) {
     for (int face = 0; face < hull.faces.size(); ++face) {
       const auto* start = &hull.edges[hull.faces[face]];
       const auto corner = static_cast<std::uint32_t>(start->getSourceVertex());
-      for (auto* edge = start->getNextEdgeOfFace(); edge->getTargetVertex() != start->getSourceVertex();
-           edge = edge->getNextEdgeOfFace()) {
+      for (auto* edge = start->getNextEdgeOfFace();
+           edge->getTargetVertex() != start->getSourceVertex(); edge = edge->getNextEdgeOfFace()) {
         mesh.triangles.push_back({first + corner,
                                   first + static_cast<std::uint32_t>(edge->getSourceVertex()),
                                   first + static_cast<std::uint32_t>(edge->getTargetVertex())});

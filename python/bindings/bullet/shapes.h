@@ -1,10 +1,10 @@
 #pragma once
 
-#include <btBulletCollisionCommon.h>
-
 #include <memory>
 #include <variant>
 #include <vector>
+
+#include <btBulletCollisionCommon.h>
 
 #include "voxshell/model.h"
 #include "voxshell/pose.h"

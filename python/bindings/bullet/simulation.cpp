@@ -1,8 +1,8 @@
 #include "bullet/simulation.h"
 
-#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
-
 #include <chrono>
+
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
@@ -97,11 +97,10 @@ std::vector<SimulationContact> Simulation::compute_contacts() const {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       const btManifoldPoint& point = manifold.getContactPoint(i);
-      contacts.push_back({manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex(),
-                          point.m_index0, from_bullet(point.getPositionWorldOnA()),
-                          from_bullet(point.getPositionWorldOnB()),
-                          from_bullet(point.m_normalWorldOnB), -point.getDistance(),
-                          point.getAppliedImpulse()});
+      contacts.push_back(
+          {manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex(), point.m_index0,
+           from_bullet(point.getPositionWorldOnA()), from_bullet(point.getPositionWorldOnB()),
+           from_bullet(point.m_normalWorldOnB), -point.getDistance(), point.getAppliedImpulse()});
     }
   }
   return contacts;
@@ -114,8 +113,7 @@ Pose Simulation::world_from_geometry(std::size_t body) const {
 
 void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   btRigidBody& rigid_body = bodies_[body]->rigid_body;
-  const btTransform world_from_body =
-      to_bullet(pose * bodies_[body]->body_from_geometry.inverse());
+  const btTransform world_from_body = to_bullet(pose * bodies_[body]->body_from_geometry.inverse());
   rigid_body.setCenterOfMassTransform(world_from_body);
   rigid_body.activate();
   if (rigid_body.isInWorld()) world_->updateSingleAabb(&rigid_body);
@@ -139,8 +137,6 @@ void Simulation::set_angular_velocity(std::size_t body, const Vec3& velocity) {
   bodies_[body]->rigid_body.activate();
 }
 
-bool Simulation::is_asleep(std::size_t body) const {
-  return !bodies_[body]->rigid_body.isActive();
-}
+bool Simulation::is_asleep(std::size_t body) const { return !bodies_[body]->rigid_body.isActive(); }
 
 }  // namespace voxshell::python

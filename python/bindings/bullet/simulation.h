@@ -1,10 +1,10 @@
 #pragma once
 
-#include <btBulletDynamicsCommon.h>
-
 #include <cstddef>
 #include <memory>
 #include <vector>
+
+#include <btBulletDynamicsCommon.h>
 
 #include "bullet/shapes.h"
 #include "voxshell/bullet/collision_configuration.h"
@@ -13,7 +13,7 @@
 namespace voxshell::python {
 
 struct SimulationSettings {
-  Vec3 gravity{0.0, 0.0, -9.81};  ///< m/s2
+  Vec3 gravity{0.0, 0.0, -9.81};   ///< m/s2
   double time_step = 1.0 / 200.0;  ///< seconds
   bool sleeping = true;            ///< whether resting bodies are put to sleep
   /// Penetrations below minus this are resolved by split impulses, without adding velocity. At 0,

@@ -54,7 +54,7 @@ def explain(runs: list[DropRun], steps: int) -> str:
         "deep          deepest contact that the method itself reported, in any step",
         f"rest          largest speed of the centre of mass in the last {REST_STEPS} steps",
         "low           lowest vertex of the mesh over the ground then, whatever collided",
-        "ground        a block: voxels for VPS, btBoxShape for Bullet's shapes; or a plane",
+        "ground        a block: voxels for VPS, a btBoxShape for others; or a plane",
     ]
     short = [run for run in runs if run.steps < steps]
     if short:

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
-
 #include <memory>
+
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 
 #include "voxshell/bullet/contact_settings.h"
 

@@ -14,9 +14,8 @@ inline btTransform to_bullet(const Pose& pose) {
   const btVector3 x = to_bullet(pose.rotation.row_x);
   const btVector3 y = to_bullet(pose.rotation.row_y);
   const btVector3 z = to_bullet(pose.rotation.row_z);
-  return btTransform(
-      btMatrix3x3(x.x(), x.y(), x.z(), y.x(), y.y(), y.z(), z.x(), z.y(), z.z()),
-      to_bullet(pose.translation));
+  return btTransform(btMatrix3x3(x.x(), x.y(), x.z(), y.x(), y.y(), y.z(), z.x(), z.y(), z.z()),
+                     to_bullet(pose.translation));
 }
 
 inline Vec3 from_bullet(const btVector3& v) {

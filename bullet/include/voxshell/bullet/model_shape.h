@@ -1,8 +1,8 @@
 #pragma once
 
-#include <BulletCollision/CollisionShapes/btConcaveShape.h>
-
 #include <memory>
+
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
 #include "voxshell/model.h"
 
@@ -32,8 +32,9 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   const Model& model() const { return *model_; }
   const Pose& body_from_model() const { return body_from_model_; }
 
-  void getAabb(const btTransform& world_from_body, btVector3& lower, btVector3& upper) const override;
-  void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
+  void getAabb(const btTransform& world_from_body, btVector3& lower, btVector3& upper)
+      const override;
+  void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
   btScalar getContactBreakingThreshold(btScalar default_threshold) const override;
   const char* getName() const override { return "voxshell::Model"; }
   void setLocalScaling(const btVector3&) override {}
@@ -41,7 +42,7 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   /// The mesh's triangles that may touch a box of the body's frame: how Bullet's ray tests, and its
   /// algorithms for shapes that voxshell has none for, see a model.
-  void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
+  void processAllTriangles(btTriangleCallback * callback, const btVector3& lower,
                            const btVector3& upper) const override;
 
  private:
