@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/text.h"
 #include "shell/surface_voxels.h"
@@ -16,9 +17,14 @@ struct ShellPoint {
   double area;
 };
 
+struct Sampling {
+  std::vector<ShellPoint> points;
+  double spacing = 0.0;
+  std::size_t voxels = 0;  ///< more than points where float32 cannot tell some apart
+};
+
 /// Rounds samples to float32 and merges those that then share a place.
-std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid,
-                                             Stage& stage) {
+Sampling compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid, Stage& stage) {
   std::vector<ShellPoint> shell_points;
   for (const SurfaceSample& sample : sample_surface_voxels(mesh, grid, stage)) {
     const auto [a, b, c] = mesh.corners(sample.triangle);
@@ -39,8 +45,9 @@ std::vector<ShellPoint> compute_shell_points(const TriangleMesh& mesh, const Vox
       shell_points[kept++] = shell_points[i];
     }
   }
+  const std::size_t voxels = shell_points.size();
   shell_points.resize(kept);
-  return shell_points;
+  return {std::move(shell_points), grid.spacing, voxels};
 }
 
 /// Surface voxels per spacing^2 of surface, on average over its orientations.
@@ -64,11 +71,6 @@ VoxelGrid make_odd_grid(double spacing, int index) {
 
 Error stopped() { return {ErrorCode::kCancelled, "building the point shell was stopped"}; }
 
-struct Sampling {
-  std::vector<ShellPoint> points;
-  double spacing = 0.0;
-};
-
 /// Finds the spacing that gives a wanted number of points. The number falls with the spacing, but
 /// on regular meshes in steps, as many voxels appear at once. Where a bisection ends at such a
 /// step, the search goes on with odd grids.
@@ -76,7 +78,9 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target, Sta
   constexpr int kMaxTrials = 64;
   constexpr double kTolerance = 0.01;
   const auto wanted = static_cast<double>(target);
-  VoxelGrid grid{std::sqrt(kVoxelsPerArea * mesh.compute_area() / wanted), {}};
+  const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  VoxelGrid grid{
+      std::max(std::sqrt(kVoxelsPerArea * mesh.compute_area() / wanted), longest / wanted), {}};
   int odd_grids = 0;
   double too_fine = 0.0;
   double too_coarse = 0.0;
@@ -88,15 +92,18 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target, Sta
     stage.set_part(static_cast<double>(trial) / kMaxTrials,
                    static_cast<double>(trial + 1) / kMaxTrials);
     stage.report(0.0);
-    std::vector<ShellPoint> points = compute_shell_points(mesh, grid, stage);
+    Sampling sampling = compute_shell_points(mesh, grid, stage);
     if (stage.stopped()) return stopped();
-    const std::size_t count = points.size();
-    if (best.points.empty() || miss(count) < miss(best.points.size())) {
-      best = {std::move(points), grid.spacing};
-    }
+    const std::size_t count = sampling.points.size();
+    const std::size_t voxels = sampling.voxels;
+    if (best.points.empty() || miss(count) < miss(best.points.size())) best = std::move(sampling);
     // A tenth of the tolerance is soon found on large shells and keeps repeated asks alike.
     const double good_enough = trial < 16 ? 0.1 * kTolerance : kTolerance;
     if (miss(best.points.size()) <= good_enough * wanted) return best;
+
+    // Finer voxels would only give more points that float32 cannot tell apart.
+    constexpr std::size_t kMostVoxelsAPoint = 4;
+    if (count < target && voxels > kMostVoxelsAPoint * target) break;
 
     const double ratio = static_cast<double>(count) / wanted;
     if (odd_grids > 0) {
@@ -105,7 +112,7 @@ Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target, Sta
     }
     (count > target ? too_fine : too_coarse) = grid.spacing;
     if (too_fine == 0.0 || too_coarse == 0.0) {
-      grid.spacing *= std::sqrt(ratio) * (count > target ? 1.01 : 0.99);
+      grid.spacing *= std::max(0.5, std::sqrt(ratio)) * (count > target ? 1.01 : 0.99);
       continue;
     }
     grid.spacing = std::sqrt(too_fine * too_coarse);
@@ -160,7 +167,7 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   Stage stage(progress, "point shell");
   Sampling sampling;
   if (settings.target_points == 0) {
-    sampling = {compute_shell_points(mesh, {settings.spacing, {}}, stage), settings.spacing};
+    sampling = compute_shell_points(mesh, {settings.spacing, {}}, stage);
   } else {
     auto found = search_target(mesh, settings.target_points, stage);
     if (!found) return found.error();
