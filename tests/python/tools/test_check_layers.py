@@ -163,7 +163,7 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
             id="api imports viewer",
         ),
         pytest.param(
-            "python/voxshell/scenes/drop.py",
+            "python/voxshell/shapes/drop.py",
             "from ..cli import main\n",
             1,
             "api imports voxshell.cli.main, which belongs to cli",
