@@ -356,24 +356,21 @@ TEST(PointShell, FarFromTheOriginMergesPlacesThatFloat32CannotTellApart) {
   EXPECT_NEAR(area, mesh.compute_area(), 1e-5 * mesh.compute_area());
 }
 
-TEST(PointShell, StopsAtEveryStageWhereProgressSaysSo) {
+TEST(PointShell, StopsAtEveryReportWhereProgressSaysSo) {
   const TriangleMesh mesh = make_blob(0.5, 3).mesh();
   for (const PointShellSettings& settings :
        {PointShellSettings{.spacing = 0.05}, PointShellSettings{.target_points = 1000}}) {
-    int reports = 0;
-    const auto counted = PointShell::build(mesh, settings, [&](std::string_view, double) {
-      ++reports;
-      return true;
-    });
-    ASSERT_TRUE(counted);
-    EXPECT_GE(reports, 2);
-    for (int stop_at = 1; stop_at <= reports; ++stop_at) {
+    // How many reports there are depends on the machine's speed: stop ever later, to the end.
+    int stop_at = 1;
+    for (bool finished = false; !finished; ++stop_at) {
       int calls = 0;
-      const auto stopped = PointShell::build(
+      const auto built = PointShell::build(
           mesh, settings, [&](std::string_view, double) { return ++calls < stop_at; });
-      expect_error(stopped, ErrorCode::kCancelled, "stopped");
-      EXPECT_EQ(calls, stop_at);
+      finished = built.has_value();
+      EXPECT_EQ(finished, calls < stop_at);
+      if (!finished) expect_error(built, ErrorCode::kCancelled, "stopped");
     }
+    EXPECT_GE(stop_at, 3);
   }
 }
 
