@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Yes/no queries, bunny on bunny at random poses, beside coal's on the same meshes in one process.
+
+`./dev bench --peers` builds the package and calls this. coal runs at its best for the question:
+trees of oriented boxes with swept spheres, made beforehand, one contact asked for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import coal
+import numpy as np
+import trimesh
+import voxshell as vx
+from machine import ROOT, describe_machine
+from voxshell.scenes.bunny import find_bunny
+
+OUT = ROOT / "build/bench"
+BUNNY_LENGTH = 0.3
+REACH = 0.3
+NEAR = 0.002
+LEAST_RATIO = 20.0
+SEED = 53
+
+
+def random_poses(count: int) -> np.ndarray:
+    """(count, 4, 4): any orientation, origins anywhere up to REACH apart."""
+    rng = np.random.default_rng(SEED)
+    poses = np.tile(np.eye(4), (count, 1, 1))
+    for pose in poses:
+        pose[:3, :3] = trimesh.transformations.random_rotation_matrix(rng.random(3))[:3, :3]
+        direction = rng.normal(size=3)
+        pose[:3, 3] = REACH * np.cbrt(rng.random()) * direction / np.linalg.norm(direction)
+    return poses
+
+
+def touching_poses(poses: np.ndarray, touches: Callable[[np.ndarray], bool]) -> np.ndarray:
+    """The same, moved along the line of the origins to within NEAR of the first touch."""
+    rng = np.random.default_rng(SEED + 1)
+    moved = poses.copy()
+    for pose in moved:
+        direction = pose[:3, 3] / np.linalg.norm(pose[:3, 3])
+        near, far = 0.0, 2.0 * REACH
+        for _ in range(16):
+            middle = 0.5 * (near + far)
+            pose[:3, 3] = middle * direction
+            near, far = (middle, far) if touches(pose) else (near, middle)
+        pose[:3, 3] = (far + rng.uniform(-NEAR, NEAR)) * direction
+    return moved
+
+
+def make_coal_model(mesh: trimesh.Trimesh) -> coal.BVHModelOBBRSS:
+    """The triangles in coal's tree."""
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(mesh.faces), len(mesh.vertices))
+    vertices = coal.StdVec_Vec3s()
+    vertices.extend(np.asarray(mesh.vertices, dtype=float))
+    triangles = coal.StdVec_Triangle()
+    triangles.extend([coal.Triangle(*(int(i) for i in face)) for face in mesh.faces])
+    model.addSubModel(vertices, triangles)
+    model.endModel()
+    return model
+
+
+def time_each(
+    ask: Callable[[Any], bool], poses: list[Any], repeats: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Answers, and seconds of each query: (repeats, poses)."""
+    answers = np.array([ask(pose) for pose in poses])
+    seconds = np.empty((repeats, len(poses)))
+    for row in seconds:
+        for i, pose in enumerate(poses):
+            start = time.perf_counter()
+            ask(pose)
+            row[i] = time.perf_counter() - start
+    return answers, seconds
+
+
+def summarise(seconds: np.ndarray) -> dict[str, float]:
+    """Microseconds: median over poses of the median over repeats, mean, p99."""
+    return {
+        "median_us": 1e6 * float(np.median(np.median(seconds, axis=0))),
+        "mean_us": 1e6 * float(seconds.mean()),
+        "p99_us": 1e6 * float(np.quantile(seconds, 0.99)),
+    }
+
+
+def print_results(results: dict[str, Any]) -> None:
+    """A small table a pose set."""
+    print(f"{results['machine']['cpu']}, commit {results['machine']['commit']}, {results['model']}")
+    for name, measured in results["sets"].items():
+        print(
+            f"\n{results['poses']} poses, {name}: {measured['share_in_contact']:.0%} in contact, "
+            f"the same answer as coal {results['coal']} in {measured['share_that_agree']:.1%}"
+        )
+        print(f"{'microseconds':20} {'median':>8} {'mean':>8} {'p99':>8}  coal / this")
+        for label, case in measured["cases"].items():
+            columns = [
+                f"{case[figure]:8.3g}" if figure in case else " " * 8
+                for figure in ("median_us", "mean_us", "p99_us")
+            ]
+            ratios = [case[f"coal_over_{f}"] for f in ("median_us", "mean_us") if f in case]
+            print(f"{label:20} {' '.join(columns)}  {', '.join(f'{r:.3g}' for r in ratios)}")
+    print(
+        f"\nThe bar at random poses is {LEAST_RATIO:g}. A single call bears Python's own cost; "
+        "without it: ./dev bench --filter pair_random"
+    )
+
+
+def main(arguments: list[str]) -> int:
+    """The command line; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="./dev bench --peers")
+    parser.add_argument("--poses", type=int, default=240)
+    parser.add_argument("--repeats", type=int, default=21)
+    parser.add_argument("--resolution", type=int, default=300, help="voxels along the bunny")
+    parser.add_argument("--target-points", type=int, default=34_835)
+    parser.add_argument("--json", action="store_true", help="print the results as JSON alone")
+    options = parser.parse_args(arguments)
+
+    mesh = trimesh.load_mesh(find_bunny(), process=False)
+    mesh.apply_translation(-mesh.bounds.mean(axis=0))
+    mesh.apply_scale(BUNNY_LENGTH / mesh.extents.max())
+    model = vx.Model.from_mesh(
+        mesh, resolution=options.resolution, target_points=options.target_points
+    )
+    coal_model = make_coal_model(mesh)
+    poses = random_poses(options.poses)
+
+    identity = np.eye(4)
+    coal_identity = coal.Transform3s.Identity()
+    request = coal.CollisionRequest()
+    request.num_max_contacts = 1
+    request.enable_contact = False
+    result = coal.CollisionResult()
+
+    def ask_coal(pose: coal.Transform3s) -> bool:
+        result.clear()
+        return coal.collide(coal_model, pose, coal_model, coal_identity, request, result) > 0
+
+    def ask_voxshell(pose: np.ndarray) -> bool:
+        return vx.collide(model, model, pose, identity)
+
+    def measure(poses: np.ndarray) -> dict[str, Any]:
+        coal_poses = [coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in poses]
+        coal_answers, coal_seconds = time_each(ask_coal, coal_poses, options.repeats)
+        answers, seconds = time_each(ask_voxshell, list(poses), options.repeats)
+        cases = {"coal": summarise(coal_seconds), "voxshell, one call": summarise(seconds)}
+        if hasattr(vx, "collide_batch"):
+            other_poses = np.tile(identity, (len(poses), 1, 1))
+            means = []
+            for _ in range(options.repeats):
+                start = time.perf_counter()
+                vx.collide_batch(model, model, poses, other_poses, threads=1)
+                means.append((time.perf_counter() - start) / len(poses))
+            cases["voxshell, batch"] = {"mean_us": 1e6 * float(np.median(means))}
+        for case in cases.values():
+            for figure in ("median_us", "mean_us"):
+                if figure in case:
+                    case[f"coal_over_{figure}"] = cases["coal"][figure] / case[figure]
+        return {
+            "share_in_contact": float(coal_answers.mean()),
+            "share_that_agree": float((answers == coal_answers).mean()),
+            "cases": cases,
+        }
+
+    poses = random_poses(options.poses)
+    results: dict[str, Any] = {
+        "machine": describe_machine(),
+        "coal": coal.__version__,
+        "model": repr(model),
+        "poses": len(poses),
+        "sets": {
+            "random": measure(poses),
+            "within 2 mm of touching": measure(touching_poses(poses, ask_voxshell)),
+        },
+    }
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "peers.json").write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+    if options.json:
+        print(json.dumps(results, indent=2))
+        return 0
+    print_results(results)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,80 @@
+#include "cases.h"
+#include "pose_sets.h"
+#include "scene.h"
+#include "voxshell/plane_field.h"
+
+namespace voxshell::benchmarks {
+namespace {
+
+constexpr DepthRange kResting{0.00095, 0.00105};  // some 355 of 34,835 points
+constexpr DepthRange kShallow{0.0005, 0.002};
+constexpr DepthRange kDeep{0.010, 0.030};
+constexpr DepthRange kDeepest{0.0735, 0.0737};
+constexpr DepthRange kNearMiss{-0.003, -0.001};
+constexpr double kRandomReach = 0.3;
+
+const Field& analytic_plane() {
+  static const Field plane = PlaneField{};
+  return plane;
+}
+
+}  // namespace
+
+void register_query_cases(Bodies& bodies) {
+  const Settings& settings = bodies.settings();
+  const auto add = [&](const char* name, std::function<Scene()> make,
+                       std::initializer_list<Visit> visits) {
+    const auto scene = std::make_shared<LazyScene>(std::move(make));
+    for (const SceneQuery& query : scene_queries()) {
+      for (const Visit visit : visits) {
+        // The flat loop is what others are compared with, visit by visit or not.
+        const bool is_flat = &query == scene_queries().data();
+        if (is_flat && visit != Visit::kPassByPass) continue;
+        register_query(name, scene, query, visit, settings);
+      }
+    }
+  };
+  const auto resting_on = [&](const Field& plane, const PointShell& shell) {
+    return Scene{
+        &plane, &shell, make_resting_poses(bodies, plane, shell, kResting, settings.poses), {}};
+  };
+  const auto pair = [&](DepthRange range, DrawnFrom drawn_from = DrawnFrom::kCentres) {
+    const Model& bunny = bodies.bunny();
+    return Scene{
+        &bunny.field(),
+        &bunny.shell(),
+        make_pair_poses(bodies, bunny.field(), bunny.shell(), range, drawn_from, settings.poses),
+        {}};
+  };
+  constexpr auto kWarm = Visit::kPassByPass;
+  constexpr auto kCold = Visit::kCold;
+  constexpr auto kRepeated = Visit::kRepeated;
+
+  add("voxelised_plane",
+      [=, &bodies] { return resting_on(bodies.slab().field(), bodies.bunny().shell()); },
+      {kWarm, kRepeated, kCold});
+  add("analytic_plane",
+      [=, &bodies] { return resting_on(analytic_plane(), bodies.bunny().shell()); },
+      {kWarm, kRepeated, kCold});
+  add("pair_shallow", [=] { return pair(kShallow); }, {kWarm, kRepeated, kCold});
+  add("pair_deep", [=] { return pair(kDeep); }, {kWarm, kRepeated, kCold});
+  add("pair_deepest", [=] { return pair(kDeepest, DrawnFrom::kCore); }, {kWarm, kCold});
+  add("near_miss", [=] { return pair(kNearMiss); }, {kWarm, kRepeated, kCold});
+  add("coarse_voxelised_plane",
+      [=, &bodies] {
+        return resting_on(bodies.slab().field(),
+                          bodies.bunny_shell(bodies.settings().coarse_points));
+      },
+      {kWarm, kRepeated, kCold});
+  add("pair_random",
+      [&bodies] {
+        const Model& bunny = bodies.bunny();
+        return Scene{&bunny.field(),
+                     &bunny.shell(),
+                     make_random_poses(kRandomReach, bodies.settings().poses),
+                     {}};
+      },
+      {kWarm, kCold});
+}
+
+}  // namespace voxshell::benchmarks
