@@ -14,19 +14,24 @@
 
 namespace voxshell {
 
+namespace simd {
+struct GridView;
+}
+
 struct GridFieldSettings {
   double voxel_size = 0.0;  ///< edge of a cell, metres
-  double padding = 0.0;     ///< metres of grid beyond the mesh's bounds; at least one voxel is kept
+  double padding = 0.0;     ///< metres of grid beyond the mesh's bounds; at least a brick is kept
   unsigned threads = 0;     ///< 0: one a core; the result is the same for any number
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes; a larger grid is refused
 };
 
-/// The signed distance field of a closed mesh: exact distances at the nodes of a regular grid
-/// (float32), trilinear between them. Negative inside, by the winding number, so that folds smaller
-/// than a voxel do no harm; metres, the mesh's frame.
+/// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
+/// mesh's frame.
 ///
-/// Outside the grid the value is the one at the nearest point of the grid plus the distance to it:
-/// continuous, and never less than the true distance minus interpolation_error().
+/// The grid is cut into bricks of 8x8x8 cells. A brick near the surface holds the true distances at
+/// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners; where
+/// all its distances are those to one plane, it holds the plane. Between nodes: trilinear. Outside
+/// the grid the surface is taken to be where the nearest point of the grid sees it.
 class GridField {
  public:
   /// Errors: kInvalidArgument, kInvalidMesh (not closed, inside out, overlapping itself),
@@ -36,7 +41,8 @@ class GridField {
 
   float distance(const Vec3f& p) const;
 
-  /// The exact gradient of distance(); its length is near 1 except close to the medial axis.
+  /// The exact gradient of distance() in the grid; its length is near 1 except close to the medial
+  /// axis. Unit length outside.
   Vec3f gradient(const Vec3f& p) const;
 
   /// No point within `radius` of `centre` has a smaller distance.
@@ -45,32 +51,36 @@ class GridField {
   double reach() const;
 
   double voxel_size() const { return voxel_size_; }
-  const Vec3& origin() const { return origin_; }               ///< position of the first node
-  const std::array<int, 3>& shape() const { return shape_; }   ///< nodes along x, y, z
-  std::span<const float> samples() const { return samples_; }  ///< x fastest, then y, then z
-  std::size_t nbytes() const { return samples_.size() * sizeof(float); }
+  const Vec3& origin() const { return origin_; }  ///< position of the first node
+  std::array<int, 3> shape() const;               ///< nodes along x, y, z
+  std::size_t nbytes() const;
   const Bounds& surface_bounds() const { return surface_bounds_; }
 
-  /// |distance() - true distance| is at most this, metres: the true distance is 1-Lipschitz, and
-  /// the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the trilinear mean.
+  /// |distance() - true distance| is at most this near the surface, metres: the true distance is
+  /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
+  /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
   double interpolation_error() const;
 
-  /// No two points of the grid differ in distance() by more than this times their separation.
-  double lipschitz_constant() const { return lipschitz_constant_; }
+  simd::GridView view() const;
 
  private:
-  struct Cell;
-
   GridField() = default;
-  Cell locate(const Vec3f& p) const;
-  double compute_lipschitz_constant() const;
 
   double voxel_size_ = 0.0;
   Vec3 origin_{};
-  std::array<int, 3> shape_{};
-  std::vector<float> samples_;
+  std::array<int, 3> bricks_{};  ///< along x, y, z
   Bounds surface_bounds_;
-  double lipschitz_constant_ = 1.0;
+  /// One a brick, x fastest; what its bits mean stands in simd/grid_view.h.
+  std::vector<std::uint32_t> entries_;
+  /// One a brick, two bfloat16. Upper half, rounded down: the smallest distance() in the brick less
+  /// the error of its cells, metres. Lower half, rounded up: a Lipschitz constant of distance() that
+  /// holds in the brick and the 26 around it, or kNoLipschitzConstant.
+  std::vector<std::uint32_t> bounds_;
+  std::vector<std::int16_t> samples_;
+  std::vector<float> planes_;  ///< unit normal and offset of each, metres
+  double error_ = 0.0;         ///< interpolation_error()
+  double jump_ = 0.0;          ///< metres; see GridView
+  double coarse_floor_ = 0.0;  ///< metres; see GridView
 };
 
 }  // namespace voxshell

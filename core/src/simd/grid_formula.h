@@ -1,0 +1,253 @@
+#pragma once
+
+#include "simd/grid_view.h"
+#include "simd/wide.h"
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+/// Where points fall: the nearest point of the grid, its brick and cell.
+template <class F>
+struct GridPlace {
+  using I = Integer<F>;
+  Triple<F> outside;  ///< from the nearest point of the grid to the point, metres
+  Triple<F> within;   ///< position in the brick, voxels, 0 to kBrickCells
+  I brick;
+};
+
+/// In this order, not-a-number becomes 0 here and stays what it is in `outside`.
+template <class F>
+inline F clamp_to_axis(const GridView& grid, int axis, F p, F& outside, Integer<F>& cell) {
+  const F unclamped = (p - grid.origin[axis]) * grid.inverse_voxel_size;
+  const F clamped =
+      minimum(maximum(unclamped, splat<F>(0.0f)), splat<F>(grid.cells[axis]));
+  outside = (unclamped - clamped) * grid.voxel_size;
+  cell = to_int(clamped);
+  cell = select(cell > grid.last_cell[axis], Integer<F>{} + grid.last_cell[axis], cell);
+  return clamped;
+}
+
+template <class F>
+inline GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
+  using I = Integer<F>;
+  GridPlace<F> place;
+  I x, y, z;
+  const F u = clamp_to_axis(grid, 0, p.x, place.outside.x, x);
+  const F v = clamp_to_axis(grid, 1, p.y, place.outside.y, y);
+  const F w = clamp_to_axis(grid, 2, p.z, place.outside.z, z);
+  const I bx = x >> kBrickShift;
+  const I by = y >> kBrickShift;
+  const I bz = z >> kBrickShift;
+  place.brick = bx + grid.bricks_x * by + grid.bricks_xy * bz;
+  place.within = {u - to_float(bx << kBrickShift), v - to_float(by << kBrickShift),
+                  w - to_float(bz << kBrickShift)};
+  return place;
+}
+
+/// The corners of the cell that a point falls in, in quanta: c[x + 2 y + 4 z], and where in it.
+template <class F>
+struct GridCell {
+  F c[8];
+  Triple<F> t;      ///< 0 to 1
+  F scale;          ///< metres of one quantum
+  F size;           ///< edge of the cell, voxels
+};
+
+/// What follows an entry's fields; entries are unsigned.
+template <class I>
+inline I as_payload(I entry) {
+  return (entry >> kPayloadShift) & ((1 << (32 - kPayloadShift)) - 1);
+}
+
+template <class F>
+inline F lerp(F a, F b, F t) {
+  return a + t * (b - a);
+}
+
+/// Lanes whose brick holds a plane get some cell or other.
+template <class F>
+inline GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place, Integer<F> entry,
+                             MaskOf<F> is_plane) {
+  using I = Integer<F>;
+  const I zero = I{};
+  const I level = entry & 3;
+  const I coarse = 3 - level;  // log2 of a cell's size in voxels
+  const F per_voxel = power_of_two(zero - coarse);
+  const I per_side = (zero + 1) << level;
+  const auto locate_on_axis = [&](F within, F& t) {
+    const F position = within * per_voxel;
+    I cell = to_int(position);
+    cell = select(cell < per_side, cell, per_side - 1);
+    t = position - to_float(cell);
+    return cell;
+  };
+  GridCell<F> cell;
+  const I x = locate_on_axis(place.within.x, cell.t.x);
+  const I y = locate_on_axis(place.within.y, cell.t.y);
+  const I z = locate_on_axis(place.within.z, cell.t.z);
+  const I row = per_side + 1;
+  const I layer = row * row;
+  const I payload = as_payload(entry);
+  I first = payload * kSampleAlignment + x + row * y + layer * z;
+  first = select(is_plane, zero, first);
+  const I pairs[4] = {gather_pair(grid.samples, first), gather_pair(grid.samples, first + row),
+                      gather_pair(grid.samples, first + layer),
+                      gather_pair(grid.samples, first + layer + row)};
+  for (int i = 0; i < 4; ++i) {
+    cell.c[2 * i] = to_float((pairs[i] << 16) >> 16);
+    cell.c[2 * i + 1] = to_float(pairs[i] >> 16);
+  }
+  cell.scale = grid.quantum * power_of_two((entry >> kFieldShift) & kFieldMask);
+  cell.size = power_of_two(coarse);
+  return cell;
+}
+
+template <class F>
+inline F interpolate(const GridCell<F>& cell) {
+  const auto& c = cell.c;
+  const auto& t = cell.t;
+  const F low = lerp(lerp(c[0], c[1], t.x), lerp(c[2], c[3], t.x), t.y);
+  const F high = lerp(lerp(c[4], c[5], t.x), lerp(c[6], c[7], t.x), t.y);
+  return lerp(low, high, t.z) * cell.scale;
+}
+
+/// The gradient of interpolate().
+template <class F>
+inline Triple<F> differentiate(const GridCell<F>& cell, float inverse_voxel_size) {
+  const auto& c = cell.c;
+  const auto& t = cell.t;
+  const F scale = cell.scale * inverse_voxel_size / cell.size;
+  const F x = lerp(lerp(c[1] - c[0], c[3] - c[2], t.y), lerp(c[5] - c[4], c[7] - c[6], t.y), t.z);
+  const F y = lerp(lerp(c[2] - c[0], c[3] - c[1], t.x), lerp(c[6] - c[4], c[7] - c[5], t.x), t.z);
+  const F z = lerp(lerp(c[4] - c[0], c[5] - c[1], t.x), lerp(c[6] - c[2], c[7] - c[3], t.x), t.y);
+  return {x * scale, y * scale, z * scale};
+}
+
+template <class F>
+struct GridValue {
+  GridPlace<F> place;
+  Integer<F> entry;
+  F distance;           ///< at the nearest point of the grid
+  F cell_size;          ///< voxels; 1 on planes
+  Triple<F> gradient;   ///< there; only where asked for
+};
+
+enum class Wanted { kDistance, kDistanceAndGradient };
+
+/// The field at the nearest point of the grid.
+template <Wanted kWanted, class F>
+inline GridValue<F> evaluate_in_grid(const GridView& grid, const Triple<F>& p) {
+  constexpr unsigned kAllLanes = sizeof(F) == sizeof(float) ? 1u : 255u;
+  GridValue<F> value{};
+  value.place = locate(grid, p);
+  value.entry = gather(grid.entries, value.place.brick);
+  const auto is_plane = (value.entry & kPlaneBit) != 0;
+  const unsigned planes = bits(is_plane);
+  value.cell_size = splat<F>(1.0f);
+  if (planes != kAllLanes) {
+    const GridCell<F> cell = load_cell<F>(grid, value.place, value.entry, is_plane);
+    value.distance = interpolate(cell);
+    value.cell_size = select(is_plane, value.cell_size, cell.size);
+    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+      value.gradient = differentiate(cell, grid.inverse_voxel_size);
+    }
+  }
+  if (planes != 0) {
+    const Integer<F> index = select(is_plane, as_payload(value.entry) * 4, Integer<F>{});
+    const Triple<F> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
+                           gather(grid.planes, index + 2)};
+    const Triple<F>& beyond = value.place.outside;
+    const Triple<F> nearest{p.x - beyond.x, p.y - beyond.y, p.z - beyond.z};
+    value.distance =
+        select(is_plane, dot(normal, nearest) - gather(grid.planes, index + 3), value.distance);
+    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+      value.gradient = select<F>(is_plane, normal, value.gradient);
+    }
+  }
+  return value;
+}
+
+template <class F>
+inline MaskOf<F> is_beyond(const Triple<F>& outside) {
+  return (outside.x != 0.0f) | (outside.y != 0.0f) | (outside.z != 0.0f);
+}
+
+/// From outside the grid the surface is where its nearest point, q, sees it: at q minus the
+/// distance there along the gradient. It cannot be nearer than sqrt(|p - q|^2 + distance(q)^2): q
+/// is the projection of p on a convex body that holds the surface.
+template <class F>
+inline F bound_outside(const Triple<F>& outside, F distance) {
+  return square_root(dot(outside, outside) + distance * distance);
+}
+
+template <class F>
+inline Triple<F> from_surface(const GridValue<F>& value) {
+  const Triple<F> direction = normalized(value.gradient);
+  const Triple<F>& outside = value.place.outside;
+  return {outside.x + value.distance * direction.x, outside.y + value.distance * direction.y,
+          outside.z + value.distance * direction.z};
+}
+
+template <class F>
+inline F evaluate_distance(const GridView& grid, const Triple<F>& p) {
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p);
+  const auto beyond = is_beyond(value.place.outside);
+  if (!any(beyond)) return value.distance;
+  const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p);
+  const F outside = maximum(length(from_surface(seen)),
+                            bound_outside(value.place.outside, value.distance));
+  return select(beyond, outside, value.distance);
+}
+
+/// Outside the grid unit length, inside as long as the interpolant is steep.
+template <class F>
+inline Triple<F> evaluate_gradient(const GridView& grid, const Triple<F>& p) {
+  const auto value = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p);
+  const auto beyond = is_beyond(value.place.outside);
+  if (!any(beyond)) return value.gradient;
+  return select<F>(beyond, normalized(from_surface(value)), value.gradient);
+}
+
+/// How two bfloat16 lie in an entry of GridView::bounds.
+template <class I>
+inline auto upper_half(I word) {
+  return as_float(word & static_cast<int32_t>(0xffff0000u));
+}
+template <class I>
+inline auto lower_half(I word) {
+  return as_float(word << 16);
+}
+
+/// No point within `radius` of p has a smaller value. Either the true distance, which is
+/// 1-Lipschitz, changes by the radius and both ends are off by the error of their cells; or, while
+/// the ball stays in the surroundings of p's brick, the interpolant changes by its own constant.
+template <class F>
+struct GridBound {
+  F by_distance;  ///< of the true distance over the ball, metres
+  F by_slope;     ///< of the value over the ball
+};
+
+template <class F>
+inline GridBound<F> bound_ball(const GridView& grid, const GridValue<F>& value, F radius) {
+  const auto beyond = is_beyond(value.place.outside);
+  F here = value.distance;
+  if (any(beyond)) here = select(beyond, bound_outside(value.place.outside, here), here);
+  const F slope = lower_half(gather(grid.bounds, value.place.brick));
+  const F by_slope = here - slope * radius - grid.jump;
+  const auto is_local = (beyond == 0) & (radius <= kBrickCells * grid.voxel_size);
+  return {here - grid.fine_error * value.cell_size - radius,
+          select(is_local, by_slope, splat<F>(-kNoLipschitzConstant))};
+}
+
+template <class F>
+inline F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius) {
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p);
+  const auto [d, by_slope] = bound_ball(grid, value, radius);
+  // Large cells are of use only where the true distance allows them to be met.
+  const F if_coarse = d - kBrickCells * grid.fine_error;
+  const F if_fine = d - grid.fine_error;
+  const F floor = splat<F>(grid.coarse_floor);
+  const F above = select(d > floor, maximum(if_coarse, floor - grid.fine_error), if_fine);
+  return maximum(select(d < -floor, if_coarse, above), by_slope);
+}
+
+}  // namespace voxshell::simd::VOXSHELL_ISA

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <stdint.h>
+
+namespace voxshell::simd {
+
+/// A brick is a cube of kBrickCells^3 cells of one voxel. Its entry says what it holds:
+///   bits 0-1   log2 of n: (n + 1)^3 samples, n = 1, 2, 4 or 8 to a side, x fastest
+///   bit  2     a plane instead of samples
+///   bits 3-6   samples: the exponent e of their scale, quantum * 2^e
+///              plane: how many bricks around it, in each direction, hold the same plane
+///   bits 7-31  samples: index of the first in units of kSampleAlignment; plane: its index
+inline constexpr int kBrickCells = 8;
+inline constexpr int kBrickShift = 3;
+inline constexpr int kPlaneBit = 4;
+inline constexpr int kFieldShift = 3;
+inline constexpr int kFieldMask = 15;
+inline constexpr int kPayloadShift = 7;
+inline constexpr int kSampleAlignment = 4;
+/// Samples that a lane without any may read all the same.
+inline constexpr int kFewestSamples = 1024;
+/// Says that a brick has none that is of use.
+inline constexpr float kNoLipschitzConstant = 1e30f;
+
+/// A grid field as kernels see it. Metres, the field's frame.
+struct GridView {
+  const uint32_t* entries;   ///< one a brick, x fastest
+  const uint32_t* bounds;    ///< one a brick: two bfloat16, see GridField::bounds_
+  const int16_t* samples;    ///< at least kFewestSamples
+  const float* planes;       ///< normal x, y, z and offset of each
+  float origin[3];           ///< of the first cell
+  float cells[3];            ///< along each axis; a multiple of kBrickCells
+  int32_t last_cell[3];
+  int32_t bricks_x;          ///< bricks in a row
+  int32_t bricks_xy;         ///< bricks in a layer
+  float voxel_size;
+  float inverse_voxel_size;
+  float quantum;             ///< a sample's unit at scale exponent 0, metres
+  /// |value - true distance| in cells of one voxel, metres. In larger cells it is as many times
+  /// that as they are voxels wide.
+  float fine_error;
+  /// Where a brick has a local Lipschitz constant, the values at two points of its surroundings,
+  /// at most kBrickCells voxels apart, differ by at most that times their separation plus this,
+  /// metres: bricks that hold different numbers of nodes do not agree on the face between them.
+  float jump;
+  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres.
+  float coarse_floor;
+};
+
+}  // namespace voxshell::simd

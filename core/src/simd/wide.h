@@ -1,0 +1,212 @@
+#pragma once
+
+// The vocabulary that formulas and kernels are written in, once, for one float (F = float, for
+// single values) and for eight (F = F8). It includes only C headers: a source compiled for one
+// instruction set must not emit inline functions that the linker could give to every machine, hence
+// also the namespace that VOXSHELL_ISA names.
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifndef VOXSHELL_ISA
+#define VOXSHELL_ISA portable
+#endif
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+inline constexpr int kLanes = 8;
+
+using F8 = float __attribute__((vector_size(32)));
+using I8 = int32_t __attribute__((vector_size(32)));
+
+/// The types that go with F: I holds integers, Mask the outcome of a comparison.
+template <class F>
+struct Lanes;
+template <>
+struct Lanes<float> {
+  using I = int32_t;
+  using Mask = bool;
+};
+template <>
+struct Lanes<F8> {
+  using I = I8;
+  using Mask = I8;
+};
+template <class F>
+using Integer = typename Lanes<F>::I;
+template <class F>
+using MaskOf = typename Lanes<F>::Mask;
+
+/// Coordinates, metres.
+template <class F>
+struct Triple {
+  F x, y, z;
+};
+
+template <class F>
+inline F splat(float value) {
+  return F{} + value;
+}
+template <>
+inline float splat<float>(float value) {
+  return value;
+}
+
+inline float select(bool mask, float a, float b) { return mask ? a : b; }
+inline int32_t select(bool mask, int32_t a, int32_t b) { return mask ? a : b; }
+inline F8 select(I8 mask, F8 a, F8 b) { return mask ? a : b; }
+inline I8 select(I8 mask, I8 a, I8 b) { return mask ? a : b; }
+
+/// Of not-a-number and b: b.
+template <class F>
+inline F minimum(F a, F b) {
+  return select(a < b, a, b);
+}
+template <class F>
+inline F maximum(F a, F b) {
+  return select(a > b, a, b);
+}
+
+inline int32_t as_int(float value) {
+  int32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+inline I8 as_int(F8 value) { return reinterpret_cast<I8>(value); }
+inline float as_float(int32_t bits) {
+  float value;
+  memcpy(&value, &bits, sizeof value);
+  return value;
+}
+inline F8 as_float(I8 bits) { return reinterpret_cast<F8>(bits); }
+
+template <class F>
+inline F absolute(F value) {
+  return as_float(as_int(value) & 0x7fffffff);
+}
+
+/// `magnitude` with the sign of `sign`; `magnitude` must not be negative.
+template <class F>
+inline F with_sign(F magnitude, F sign) {
+  return as_float(as_int(magnitude) | (as_int(sign) & INT32_MIN));
+}
+
+/// Rounds towards zero; the value must fit.
+inline int32_t to_int(float value) { return static_cast<int32_t>(value); }
+inline I8 to_int(F8 value) { return __builtin_convertvector(value, I8); }
+inline float to_float(int32_t value) { return static_cast<float>(value); }
+inline F8 to_float(I8 value) { return __builtin_convertvector(value, F8); }
+
+/// 2^exponent, for exponents from -126 to 127.
+template <class I>
+inline auto power_of_two(I exponent) {
+  return as_float((exponent + 127) << 23);
+}
+
+inline float square_root(float value) { return __builtin_sqrtf(value); }
+inline F8 square_root(F8 value) {
+#ifdef __AVX2__
+  return reinterpret_cast<F8>(_mm256_sqrt_ps(reinterpret_cast<__m256>(value)));
+#else
+  F8 root;
+  for (int i = 0; i < kLanes; ++i) root[i] = __builtin_sqrtf(value[i]);
+  return root;
+#endif
+}
+
+/// One bit a lane.
+inline unsigned bits(bool mask) { return mask ? 1u : 0u; }
+inline unsigned bits(I8 mask) {
+#ifdef __AVX2__
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+#else
+  unsigned result = 0;
+  for (int i = 0; i < kLanes; ++i) result |= (static_cast<uint32_t>(mask[i]) >> 31) << i;
+  return result;
+#endif
+}
+template <class Mask>
+inline bool any(Mask mask) {
+  return bits(mask) != 0;
+}
+
+inline int32_t gather(const uint32_t* base, int32_t index) {
+  return static_cast<int32_t>(base[index]);
+}
+inline I8 gather(const uint32_t* base, I8 index) {
+#ifdef __AVX2__
+  return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
+                                                     reinterpret_cast<__m256i>(index), 4));
+#else
+  I8 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = static_cast<int32_t>(base[index[i]]);
+  return result;
+#endif
+}
+
+inline float gather(const float* base, int32_t index) { return base[index]; }
+inline F8 gather(const float* base, I8 index) {
+#ifdef __AVX2__
+  return reinterpret_cast<F8>(_mm256_i32gather_ps(base, reinterpret_cast<__m256i>(index), 4));
+#else
+  F8 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
+  return result;
+#endif
+}
+
+/// The samples at `index` (low half) and `index + 1` (high half).
+inline int32_t gather_pair(const int16_t* base, int32_t index) {
+  return static_cast<int32_t>(static_cast<uint16_t>(base[index])) | (base[index + 1] * 65536);
+}
+inline I8 gather_pair(const int16_t* base, I8 index) {
+#ifdef __AVX2__
+  return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
+                                                     reinterpret_cast<__m256i>(index), 2));
+#else
+  I8 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = gather_pair(base, index[i]);
+  return result;
+#endif
+}
+
+template <class F>
+inline F load(const float* from) {
+  F value;
+  memcpy(&value, from, sizeof value);
+  return value;
+}
+template <class F>
+inline void store(float* to, F value) {
+  memcpy(to, &value, sizeof value);
+}
+
+template <class F>
+inline F dot(const Triple<F>& a, const Triple<F>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class F>
+inline F length(const Triple<F>& a) {
+  return square_root(dot(a, a));
+}
+template <class F>
+inline Triple<F> select(MaskOf<F> mask, const Triple<F>& a, const Triple<F>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+
+/// Unit vector along `a`; zero where `a` is.
+template <class F>
+inline Triple<F> normalized(const Triple<F>& a) {
+  const F l = length(a);
+  const auto is_long = l > 0.0f;
+  const F divisor = select(is_long, l, splat<F>(1.0f));
+  const F zero = splat<F>(0.0f);
+  return {select(is_long, a.x / divisor, zero), select(is_long, a.y / divisor, zero),
+          select(is_long, a.z / divisor, zero)};
+}
+
+}  // namespace voxshell::simd::VOXSHELL_ISA
