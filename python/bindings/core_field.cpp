@@ -66,14 +66,6 @@ auto gradient(const Field& field, const PointsArray& points) {
   return release<double, nb::shape<-1, 3>>(std::move(gradients), {points.shape(0), 3});
 }
 
-auto view_samples(const GridField& field) {
-  const auto [x, y, z] = field.shape();
-  return nb::ndarray<nb::numpy, const float, nb::ndim<3>>(
-      field.samples().data(),
-      {static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z)},
-      nb::handle(), {1, x, std::int64_t{x} * y});
-}
-
 using Coordinates = std::array<double, 3>;
 
 Vec3 to_vector(const Coordinates& c) { return {c[0], c[1], c[2]}; }
@@ -92,8 +84,7 @@ void bind_field(nb::module_& module) {
           "origin",
           [](const GridField& f) { return Coordinates{f.origin().x, f.origin().y, f.origin().z}; })
       .def_prop_ro("nbytes", &GridField::nbytes)
-      .def_prop_ro("interpolation_error", &GridField::interpolation_error)
-      .def_prop_ro("samples", &view_samples, "Distances at the nodes along x, y, z.");
+      .def_prop_ro("interpolation_error", &GridField::interpolation_error);
 
   module.def(
       "plane_field",

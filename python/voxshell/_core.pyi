@@ -40,10 +40,6 @@ class GridField:
     @property
     def interpolation_error(self) -> float: ...
 
-    @property
-    def samples(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), writable=False)]:
-        """Distances at the nodes along x, y, z."""
-
 def plane_field(normal: Sequence[float], offset: float) -> Field: ...
 
 def box_field(half_extents: Sequence[float]) -> Field: ...

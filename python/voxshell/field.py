@@ -69,10 +69,10 @@ class Field:
 
 
 class DistanceField(Field):
-    """The distance field of a model: exact distances on a regular grid, trilinear between.
+    """The distance field of a model: true distances on a sparse regular grid, trilinear between.
 
-    Outside the grid it goes on as the value at the nearest point of the grid plus the distance to
-    that point.
+    The grid is fine near the surface and coarser far away. Beyond it, the surface is taken to be
+    where the nearest point of the grid sees it.
 
     Example:
         >>> import trimesh
@@ -80,7 +80,7 @@ class DistanceField(Field):
         >>> box = trimesh.creation.box(extents=(0.2, 0.2, 0.1))
         >>> field = vx.Model.from_mesh(box, voxel_size=0.01).field
         >>> field
-        DistanceField(30 x 30 x 19 nodes, voxel size 0.01 m, 0.1 MB)
+        DistanceField(41 x 41 x 33 nodes, voxel size 0.01 m, 0.1 MB)
         >>> field.sample([[0, 0, 0.07]]).round(6)
         array([0.02])
     """
@@ -109,12 +109,12 @@ class DistanceField(Field):
 
     @property
     def nbytes(self) -> int:
-        """Memory of the samples, bytes."""
+        """Memory of the field, bytes."""
         return self._grid.nbytes
 
     @property
     def interpolation_error(self) -> float:
-        """Inside the grid, :meth:`sample` is off the true distance by at most this, metres."""
+        """Near the surface :meth:`sample` is off the true distance by at most this, metres."""
         return self._grid.interpolation_error
 
     def __repr__(self) -> str:

@@ -37,7 +37,7 @@ class Model:
         >>> import voxshell as vx
         >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
         >>> model
-        Model(12 triangles, 2402 points, field 29 x 29 x 29, voxel size 0.05 m, 0.1 MB)
+        Model(12 triangles, 2402 points, field 41 x 41 x 41, voxel size 0.05 m, 0.2 MB)
         >>> model.bounds
         array([[-0.5, -0.5, -0.5],
                [ 0.5,  0.5,  0.5]])
@@ -81,7 +81,7 @@ class Model:
                 field's voxel size if this is not given and
             target_points: neither is how many points are wanted, which is reached within 1 %.
             scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
-            padding: Metres of grid beyond the mesh's bounds; four voxels by default, at least one.
+            padding: Metres of grid beyond the mesh's bounds; eight voxels, unless this is more.
                 The field continues beyond its grid, less precisely.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             progress: Called from this thread about every 50 ms with the name of the stage and the

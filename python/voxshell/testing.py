@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 from voxshell import _core, queries
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from voxshell.contact_set import Contacts
-    from voxshell.model import Model
     from voxshell.queries import Collidable, Shell
 
 
@@ -41,24 +39,3 @@ def contacts_flat(
         True
     """
     return queries.find(_core.contacts_flat, a, b, a_pose, b_pose, shell, margin, level)
-
-
-def grid_samples(model: Model) -> NDArray[np.float32]:
-    """The distances at the nodes of a model's field, between which it interpolates.
-
-    Node (i, j, k) lies at ``model.field.origin + model.field.voxel_size * (i, j, k)``.
-
-    Args:
-        model: Any model.
-
-    Returns:
-        (nodes along x, y, z) float32, metres, negative inside; read-only.
-
-    Example:
-        >>> import trimesh
-        >>> import voxshell as vx
-        >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
-        >>> vx.testing.grid_samples(model).shape == model.field.shape
-        True
-    """
-    return model.field._grid.samples

@@ -160,10 +160,6 @@ def rotated(rotation, points):
     return np.stack([dot(row, points) for row in rotation], axis=-1)
 
 
-def lerp(a, b, t):
-    return a + t * (b - a)
-
-
 class NumpyPlane:
     """Carried into the shell's frame in float64, then one dot product in float32."""
 
@@ -208,56 +204,14 @@ class NumpyBox(NumpyPosed):
 
 
 class NumpyGrid(NumpyPosed):
-    """Trilinear between samples; beyond the grid, the nearest value plus the distance to it."""
+    """A model's field, sampled through the package; its own formula is tested with the core."""
 
     def __init__(self, model: vx.Model, rotation, translation):
         super().__init__(rotation, translation)
-        self.samples = vx.testing.grid_samples(model)
-        self.origin = model.field.origin.astype(F)
-        self.voxel_size = F(model.field.voxel_size)
-        self.inverse = F(1.0 / model.field.voxel_size)
+        self.field = model.field
 
     def sample(self, p):
-        nodes = np.array(self.samples.shape)
-        unclamped = (p - self.origin) * self.inverse
-        clamped = np.clip(unclamped, F(0), (nodes - 1).astype(F))
-        outside = (unclamped - clamped) * self.voxel_size
-        cell = np.minimum(clamped.astype(int), nodes - 2)
-        u, v, w = (clamped - cell.astype(F)).T
-        i, j, k = cell.T
-        c = {
-            (x, y, z): self.samples[i + x, j + y, k + z]
-            for x in (0, 1)
-            for y in (0, 1)
-            for z in (0, 1)
-        }
-        low, high = (
-            lerp(lerp(c[0, 0, z], c[1, 0, z], u), lerp(c[0, 1, z], c[1, 1, z], u), v)
-            for z in (0, 1)
-        )
-        distances = lerp(low, high, w)
-
-        def slope(axis, at):
-            """Along `axis`, between the corners that `at` gives for its two other axes."""
-            ends = [list(at), list(at)]
-            ends[0].insert(axis, 0)
-            ends[1].insert(axis, 1)
-            return c[tuple(ends[1])] - c[tuple(ends[0])]
-
-        def mean_slope(axis, s, t):
-            low = lerp(slope(axis, (0, 0)), slope(axis, (1, 0)), s)
-            high = lerp(slope(axis, (0, 1)), slope(axis, (1, 1)), s)
-            return lerp(low, high, t)
-
-        gradients = np.stack(
-            [mean_slope(0, v, w), mean_slope(1, u, w), mean_slope(2, u, v)], axis=1
-        )
-        gradients = gradients * self.inverse
-        is_outside = (outside != 0).any(axis=1)
-        gradients[(outside != 0) & is_outside[:, None]] = 0
-        gradients[is_outside] += normalized(outside[is_outside])
-        distances = np.where(is_outside, distances + length(outside), distances)
-        return distances, gradients
+        return self.field.sample(p).astype(F), self.field.gradient(p).astype(F)
 
 
 def contacts_by_numpy(shell_body: vx.Model, other: Collidable, shell_pose, other_pose, margin):

@@ -10,6 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+SAGITTA = 1.5e-4
+"""Metres by which the ball's facets lie within its sphere, at most."""
+
 
 def test_what_it_says_of_its_grid(cube: vx.Model):
     field = cube.field
@@ -17,10 +20,10 @@ def test_what_it_says_of_its_grid(cube: vx.Model):
     assert isinstance(field.shape, tuple)
     assert len(field.shape) == 3
     assert field.nbytes >= 4 * 29**3
-    assert field.interpolation_error == pytest.approx(np.sqrt(0.75) * 0.05)
+    assert field.interpolation_error == pytest.approx(np.sqrt(0.75) * 0.05, rel=0.01)
     far_corner = field.origin + field.voxel_size * (np.array(field.shape) - 1)
-    assert np.all(field.origin <= cube.bounds[0] - 0.15)
-    assert np.all(far_corner >= cube.bounds[1] + 0.15)
+    assert np.all(field.origin <= cube.bounds[0] - 0.39)
+    assert np.all(far_corner >= cube.bounds[1] + 0.39)
     assert "0.05 m" in repr(field)
 
 
@@ -43,7 +46,7 @@ def test_distances_are_true_within_the_bound(cube: vx.Model):
 
 def test_gradients_are_slopes_of_the_distance(ball: vx.Model):
     rng = np.random.default_rng(1)
-    points = rng.uniform(-0.15, 0.15, (2_000, 3))  # within the grid and outside of it
+    points = rng.uniform(-0.135, 0.135, (2_000, 3))  # within the grid
     step = 1e-4
     slopes = np.stack(
         [
@@ -59,24 +62,25 @@ def test_gradients_are_slopes_of_the_distance(ball: vx.Model):
     assert np.all(np.sum(points * gradients, axis=1) > 0)
 
 
-def test_samples_at_the_nodes(ball: vx.Model):
-    samples = vx.testing.grid_samples(ball)
-    assert samples.shape == ball.field.shape
-    assert samples.dtype == np.float32
-    assert not samples.flags.writeable
-    nodes = np.argwhere(np.ones(samples.shape, dtype=bool))[::7]
-    values = ball.field.sample(ball.field.origin + ball.field.voxel_size * nodes)
-    np.testing.assert_allclose(values, samples[tuple(nodes.T)], atol=1e-7)
+def test_nodes_near_the_surface_are_exact(ball: vx.Model):
+    nodes = np.argwhere(np.ones(ball.field.shape, dtype=bool))
+    points = ball.field.origin + ball.field.voxel_size * nodes
+    exact = np.linalg.norm(points, axis=1) - 0.1
+    near = np.abs(exact) < 2 * ball.field.voxel_size
+    assert np.count_nonzero(near) > 1000
+    # A quantum, and how far the mesh is from the sphere.
+    off = np.abs(ball.field.sample(points[near]) - exact[near])
+    assert off.max() < ball.field.voxel_size / 256 + SAGITTA
 
 
-def test_samples_outlive_the_model():
+def test_a_field_outlives_its_model():
     model = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
-    samples, field = vx.testing.grid_samples(model), model.field
-    copy = samples.copy()
+    field = model.field
+    points = np.random.default_rng(2).uniform(-1, 1, (100, 3))
+    before = field.sample(points)
     del model
     gc.collect()
-    np.testing.assert_array_equal(samples, copy)
-    assert field.sample([[0.0, 0.0, 0.0]]) < 0
+    np.testing.assert_array_equal(field.sample(points), before)
 
 
 @pytest.mark.parametrize("method", ["sample", "gradient"])

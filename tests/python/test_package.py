@@ -74,7 +74,7 @@ def test_its_version_is_the_installed_one():
 PUBLIC = [name for name in vx.__all__ if not name.startswith("_") and name != "testing"]
 
 
-@pytest.mark.parametrize("name", [*PUBLIC, "testing.contacts_flat", "testing.grid_samples"])
+@pytest.mark.parametrize("name", [*PUBLIC, "testing.contacts_flat"])
 def test_each_public_name_explains_itself(name: str):
     thing = vx
     for part in name.split("."):

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "voxshell/bounds.h"
@@ -25,19 +25,41 @@ struct GridFieldSettings {
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes; a larger grid is refused
 };
 
+/// What a grid field consists of, as its file holds it. The entries' bits are explained in
+/// simd/grid_view.h. Metres, the mesh's frame.
+struct GridFieldData {
+  double voxel_size = 0.0;
+  Vec3 origin{};                ///< of the first node
+  std::array<int, 3> bricks{};  ///< along x, y, z
+  Bounds surface_bounds;
+  std::vector<std::uint32_t> entries;  ///< one a brick, x fastest
+  /// One a brick, two bfloat16. Upper half, rounded down: the smallest distance() in the brick less
+  /// the error of its cells, metres. Lower half, rounded up: a Lipschitz constant of distance()
+  /// that holds in the brick and the 26 around it, or simd::kNoLipschitzConstant.
+  std::vector<std::uint32_t> bounds;
+  std::vector<std::int16_t> samples;
+  std::vector<float> planes;  ///< unit normal and offset of each
+  double error = 0.0;         ///< GridField::interpolation_error()
+  double jump = 0.0;          ///< metres; see simd::GridView
+  double coarse_floor = 0.0;  ///< metres; see simd::GridView
+};
+
 /// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
 /// mesh's frame.
 ///
 /// The grid is cut into bricks of 8x8x8 cells. A brick near the surface holds the true distances at
-/// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners; where
-/// all its distances are those to one plane, it holds the plane. Between nodes: trilinear. Outside
-/// the grid the surface is taken to be where the nearest point of the grid sees it.
+/// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners;
+/// where all its distances are those to one plane, it holds the plane. Between nodes: trilinear.
+/// Outside the grid the surface is taken to be where the nearest point of the grid sees it.
 class GridField {
  public:
   /// Errors: kInvalidArgument, kInvalidMesh (not closed, inside out, overlapping itself),
   /// kTooLarge, kCancelled.
   static Result<GridField> build(const TriangleMesh& mesh, const GridFieldSettings& settings,
                                  const Progress& progress = {});
+
+  /// `data` must be what data() of a field returned, or have been checked to be as sound.
+  explicit GridField(GridFieldData data) : data_(std::move(data)) {}
 
   float distance(const Vec3f& p) const;
 
@@ -50,37 +72,22 @@ class GridField {
 
   double reach() const;
 
-  double voxel_size() const { return voxel_size_; }
-  const Vec3& origin() const { return origin_; }  ///< position of the first node
-  std::array<int, 3> shape() const;               ///< nodes along x, y, z
+  double voxel_size() const { return data_.voxel_size; }
+  const Vec3& origin() const { return data_.origin; }  ///< position of the first node
+  std::array<int, 3> shape() const;                    ///< nodes along x, y, z
   std::size_t nbytes() const;
-  const Bounds& surface_bounds() const { return surface_bounds_; }
+  const Bounds& surface_bounds() const { return data_.surface_bounds; }
 
   /// |distance() - true distance| is at most this near the surface, metres: the true distance is
   /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
   /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
-  double interpolation_error() const;
+  double interpolation_error() const { return data_.error; }
 
+  const GridFieldData& data() const { return data_; }
   simd::GridView view() const;
 
  private:
-  GridField() = default;
-
-  double voxel_size_ = 0.0;
-  Vec3 origin_{};
-  std::array<int, 3> bricks_{};  ///< along x, y, z
-  Bounds surface_bounds_;
-  /// One a brick, x fastest; what its bits mean stands in simd/grid_view.h.
-  std::vector<std::uint32_t> entries_;
-  /// One a brick, two bfloat16. Upper half, rounded down: the smallest distance() in the brick less
-  /// the error of its cells, metres. Lower half, rounded up: a Lipschitz constant of distance() that
-  /// holds in the brick and the 26 around it, or kNoLipschitzConstant.
-  std::vector<std::uint32_t> bounds_;
-  std::vector<std::int16_t> samples_;
-  std::vector<float> planes_;  ///< unit normal and offset of each, metres
-  double error_ = 0.0;         ///< interpolation_error()
-  double jump_ = 0.0;          ///< metres; see GridView
-  double coarse_floor_ = 0.0;  ///< metres; see GridView
+  GridFieldData data_;
 };
 
 }  // namespace voxshell

@@ -10,7 +10,6 @@ namespace voxshell {
 namespace {
 
 constexpr int kDefaultResolution = 100;
-constexpr double kDefaultPaddingVoxels = 4.0;
 
 Error invalid_argument(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
@@ -76,7 +75,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 
   const GridFieldSettings field_settings{
       .voxel_size = *voxel_size,
-      .padding = settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding,
+      .padding = std::max(settings.padding, 0.0),
       .threads = settings.threads};
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();

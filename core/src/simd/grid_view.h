@@ -17,10 +17,14 @@ inline constexpr int kFieldShift = 3;
 inline constexpr int kFieldMask = 15;
 inline constexpr int kPayloadShift = 7;
 inline constexpr int kSampleAlignment = 4;
+/// A sample's unit at scale exponent 0 is the voxel size divided by this.
+inline constexpr int kQuantaPerVoxel = 256;
 /// Samples that a lane without any may read all the same.
 inline constexpr int kFewestSamples = 1024;
 /// Says that a brick has none that is of use.
 inline constexpr float kNoLipschitzConstant = 1e30f;
+/// Says that no brick has cells larger than a voxel.
+inline constexpr float kNoCoarseFloor = 1e30f;
 
 /// A grid field as kernels see it. Metres, the field's frame.
 struct GridView {
@@ -43,7 +47,8 @@ struct GridView {
   /// at most kBrickCells voxels apart, differ by at most that times their separation plus this,
   /// metres: bricks that hold different numbers of nodes do not agree on the face between them.
   float jump;
-  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres.
+  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres; or
+  /// kNoCoarseFloor.
   float coarse_floor;
 };
 

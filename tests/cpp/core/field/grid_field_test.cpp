@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "support/brute_force.h"
+#include "support/grid_bricks.h"
 #include "support/meshes.h"
 #include "support/random.h"
 
@@ -80,6 +82,17 @@ bool is_in(const Bounds& bounds, const Vec3f& p) {
   return squared_distance(bounds, static_cast<Vec3>(p)) == 0.0;
 }
 
+/// As GridFieldData::bounds says it.
+double lowest_in(const GridField& field, std::size_t brick) {
+  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] & 0xffff0000u));
+}
+double local_constant(const GridField& field, std::size_t brick) {
+  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] << 16));
+}
+bool has_local_constant(const GridField& field, std::size_t brick) {
+  return local_constant(field, brick) < 1e29;
+}
+
 double distance_at(const GridField& field, const Vec3& p) {
   return static_cast<double>(field.distance(static_cast<Vec3f>(p)));
 }
@@ -88,16 +101,19 @@ TEST(GridField, ShapeCoversTheMeshAndItsPadding) {
   const TriangleMesh mesh = make_box({0.5, 0.25, 1.0}).mesh();
   for (const double padding : {0.0, 0.05, 0.33}) {
     const GridField field = build(mesh, 0.1, padding);
-    const double kept = std::max(padding, 0.1);
+    const double kept = std::max(padding, 0.8);
     const Bounds bounds = grid_bounds(field);
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(bounds.lower[axis], mesh.bounds().lower[axis] - kept, 1e-12);
       EXPECT_GE(bounds.upper[axis], mesh.bounds().upper[axis] + kept - 1e-12);
-      EXPECT_LT(bounds.upper[axis], mesh.bounds().upper[axis] + kept + 0.1);
+      EXPECT_LT(bounds.upper[axis], mesh.bounds().upper[axis] + kept + 0.8);
     }
-    const auto [nx, ny, nz] = field.shape();
-    EXPECT_EQ(field.samples().size(), static_cast<std::size_t>(nx * ny * nz));
-    EXPECT_EQ(field.nbytes(), 4 * field.samples().size());
+    const GridFieldData& data = field.data();
+    EXPECT_EQ(data.entries.size(),
+              static_cast<std::size_t>(data.bricks[0] * data.bricks[1] * data.bricks[2]));
+    EXPECT_EQ(data.bounds.size(), data.entries.size());
+    EXPECT_EQ(field.nbytes(),
+              8 * data.entries.size() + 2 * data.samples.size() + 4 * data.planes.size());
     EXPECT_EQ(field.surface_bounds().lower, mesh.bounds().lower);
     EXPECT_EQ(field.surface_bounds().upper, mesh.bounds().upper);
     EXPECT_EQ(field.voxel_size(), 0.1);
@@ -108,45 +124,40 @@ TEST(GridField, NodesHoldTheSignedDistance) {
   Random random(71);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size, 2 * voxel_size);
-    const auto [nx, ny, nz] = field.shape();
     int inside = 0;
-    for (int trial = 0; trial < 2000; ++trial) {
-      const auto i = static_cast<int>(random.below(static_cast<std::size_t>(nx)));
-      const auto j = static_cast<int>(random.below(static_cast<std::size_t>(ny)));
-      const auto k = static_cast<int>(random.below(static_cast<std::size_t>(nz)));
-      const Vec3 p = field.origin() + voxel_size * Vec3{1.0 * i, 1.0 * j, 1.0 * k};
-      const float sample = field.samples()[static_cast<std::size_t>(i + nx * (j + ny * k))];
-      const double expected = signed_distance_to_mesh(p, mesh);
-      inside += expected < 0.0;
-      // On the surface itself either sign will do.
-      ASSERT_NEAR(static_cast<double>(sample), expected, 1e-5 * voxel_size) << name;
-      ASSERT_NEAR(distance_at(field, p), expected, 1e-5 * voxel_size) << name;
+    const std::size_t bricks = field.data().entries.size();
+    for (std::size_t brick = 0; brick < bricks; ++brick) {
+      const double rounding = std::ldexp(voxel_size / 512, entry_of(field, brick).exponent);
+      visit_nodes(field, brick, [&](const Vec3& p, double value) {
+        if (random.below(bricks / 2) != 0) return;
+        const double expected = signed_distance_to_mesh(p, mesh);
+        inside += expected < 0.0;
+        // On the surface itself either sign will do.
+        ASSERT_NEAR(value, expected, rounding + 1e-3 * voxel_size) << name;
+        if (cell_size_of(field, brick) == 1.0) {
+          ASSERT_NEAR(distance_at(field, p), expected, rounding + 1e-3 * voxel_size) << name;
+        }
+      });
     }
-    EXPECT_GT(inside, 10) << name;
+    EXPECT_GT(inside, 5) << name;
   }
 }
 
-TEST(GridField, EveryNodeOfABoxIsExactToTheBit) {
+TEST(GridField, EveryNodeOfABoxIsExactToHalfAQuantum) {
   // All coordinates are multiples of 1/16: nodes lie on faces, edges and corners.
   const TriangleMesh mesh = make_box({0.5, 0.25, 0.75}).mesh();
   const double h = 0.0625;
   const GridField field = build(mesh, h, 0.25);
-  const auto [nx, ny, nz] = field.shape();
   const Vec3 half{0.5, 0.25, 0.75};
-  for (int k = 0; k < nz; ++k) {
-    for (int j = 0; j < ny; ++j) {
-      for (int i = 0; i < nx; ++i) {
-        const Vec3 p = field.origin() + h * Vec3{1.0 * i, 1.0 * j, 1.0 * k};
-        const Vec3 q{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
-        const double outside =
-            length(Vec3{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)});
-        const double expected = outside + std::min(std::max({q.x, q.y, q.z}), 0.0);
-        // Distances of no length at all may be a rounding error of float64 instead.
-        const float tolerance = expected == 0.0 ? 1e-15f : 0.0f;
-        ASSERT_NEAR(field.distance(static_cast<Vec3f>(p)), static_cast<float>(expected), tolerance)
-            << p.x << " " << p.y << " " << p.z;
-      }
-    }
+  for (std::size_t brick = 0; brick < field.data().entries.size(); ++brick) {
+    visit_nodes(field, brick, [&](const Vec3& p, double value) {
+      const Vec3 q{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
+      const double outside =
+          length(Vec3{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)});
+      const double expected = outside + std::min(std::max({q.x, q.y, q.z}), 0.0);
+      ASSERT_NEAR(value, expected, h / 512 + 1e-6 * h) << p.x << " " << p.y << " " << p.z;
+      ASSERT_EQ(static_cast<double>(field.distance(static_cast<Vec3f>(p))), value);
+    });
   }
 }
 
@@ -180,12 +191,14 @@ TEST(GridField, NeedlesAndTrianglesWithoutAreaDoNotShow) {
     ASSERT_TRUE(field) << field.error().message;
     const GridField expected = build(plain, 0.12);
     ASSERT_EQ(field->shape(), expected.shape());
-    for (std::size_t i = 0; i < expected.samples().size(); ++i) {
-      const float d = expected.samples()[i];
-      ASSERT_NEAR(std::abs(field->samples()[i]), std::abs(d), 1e-6f);
-      if (std::abs(d) > 1e-5f) {
-        ASSERT_EQ(field->samples()[i] < 0.0f, d < 0.0f);
-      }
+    for (std::size_t brick = 0; brick < expected.data().entries.size(); ++brick) {
+      visit_nodes(expected, brick, [&](const Vec3& p, double d) {
+        const double with_needles = distance_at(*field, p);
+        ASSERT_NEAR(std::abs(with_needles), std::abs(d), 0.12 / 200);
+        if (std::abs(d) > 0.12 / 200) {
+          ASSERT_EQ(with_needles < 0.0, d < 0.0);
+        }
+      });
     }
   }
 }
@@ -194,12 +207,14 @@ TEST(GridField, ErrorInsideTheGridIsWithinTheInterpolationError) {
   Random random(72);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size, 2 * voxel_size);
-    EXPECT_NEAR(field.interpolation_error(), std::sqrt(3.0) / 2.0 * voxel_size, 1e-15);
+    EXPECT_GE(field.interpolation_error(), std::sqrt(3.0) / 2.0 * voxel_size);
+    EXPECT_LE(field.interpolation_error(), 0.875 * voxel_size);
     const Bounds bounds = grid_bounds(field);
     double worst = 0.0;
     for (int i = 0; i < 3000; ++i) {
       const Vec3 p = point_in(random, bounds);
-      worst = std::max(worst, std::abs(distance_at(field, p) - signed_distance_to_mesh(p, mesh)));
+      const double error = std::abs(distance_at(field, p) - signed_distance_to_mesh(p, mesh));
+      worst = std::max(worst, error / cell_size_of(field, brick_at(field, p)));
     }
     EXPECT_LE(worst, field.interpolation_error() + 1e-6) << name;
     EXPECT_GT(worst, 0.05 * voxel_size) << name;  // or the sampling missed where it is hard
@@ -208,14 +223,13 @@ TEST(GridField, ErrorInsideTheGridIsWithinTheInterpolationError) {
 
 TEST(GridField, ErrorBoundIsReachedByASpeckInTheMiddleOfACell) {
   const TriangleMesh speck = make_icosphere(1e-3, 1).mesh();
-  const GridField field = build(speck, 1.0, 1.499);  // the speck is in the middle of the grid
-  ASSERT_EQ(field.shape(), (std::array<int, 3>{4, 4, 4}));
+  const GridField field = build(speck, 1.0, 8.499);  // the speck is in the middle of a cell
   const double error = distance_at(field, {}) - signed_distance_to_mesh({}, speck);
   EXPECT_LE(error, field.interpolation_error());
   EXPECT_GE(error, 0.99 * field.interpolation_error());
 }
 
-TEST(GridField, OutsideTheGridIsNeverBelowTheTrueDistanceLessTheError) {
+TEST(GridField, OutsideTheGridIsNeverBelowWhatItsBorderAllows) {
   Random random(73);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size);
@@ -226,12 +240,29 @@ TEST(GridField, OutsideTheGridIsNeverBelowTheTrueDistanceLessTheError) {
       if (is_in(bounds, static_cast<Vec3f>(p))) continue;
       ++outside;
       const double value = distance_at(field, p);
-      EXPECT_GE(value, distance_to_mesh(p, mesh) - field.interpolation_error() - 1e-6) << name;
-      // Nor far above it: the way to the grid and from there to the surface is a detour of at most
-      // the grid's own depth on each axis.
-      EXPECT_LE(value, distance_to_mesh(p, mesh) + length(bounds.extents())) << name;
+      Vec3 nearest = p;
+      for (int axis = 0; axis < 3; ++axis) {
+        nearest[axis] = std::clamp(p[axis], bounds.lower[axis], bounds.upper[axis]);
+      }
+      const double there = distance_at(field, nearest);
+      EXPECT_GE(value, std::hypot(there, length(p - nearest)) - 1e-5) << name;
+      EXPECT_LE(value, there + length(p - nearest) + 1e-5) << name;
     }
     EXPECT_GT(outside, 500) << name;
+  }
+}
+
+TEST(GridField, SeesASphereFromOutsideTheGridAboutWhereItIs) {
+  Random random(83);
+  const GridField field = build(make_icosphere(0.5, 4).mesh(), 0.02);
+  const Bounds bounds = grid_bounds(field);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 p = random.uniform(0.9, 5.0) * random.direction();
+    if (is_in(bounds, static_cast<Vec3f>(p))) continue;
+    EXPECT_NEAR(distance_at(field, p), length(p) - 0.5, 0.04 * length(p));
+    const auto gradient = static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)));
+    EXPECT_NEAR(length(gradient), 1.0, 1e-6);
+    EXPECT_GT(dot(gradient, normalized(p)), 0.98);
   }
 }
 
@@ -240,10 +271,11 @@ TEST(GridField, IsContinuousAcrossCellsAndTheGridsBorder) {
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size);
     const Bounds bounds = grid_bounds(field);
+    const float jump = static_cast<float>(field.data().jump);
     const auto step = static_cast<float>(1e-6);
     for (int i = 0; i < 3000; ++i) {
       // On a face between cells, or on the border, or a corner of either.
-      Vec3 p = point_in(random, grown(bounds, 0.2));
+      Vec3 p = point_in(random, bounds);
       for (int axis = 0; axis < 3; ++axis) {
         if (axis != i % 3 && random.below(3) != 0) continue;
         const double last = field.shape()[static_cast<std::size_t>(axis)] - 1.0;
@@ -252,9 +284,12 @@ TEST(GridField, IsContinuousAcrossCellsAndTheGridsBorder) {
         p[axis] = field.origin()[axis] + cell * voxel_size;
       }
       const auto here = static_cast<Vec3f>(p);
+      const bool is_continuous = has_local_constant(field, brick_at(field, p));
       for (int k = 0; k < 6; ++k) {
         const Vec3f there = here + step * static_cast<Vec3f>(random.direction());
-        ASSERT_NEAR(field.distance(here), field.distance(there), 5e-6f) << name;
+        const float allowed =
+            is_continuous ? jump : 2.0f * static_cast<float>(8.0 * field.interpolation_error());
+        ASSERT_NEAR(field.distance(here), field.distance(there), allowed + 5e-6f) << name;
       }
     }
   }
@@ -266,20 +301,17 @@ TEST(GridField, GradientIsThatOfTheValue) {
     const GridField field = build(mesh, voxel_size);
     const Bounds bounds = grid_bounds(field);
     const double step = 0.02 * voxel_size;
-    int checked_inside = 0;
-    int checked_outside = 0;
+    int checked = 0;
     for (int i = 0; i < 6000; ++i) {
-      const Vec3 p = point_in(random, grown(bounds, 0.3));
-      // Both ends of all differences in one cell, or on one side of the border.
+      const Vec3 p = point_in(random, bounds);
+      // Both ends of all differences in one cell.
       bool is_clear = true;
       for (int axis = 0; axis < 3; ++axis) {
         const double cells = (p[axis] - field.origin()[axis]) / voxel_size;
         is_clear = is_clear && std::abs(cells - std::round(cells)) > 0.03;
       }
-      // Just outside the grid the distance to it bends too much for differences.
-      const double squared = squared_distance(bounds, p);
-      if (!is_clear || (squared > 0.0 && squared < 0.05 * 0.05)) continue;
-      ++(is_in(bounds, static_cast<Vec3f>(p)) ? checked_inside : checked_outside);
+      if (!is_clear) continue;
+      ++checked;
       const Vec3f gradient = field.gradient(static_cast<Vec3f>(p));
       for (int axis = 0; axis < 3; ++axis) {
         Vec3 ahead = p;
@@ -291,8 +323,7 @@ TEST(GridField, GradientIsThatOfTheValue) {
             << name << " at " << p.x << " " << p.y << " " << p.z;
       }
     }
-    EXPECT_GT(checked_inside, 500) << name;
-    EXPECT_GT(checked_outside, 500) << name;
+    EXPECT_GT(checked, 1000) << name;
   }
 }
 
@@ -309,64 +340,61 @@ TEST(GridField, GradientIsNearUnitLengthAwayFromTheMedialAxis) {
   }
 }
 
-TEST(GridField, LipschitzConstantBoundsEveryPairInTheGrid) {
+TEST(GridField, LocalConstantsBoundEveryPairAroundABrick) {
   Random random(77);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size, 2 * voxel_size);
-    const double constant = field.lipschitz_constant();
-    EXPECT_GE(constant, 0.99) << name;
-    EXPECT_LE(constant, std::sqrt(3.0) + 1e-5) << name;
     const Bounds bounds = grid_bounds(field);
+    const double reach = 8.0 * voxel_size;
     double steepest = 0.0;
+    int checked = 0;
     for (int i = 0; i < 100'000; ++i) {
-      const auto p = static_cast<Vec3f>(point_in(random, bounds));
-      const double reach = voxel_size * (i % 2 == 0 ? 0.5 : 20.0);
-      const auto q =
-          static_cast<Vec3f>(static_cast<Vec3>(p) + random.unit() * reach * random.direction());
-      if (!is_in(bounds, q)) continue;
-      const double apart = length(static_cast<Vec3>(p) - static_cast<Vec3>(q));
-      const double change =
-          std::abs(static_cast<double>(field.distance(p)) - static_cast<double>(field.distance(q)));
-      ASSERT_LE(change, constant * apart + 1e-6) << name;
-      if (apart > 0.05 * voxel_size) steepest = std::max(steepest, change / apart);
-      steepest = std::max(steepest, static_cast<double>(length(field.gradient(p))));
+      const Vec3 p = point_in(random, bounds);
+      const Vec3 q =
+          p + random.unit() * (i % 2 == 0 ? 0.5 * voxel_size : reach) * random.direction();
+      const std::size_t brick = brick_at(field, p);
+      if (!has_local_constant(field, brick)) continue;
+      ++checked;
+      const double constant = local_constant(field, brick);
+      const double apart = length(p - q);
+      // Values outside the grid are never below that of its nearest point.
+      const double change = distance_at(field, p) - distance_at(field, q);
+      const double allowed = constant * apart + field.data().jump + 1e-6;
+      ASSERT_LE(change, allowed) << name;
+      if (is_in(bounds, static_cast<Vec3f>(q))) {
+        ASSERT_GE(change, -allowed) << name;
+      }
+      steepest = std::max(
+          steepest, length(static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)))) / constant);
     }
-    EXPECT_LE(steepest, constant + 1e-4) << name;
-    EXPECT_GT(steepest, 0.75 * constant) << name;  // a constant far too large would prune nothing
+    EXPECT_GT(checked, 10'000) << name;
+    EXPECT_LE(steepest, 1.0 + 1e-5) << name;
+    EXPECT_GT(steepest, 0.75) << name;  // a constant far too large would prune nothing
   }
 }
 
-TEST(GridField, LipschitzConstantIsTheSteepestSlopeWhereThatIsKnown) {
+TEST(GridField, LocalConstantIsTheSteepestSlopeWhereThatIsKnown) {
   // Around a speck at a node the eight cells fall by a voxel a voxel along every axis.
-  const GridField around_speck = build(make_icosphere(1e-5, 1).mesh(), 1.0, 3.0);
-  EXPECT_NEAR(around_speck.lipschitz_constant(), std::sqrt(3.0), 1e-4);
-  EXPECT_GE(around_speck.lipschitz_constant(),
-            static_cast<double>(length(around_speck.gradient({0.01f, 0.01f, 0.01f}))));
-  // Any cell's gradient is longest at one of its corners, where it is made of the three edges.
+  const GridField field = build(make_icosphere(1e-5, 1).mesh(), 1.0, 9.0 - 1e-5);
+  const std::size_t brick = brick_at(field, Vec3{});
+  EXPECT_NEAR(local_constant(field, brick), std::sqrt(3.0), 0.02);  // to bfloat16
+  EXPECT_GE(local_constant(field, brick),
+            static_cast<double>(length(field.gradient({0.01f, 0.01f, 0.01f}))));
+  EXPECT_NEAR(local_constant(field, 0), std::sqrt(3.0), 0.02);  // two bricks away from the next
+}
+
+TEST(GridField, BoundsOfBricksHoldAndAreClose) {
+  Random random(84);
   for (const auto& [name, mesh, voxel_size] : bodies()) {
     const GridField field = build(mesh, voxel_size);
-    const auto [nx, ny, nz] = field.shape();
-    double steepest = 0.0;
-    for (int k = 0; k + 1 < nz; ++k) {
-      for (int j = 0; j + 1 < ny; ++j) {
-        for (int i = 0; i + 1 < nx; ++i) {
-          for (int corner = 0; corner < 8; ++corner) {
-            const std::array<int, 3> at{i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)};
-            const auto sample = [&](int x, int y, int z) {
-              return static_cast<double>(
-                  field.samples()[static_cast<std::size_t>(x + nx * (y + ny * z))]);
-            };
-            const double here = sample(at[0], at[1], at[2]);
-            const Vec3 slope{sample(2 * i + 1 - at[0], at[1], at[2]) - here,
-                             sample(at[0], 2 * j + 1 - at[1], at[2]) - here,
-                             sample(at[0], at[1], 2 * k + 1 - at[2]) - here};
-            steepest = std::max(steepest, length(slope) / voxel_size);
-          }
-        }
-      }
+    for (std::size_t brick = 0; brick < field.data().entries.size(); ++brick) {
+      double lowest = 1e30;
+      visit_nodes(field, brick,
+                  [&](const Vec3&, double value) { lowest = std::min(lowest, value); });
+      const double expected = lowest - field.interpolation_error() * cell_size_of(field, brick);
+      ASSERT_LE(lowest_in(field, brick), expected + 1e-9) << name;
+      ASSERT_GE(lowest_in(field, brick), expected - 0.01 * std::abs(expected)) << name;
     }
-    EXPECT_GE(field.lipschitz_constant(), steepest) << name;
-    EXPECT_LE(field.lipschitz_constant(), 1.1 * steepest) << name;
   }
 }
 
@@ -431,8 +459,11 @@ TEST(GridField, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
       across += centre_in && !ball_in;
       outside += !centre_in;
       deep += smallest < -static_cast<float>(voxel_size);
-      if (ball_in && radius < voxel_size) {
-        slack = std::max(slack, static_cast<double>(smallest - bound) / radius);
+      const std::size_t brick = brick_at(field, centre);
+      if (ball_in && radius < voxel_size && has_local_constant(field, brick)) {
+        const double jump = field.data().jump;
+        const double missing = static_cast<double>(smallest - bound) - jump - 1e-6;
+        slack = std::max(slack, missing / (radius * local_constant(field, brick)));
       }
     }
     EXPECT_GT(in_the_grid, 500) << name;
@@ -442,7 +473,8 @@ TEST(GridField, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
       EXPECT_GT(deep, 100) << name;
     }
     // A useless bound holds, too: small balls in the grid must be answered tightly.
-    EXPECT_LT(slack, 2.0 * field.lipschitz_constant()) << name;
+    EXPECT_LT(slack, 2.0) << name;
+    EXPECT_GT(slack, 0.0) << name;
   }
 }
 
@@ -450,24 +482,34 @@ TEST(GridField, LowerBoundOfABallDeepInsideIsBelowZero) {
   // Regression: the distance to the surface's bounds, which is 0 in there, is no bound inside.
   const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
   EXPECT_LE(field.lower_bound({0, 0, 0}, 0.01f), -0.99f);
-  EXPECT_GE(field.lower_bound({0, 0, 0}, 0.01f), -1.0f - 0.01f * 1.75f);
+  EXPECT_GE(field.lower_bound({0, 0, 0}, 0.01f), -1.2f);
 }
 
 TEST(GridField, LowerBoundIsTightFarAway) {
   const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
-  EXPECT_GE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f - 0.1f);
+  // The surface may be to the side of what the grid's border sees.
+  EXPECT_GE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f - 1.5f);
   EXPECT_LE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f);
 }
 
 TEST(GridField, SamplesAreTheSameBitsWithAnyNumberOfThreads) {
   const TriangleMesh mesh = bodies()[1].mesh;
-  std::vector<std::vector<float>> samples;
-  for (const unsigned threads : {1u, 2u, 7u, 0u}) {
-    const auto field = GridField::build(mesh, {.voxel_size = 0.05, .threads = threads});
-    ASSERT_TRUE(field);
-    samples.emplace_back(field->samples().begin(), field->samples().end());
+  const auto build_with = [&](unsigned threads) {
+    auto field = GridField::build(mesh, {.voxel_size = 0.05, .threads = threads});
+    EXPECT_TRUE(field);
+    return *std::move(field);
+  };
+  const GridFieldData one = build_with(1).data();
+  for (const unsigned threads : {2u, 7u, 0u}) {
+    const GridFieldData other = build_with(threads).data();
+    EXPECT_EQ(other.entries, one.entries);
+    EXPECT_EQ(other.bounds, one.bounds);
+    EXPECT_EQ(other.samples, one.samples);
+    EXPECT_EQ(other.planes, one.planes);
+    EXPECT_EQ(other.error, one.error);
+    EXPECT_EQ(other.jump, one.jump);
+    EXPECT_EQ(other.coarse_floor, one.coarse_floor);
   }
-  for (const auto& other : samples) EXPECT_EQ(other, samples[0]);
 }
 
 TEST(GridField, TakesFarMoreThreadsThanASystemGives) {
@@ -521,7 +563,7 @@ TEST(GridField, RefusesAGridBeyondTheMemoryLimitAndAdvisesASizeThatFits) {
     const Vec3 half{random.uniform(0.05, 1), random.uniform(0.05, 1), random.uniform(0.05, 1)};
     const TriangleMesh mesh = make_box(half).mesh();
     GridFieldSettings settings{.voxel_size = random.uniform(1e-4, 2e-3)};
-    settings.memory_limit = static_cast<std::size_t>(std::pow(10.0, random.uniform(3.3, 5.5)));
+    settings.memory_limit = static_cast<std::size_t>(std::pow(10.0, random.uniform(4.7, 6.5)));
     const auto refused = GridField::build(mesh, settings);
     expect_error(refused, ErrorCode::kTooLarge, "GB");
     if (refused) return;
@@ -586,7 +628,7 @@ TEST(GridField, RefusesABodyInsideOutBesideAnother) {
 TEST(GridField, ASpeckInsideOutThatIsSmallerThanAVoxelDoesNoHarm) {
   const Soup speck = moved(inverted(make_box({0.05, 0.05, 0.05})), {2, 0, 0});
   const GridField field = build(together(make_box({1, 1, 1}), speck).mesh(), 0.25);
-  EXPECT_NEAR(field.distance({2, 0, 0}), 0.05f, 1e-6f);  // a node, and not inside of anything
+  EXPECT_NEAR(field.distance({2, 0, 0}), 0.05f, 5e-4f);  // a node, and not inside of anything
   EXPECT_EQ(field.distance({0, 0, 0}), -1.0f);
 }
 

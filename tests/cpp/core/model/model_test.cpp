@@ -40,10 +40,10 @@ TEST(Model, HasAHundredVoxelsAndOnePointAVoxelUnlessToldOtherwise) {
   const auto model = build(make_box({0.5, 0.25, 0.1}), {});
   EXPECT_DOUBLE_EQ(model->grid().voxel_size(), 0.01);
   EXPECT_EQ(model->shell().spacing(), model->grid().voxel_size());
-  // Four voxels of padding on each side.
-  EXPECT_NEAR(model->grid().origin().x, -0.5 - 0.04, 1e-12);
-  EXPECT_GE(model->grid().shape()[0], 109);
-  EXPECT_LE(model->grid().shape()[0], 110);
+  // A brick of padding on each side.
+  EXPECT_NEAR(model->grid().origin().x, -0.5 - 0.08, 1e-12);
+  EXPECT_GE(model->grid().shape()[0], 117);
+  EXPECT_LE(model->grid().shape()[0], 125);
 }
 
 TEST(Model, TakesVoxelSizeOrResolutionAndSpacingOrTarget) {
@@ -54,10 +54,10 @@ TEST(Model, TakesVoxelSizeOrResolutionAndSpacingOrTarget) {
   EXPECT_NEAR(
       static_cast<double>(build(soup, {.voxel_size = 0.05, .target_points = 500})->shell().size()),
       500.0, 5.0);
-  const auto padded = build(soup, {.voxel_size = 0.05, .padding = 0.3});
-  EXPECT_NEAR(padded->grid().origin().x, -0.8, 1e-12);
-  // At least one voxel is kept.
-  EXPECT_NEAR(build(soup, {.voxel_size = 0.05, .padding = 0.0})->grid().origin().x, -0.55, 1e-12);
+  const auto padded = build(soup, {.voxel_size = 0.05, .padding = 0.6});
+  EXPECT_NEAR(padded->grid().origin().x, -1.1, 1e-12);
+  // At least a brick is kept.
+  EXPECT_NEAR(build(soup, {.voxel_size = 0.05, .padding = 0.0})->grid().origin().x, -0.9, 1e-12);
 }
 
 TEST(Model, ResolutionCountsAlongTheLongestSide) {
@@ -94,7 +94,7 @@ TEST(Model, RefusesSettingsThatMakeNoSense) {
                  ErrorCode::kInvalidArgument, "padding");
   }
   // A negative padding means the default.
-  EXPECT_NEAR(build(soup, {.voxel_size = 0.1, .padding = -7.0})->grid().origin().x, -0.9, 1e-12);
+  EXPECT_NEAR(build(soup, {.voxel_size = 0.1, .padding = -7.0})->grid().origin().x, -1.3, 1e-12);
 }
 
 TEST(Model, RefusesMeshesThatEncloseNothing) {
@@ -195,8 +195,8 @@ TEST(Model, IsTheSameWithAnyNumberOfThreads) {
   const Soup soup = make_torus(0.4, 0.1, 30, 15);
   const auto one = build(soup, {.resolution = 40, .threads = 1});
   const auto seven = build(soup, {.resolution = 40, .threads = 7});
-  EXPECT_TRUE(std::equal(one->grid().samples().begin(), one->grid().samples().end(),
-                         seven->grid().samples().begin(), seven->grid().samples().end()));
+  EXPECT_EQ(one->grid().data().entries, seven->grid().data().entries);
+  EXPECT_EQ(one->grid().data().samples, seven->grid().data().samples);
   EXPECT_TRUE(std::equal(one->shell().points().begin(), one->shell().points().end(),
                          seven->shell().points().begin(), seven->shell().points().end()));
 }

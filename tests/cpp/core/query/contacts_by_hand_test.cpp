@@ -62,34 +62,30 @@ float norm(const std::array<float, 3>& v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-Value evaluate(const GridField& field, const std::array<float, 3>& q) {
-  const auto h = static_cast<float>(field.voxel_size());
-  const auto per_metre = static_cast<float>(1.0 / field.voxel_size());
+Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
+                    const std::array<float, 3>& within, float h, float per_metre) {
+  const int cells = 1 << (entry & 3u);
+  const float size = 8.0f / static_cast<float>(cells);
   std::array<int, 3> cell{};
   std::array<float, 3> t{};
-  std::array<float, 3> beyond{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int nodes = field.shape()[axis];
-    const auto origin = static_cast<float>(field.origin()[static_cast<int>(axis)]);
-    const float place = (q[axis] - origin) * per_metre;
-    float in_grid = place;
-    if (in_grid < 0.0f) in_grid = 0.0f;
-    if (in_grid > static_cast<float>(nodes - 1)) in_grid = static_cast<float>(nodes - 1);
-    beyond[axis] = (place - in_grid) * h;
-    cell[axis] = static_cast<int>(in_grid) == nodes - 1 ? nodes - 2 : static_cast<int>(in_grid);
-    t[axis] = in_grid - static_cast<float>(cell[axis]);
+    const float place = within[axis] / size;
+    cell[axis] = static_cast<int>(place) == cells ? cells - 1 : static_cast<int>(place);
+    t[axis] = place - static_cast<float>(cell[axis]);
   }
   std::array<std::array<std::array<float, 2>, 2>, 2> corner{};  // [x][y][z]
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
       for (int k = 0; k < 2; ++k) {
         const auto index = static_cast<std::size_t>(
-            (cell[0] + i) + field.shape()[0] * ((cell[1] + j) + field.shape()[1] * (cell[2] + k)));
+            (cell[0] + i) + (cells + 1) * ((cell[1] + j) + (cells + 1) * (cell[2] + k)));
         corner[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]
-              [static_cast<std::size_t>(k)] = field.samples()[index];
+              [static_cast<std::size_t>(k)] =
+                  static_cast<float>(data.samples[4 * (entry >> 7) + index]);
       }
     }
   }
+  const float unit = h / 256.0f * static_cast<float>(1 << (entry >> 3 & 15u));
   const auto mix = [](float a, float b, float share) { return a + share * (b - a); };
   std::array<std::array<float, 2>, 2> along_x{};  // [y][z]
   for (std::size_t j = 0; j < 2; ++j) {
@@ -99,7 +95,7 @@ Value evaluate(const GridField& field, const std::array<float, 3>& q) {
   }
   const float below = mix(along_x[0][0], along_x[1][0], t[1]);
   const float above = mix(along_x[0][1], along_x[1][1], t[1]);
-  Value value{mix(below, above, t[2]), {}};
+  Value value{mix(below, above, t[2]) * unit, {}};
 
   const auto slope_x = [&](std::size_t j, std::size_t k) {
     return corner[1][j][k] - corner[0][j][k];
@@ -110,20 +106,60 @@ Value evaluate(const GridField& field, const std::array<float, 3>& q) {
   const auto slope_z = [&](std::size_t i, std::size_t j) {
     return corner[i][j][1] - corner[i][j][0];
   };
+  const float steepness = unit * per_metre / size;
   value.gradient = {
       mix(mix(slope_x(0, 0), slope_x(1, 0), t[1]), mix(slope_x(0, 1), slope_x(1, 1), t[1]), t[2]) *
-          per_metre,
+          steepness,
       mix(mix(slope_y(0, 0), slope_y(1, 0), t[0]), mix(slope_y(0, 1), slope_y(1, 1), t[0]), t[2]) *
-          per_metre,
+          steepness,
       mix(mix(slope_z(0, 0), slope_z(1, 0), t[0]), mix(slope_z(0, 1), slope_z(1, 1), t[0]), t[1]) *
-          per_metre};
-  const float outside = norm(beyond);
-  if (beyond != std::array<float, 3>{}) {
-    value.distance += outside;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (beyond[axis] != 0.0f) value.gradient[axis] = 0.0f;
-      value.gradient[axis] += beyond[axis] / outside;
-    }
+          steepness};
+  return value;
+}
+
+Value evaluate(const GridField& field, const std::array<float, 3>& q) {
+  const GridFieldData& data = field.data();
+  const auto h = static_cast<float>(data.voxel_size);
+  const auto per_metre = static_cast<float>(1.0 / data.voxel_size);
+  std::array<float, 3> within{};  // the brick, voxels
+  std::array<float, 3> beyond{};
+  std::array<int, 3> brick{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int cells = 8 * data.bricks[axis];
+    const auto origin = static_cast<float>(data.origin[static_cast<int>(axis)]);
+    const float place = (q[axis] - origin) * per_metre;
+    float in_grid = place;
+    if (in_grid < 0.0f) in_grid = 0.0f;
+    if (in_grid > static_cast<float>(cells)) in_grid = static_cast<float>(cells);
+    beyond[axis] = (place - in_grid) * h;
+    const int cell = static_cast<int>(in_grid) == cells ? cells - 1 : static_cast<int>(in_grid);
+    brick[axis] = cell / 8;
+    within[axis] = in_grid - static_cast<float>(8 * brick[axis]);
+  }
+  const std::uint32_t entry = data.entries[static_cast<std::size_t>(
+      brick[0] + data.bricks[0] * (brick[1] + data.bricks[1] * brick[2]))];
+  Value value{};
+  if ((entry & 4u) != 0) {
+    const float* plane = &data.planes[4 * (entry >> 7)];
+    value.gradient = {plane[0], plane[1], plane[2]};
+    value.distance = plane[0] * (q[0] - beyond[0]) + plane[1] * (q[1] - beyond[1]) +
+                     plane[2] * (q[2] - beyond[2]) - plane[3];
+  } else {
+    value = evaluate_cell(data, entry, within, h, per_metre);
+  }
+  if (beyond == std::array<float, 3>{}) return value;
+  const float steepness = norm(value.gradient);
+  std::array<float, 3> away{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float direction = steepness > 0.0f ? value.gradient[axis] / steepness : 0.0f;
+    away[axis] = beyond[axis] + value.distance * direction;
+  }
+  const float far = norm(away);
+  const float least = std::sqrt(beyond[0] * beyond[0] + beyond[1] * beyond[1] +
+                                beyond[2] * beyond[2] + value.distance * value.distance);
+  value.distance = std::max(far, least);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    value.gradient[axis] = far > 0.0f ? away[axis] / far : 0.0f;
   }
   return value;
 }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "voxshell/grid_field.h"
+#include "voxshell/progress.h"
+
+namespace voxshell {
+
+/// Works out `bounds` and `jump` of a field that has everything else. False where progress asked to
+/// stop.
+bool compute_brick_bounds(GridFieldData& data, unsigned threads, const Progress& progress);
+
+}  // namespace voxshell
