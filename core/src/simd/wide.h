@@ -47,9 +47,10 @@ struct Triple {
   F x, y, z;
 };
 
+/// Subtracts: -0 + 0 would be 0.
 template <class F>
 inline F splat(float value) {
-  return F{} + value;
+  return value - F{};
 }
 template <>
 inline float splat<float>(float value) {
