@@ -38,11 +38,6 @@ HEADER_ONLY: dict[str, str] = {
     "vector.h": "base",
     "version.h": "base",
     "field.h": "field",
-    "box_field.h": "field",
-    "capsule_field.h": "field",
-    "cylinder_field.h": "field",
-    "plane_field.h": "field",
-    "sphere_field.h": "field",
 }
 
 # Part of the Python package -> the parts that it may import, itself apart. "api" is every module

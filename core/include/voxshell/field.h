@@ -3,6 +3,10 @@
 #include <variant>
 
 #include "voxshell/box_field.h"
+#include "voxshell/capsule_field.h"
+#include "voxshell/cone_field.h"
+#include "voxshell/convex_field.h"
+#include "voxshell/cylinder_field.h"
 #include "voxshell/grid_field.h"
 #include "voxshell/plane_field.h"
 #include "voxshell/sphere_field.h"
@@ -14,7 +18,9 @@ namespace voxshell {
 ///   Vec3f gradient(Vec3f)             outwards; unit length where the field is analytic
 ///   float lower_bound(Vec3f, float)   of the distance over a ball
 ///   double reach()                    scale of its coordinates, for rounding bounds
+///   view()                            itself as kernels see it (simd/*_view.h)
 /// A new field is added to this list and nowhere else.
-using Field = std::variant<GridField, PlaneField, BoxField, SphereField>;
+using Field = std::variant<GridField, PlaneField, BoxField, SphereField, CapsuleField,
+                           CylinderField, ConeField, ConvexField>;
 
 }  // namespace voxshell

@@ -1,25 +1,28 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/meshes.h"
 #include "support/random.h"
-#include "voxshell/box_field.h"
 #include "voxshell/field.h"
-#include "voxshell/plane_field.h"
-#include "voxshell/sphere_field.h"
 
 namespace voxshell {
 namespace {
 
 using test_support::Random;
 
+enum class Beyond { kExact, kLowerBound };
+
 /// The fields about whose bounds and gradients nothing special must be known.
 template <class F>
-void expect_bounds_and_gradients_hold(const F& field, double size) {
+void expect_bounds_and_gradients_hold(const F& field, double size, Beyond beyond = Beyond::kExact) {
   Random random(20);
   const auto rounding = static_cast<float>(1e-6 * size);
   int steps_checked = 0;
@@ -48,7 +51,7 @@ void expect_bounds_and_gradients_hold(const F& field, double size) {
       EXPECT_GE(field.distance(q), bound - rounding);
     }
     // The worst point of a ball lies against the gradient: the bound is tight in the open.
-    if (here > radius) {
+    if (here > radius && beyond == Beyond::kExact) {
       EXPECT_NEAR(field.distance(pf - radius * gradient), bound, 4 * rounding);
     }
   }
@@ -152,10 +155,160 @@ TEST(BoxField, BoundsAndGradientsHold) {
   expect_bounds_and_gradients_hold(BoxField{{0.5, 0.25, 0.001}}, 1.0);  // a plate
 }
 
+TEST(CapsuleField, IsTheDistanceToASegmentLessTheRadius) {
+  const CapsuleField pill{2.0, 6.0};
+  EXPECT_EQ(pill.distance({0, 0, 0}), -2.0f);
+  EXPECT_EQ(pill.distance({0, 0, 4}), -1.0f);
+  EXPECT_EQ(pill.distance({0, 0, -5}), 0.0f);
+  EXPECT_EQ(pill.distance({3, 4, 2.5f}), 3.0f);
+  EXPECT_EQ(pill.distance({0, -3, -7}), 3.0f);
+  EXPECT_EQ(pill.gradient({0, -5, 2}), (Vec3f{0, -1, 0}));
+  EXPECT_EQ(pill.gradient({0, 0, -4}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(pill.gradient({0, 3, 7}), (Vec3f{0, 0.6f, 0.8f}));
+  EXPECT_EQ(pill.reach(), 5.0);
+}
+
+TEST(CapsuleField, GradientOnTheAxisPointsAlongX) {
+  const CapsuleField pill{2.0, 6.0};
+  for (const float z : {-3.0f, -1.0f, 0.0f, 3.0f}) {
+    EXPECT_EQ(pill.gradient({0, 0, z}), (Vec3f{1, 0, 0}));
+  }
+}
+
+TEST(CylinderField, IsTheDistanceToSideEndsAndRims) {
+  const CylinderField tin{2.0, 6.0};
+  EXPECT_EQ(tin.distance({0, 0, 0}), -2.0f);
+  EXPECT_EQ(tin.distance({0, 1, 2.5f}), -0.5f);
+  EXPECT_EQ(tin.distance({0, 0, -3}), 0.0f);
+  EXPECT_EQ(tin.distance({3, 4, -1}), 3.0f);
+  EXPECT_EQ(tin.distance({1, 1, 5}), 2.0f);
+  EXPECT_EQ(tin.distance({0, -5, 7}), 5.0f);
+  EXPECT_EQ(tin.reach(), std::sqrt(13.0));
+}
+
+TEST(CylinderField, GradientPointsOutOfTheNearestFeature) {
+  const CylinderField tin{2.0, 6.0};
+  EXPECT_EQ(tin.gradient({-1.5f, 0, 0}), (Vec3f{-1, 0, 0}));
+  EXPECT_EQ(tin.gradient({0, 0.5f, -2.9f}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(tin.gradient({0, -5, 7}), (Vec3f{0, -0.6f, 0.8f}));
+  EXPECT_EQ(tin.gradient({0, 5, -7}), (Vec3f{0, 0.6f, -0.8f}));
+  EXPECT_EQ(tin.gradient({0, 1, 2}), (Vec3f{0, 1, 0}));  // a tie
+  EXPECT_EQ(tin.gradient({0, 0, 0}), (Vec3f{1, 0, 0}));
+}
+
+TEST(ConeField, IsTheDistanceToBaseSlantRimAndApex) {
+  const ConeField hat{3.0, 4.0};  // the slant is 5 long
+  EXPECT_EQ(hat.distance({0, 0, -2}), 0.0f);
+  EXPECT_EQ(hat.distance({1, 0, -4}), -2.0f + 4.0f);
+  EXPECT_EQ(hat.distance({0, 0, 2}), 0.0f);
+  EXPECT_EQ(hat.distance({0, 0, 5}), 3.0f);
+  EXPECT_NEAR(hat.distance({0, 3, -2}), 0.0f, 1e-6f);
+  EXPECT_EQ(hat.distance({6, 0, -6}), 5.0f);
+  EXPECT_NEAR(hat.distance({1.5f + 0.8f * 2, 0, 0.6f * 2}), 2.0f, 1e-6f);
+  EXPECT_EQ(hat.distance({0, 0, -1.75f}), -0.25f);
+  EXPECT_NEAR(hat.distance({0, 0, 1}), -0.6f, 1e-6f);
+  EXPECT_NEAR(hat.distance({0, 0, -0.5f}), -1.5f, 1e-6f);  // the centre of the inscribed ball
+  EXPECT_EQ(hat.reach(), std::sqrt(13.0));
+}
+
+TEST(ConeField, GradientPointsOutOfTheNearestFeature) {
+  const ConeField hat{3.0, 4.0};
+  EXPECT_EQ(hat.gradient({0, 0, 5}), (Vec3f{0, 0, 1}));
+  EXPECT_EQ(hat.gradient({1, 0, -4}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(hat.gradient({1, 0, -1.9f}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(hat.gradient({0, -6, -6}), (Vec3f{0, -0.6f, -0.8f}));
+  const Vec3f slant = hat.gradient({0, 1.5f, 0});
+  EXPECT_NEAR(slant.y, 0.8f, 1e-6f);
+  EXPECT_NEAR(slant.z, 0.6f, 1e-6f);
+  const Vec3f axis = hat.gradient({0, 0, 1});
+  EXPECT_NEAR(axis.x, 0.8f, 1e-6f);
+  EXPECT_NEAR(axis.z, 0.6f, 1e-6f);
+}
+
+struct Point2 {
+  double r, z;
+};
+
+double distance_to_segment(const Point2& p, const Point2& a, const Point2& b) {
+  const double along = ((p.r - a.r) * (b.r - a.r) + (p.z - a.z) * (b.z - a.z)) /
+                       ((b.r - a.r) * (b.r - a.r) + (b.z - a.z) * (b.z - a.z));
+  const double t = std::clamp(along, 0.0, 1.0);
+  return std::hypot(p.r - a.r - t * (b.r - a.r), p.z - a.z - t * (b.z - a.z));
+}
+
+/// To a convex polygon, counter-clockwise; negative inside.
+double distance_to_polygon(const Point2& p, const std::vector<Point2>& corners) {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool inside = true;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point2& a = corners[i];
+    const Point2& b = corners[(i + 1) % corners.size()];
+    nearest = std::min(nearest, distance_to_segment(p, a, b));
+    inside &= (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r) > 0.0;
+  }
+  return inside ? -nearest : nearest;
+}
+
+template <class F, class Expected>
+void expect_solid_of_revolution(const F& field, const Expected& expected) {
+  Random random(25);
+  int inside = 0;
+  for (int i = 0; i < 50'000; ++i) {
+    const Vec3 p = random.in_cube(1.0);
+    const double true_distance = expected({std::hypot(p.x, p.y), p.z});
+    EXPECT_NEAR(field.distance(static_cast<Vec3f>(p)), true_distance, 3e-7);
+    inside += true_distance < 0.0;
+  }
+  EXPECT_GT(inside, 500);
+}
+
+TEST(SolidsOfRevolution, AgreeWithTheirProfilesInFloat64) {
+  expect_solid_of_revolution(CapsuleField{0.3, 0.9}, [](const Point2& p) {
+    return distance_to_segment(p, {0, -0.45}, {0, 0.45}) - 0.3;
+  });
+  expect_solid_of_revolution(CylinderField{0.3, 0.9}, [](const Point2& p) {
+    return distance_to_polygon(p, {{-0.3, -0.45}, {0.3, -0.45}, {0.3, 0.45}, {-0.3, 0.45}});
+  });
+  for (const auto& [radius, height] : {std::pair{0.3, 0.9}, std::pair{0.9, 0.3}}) {
+    expect_solid_of_revolution(ConeField{radius, height}, [&](const Point2& p) {
+      return distance_to_polygon(p,
+                                 {{-radius, -height / 2}, {radius, -height / 2}, {0, height / 2}});
+    });
+  }
+}
+
+TEST(SolidsOfRevolution, BoundsAndGradientsHold) {
+  expect_bounds_and_gradients_hold(CapsuleField{0.3, 1.0}, 1.0);
+  expect_bounds_and_gradients_hold(CapsuleField{0.0003, 0.001}, 0.001);
+  expect_bounds_and_gradients_hold(CylinderField{0.3, 1.0}, 1.0);
+  expect_bounds_and_gradients_hold(CylinderField{0.8, 0.001}, 1.0);  // a disc
+  expect_bounds_and_gradients_hold(ConeField{0.5, 1.0}, 1.0);
+  expect_bounds_and_gradients_hold(ConeField{0.01, 1.0}, 1.0);  // a needle
+  expect_bounds_and_gradients_hold(ConeField{0.9, 0.01}, 1.0);  // a plate
+}
+
+ConvexField make_convex(const test_support::Soup& soup) {
+  auto field = ConvexField::create(soup.mesh());
+  if (!field) std::abort();
+  return *std::move(field);
+}
+
+TEST(ConvexField, BoundsAndGradientsHold) {
+  expect_bounds_and_gradients_hold(make_convex(test_support::make_box({0.5, 0.25, 1.0})), 1.0,
+                                   Beyond::kLowerBound);
+  expect_bounds_and_gradients_hold(make_convex(test_support::make_icosphere(0.7, 1)), 1.0,
+                                   Beyond::kLowerBound);
+}
+
 TEST(AnalyticFields, AreLipschitzInside) {
   Random random(24);
-  const std::vector<Field> fields{PlaneField{random.direction(), 0.1}, SphereField{1.0},
-                                  BoxField{{0.5, 1.0, 1.5}}};
+  const std::vector<Field> fields{PlaneField{random.direction(), 0.1},
+                                  SphereField{1.0},
+                                  BoxField{{0.5, 1.0, 1.5}},
+                                  CapsuleField{0.5, 1.0},
+                                  CylinderField{0.5, 1.5},
+                                  ConeField{1.0, 2.0},
+                                  make_convex(test_support::make_icosphere(1.0, 1))};
   for (const Field& field : fields) {
     std::visit(
         [&](const auto& f) {
@@ -172,7 +325,8 @@ TEST(AnalyticFields, AreLipschitzInside) {
 TEST(AnalyticFields, AnswerFarAwayWithoutTrouble) {
   const float infinity = std::numeric_limits<float>::infinity();
   const std::vector<Field> fields{PlaneField{{0.6, 0, 0.8}, 0.1}, SphereField{1.0},
-                                  BoxField{{0.5, 1.0, 1.5}}};
+                                  BoxField{{0.5, 1.0, 1.5}},      CapsuleField{0.5, 1.0},
+                                  CylinderField{0.5, 1.5},        ConeField{1.0, 2.0}};
   for (const Field& field : fields) {
     std::visit(
         [&](const auto& f) {

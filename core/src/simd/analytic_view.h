@@ -1,0 +1,47 @@
+#pragma once
+
+#include <stdint.h>
+
+namespace voxshell::simd {
+
+// Analytic fields as kernels see them: solids in their own frame, metres.
+
+struct PlaneView {
+  float normal[3];  ///< unit length, out of the solid
+  float offset;
+};
+
+struct BoxView {
+  float half_extents[3];
+};
+
+struct SphereView {
+  float radius;
+};
+
+struct CapsuleView {
+  float radius;
+  float half_length;  ///< of the segment between the caps' centres, along z
+};
+
+struct CylinderView {
+  float radius;
+  float half_length;  ///< along z
+};
+
+struct ConeView {
+  float radius;       ///< of the base, at z = -half_height
+  float half_height;  ///< the apex is at z = half_height
+  /// Along the slant from the base's rim to the apex, in the half-plane of the radius and z: unit
+  /// length, and the length of the slant. Its outward normal is (slant_z, -slant_r).
+  float slant_r;
+  float slant_z;
+  float slant_length;
+};
+
+struct ConvexView {
+  const float* planes;  ///< outward unit normal x, y, z and offset of each
+  int32_t plane_count;  ///< at least one
+};
+
+}  // namespace voxshell::simd
