@@ -11,6 +11,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include "voxshell/triangle_mesh.h"
 #include "voxshell/vector.h"
 
 namespace voxshell::python {
@@ -24,6 +25,21 @@ using PoseArray = nanobind::ndarray<const double, nanobind::shape<4, 4>, nanobin
                                     nanobind::device::cpu>;
 
 inline Vec3 read_row(const double* row) { return {row[0], row[1], row[2]}; }
+
+/// Copies, for the core to work on while other threads may change the array.
+inline std::vector<Vec3> read_points(const PointsArray& array) {
+  std::vector<Vec3> points(array.shape(0));
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = read_row(array.data() + 3 * i);
+  return points;
+}
+inline std::vector<Triangle> read_triangles(const FacesArray& array) {
+  std::vector<Triangle> triangles(array.shape(0));
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::uint32_t* face = array.data() + 3 * i;
+    triangles[i] = {face[0], face[1], face[2]};
+  }
+  return triangles;
+}
 
 /// Read-only views. Returned from a property they keep its object alive.
 template <class T>

@@ -1,11 +1,14 @@
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/tuple.h>
 
 #include "arrays.h"
 #include "core_module.h"
@@ -70,6 +73,18 @@ using Coordinates = std::array<double, 3>;
 
 Vec3 to_vector(const Coordinates& c) { return {c[0], c[1], c[2]}; }
 
+std::tuple<Field, std::size_t> make_convex_field(const PointsArray& vertices,
+                                                 const FacesArray& faces) {
+  auto mesh = unwrap(TriangleMesh::create(read_points(vertices), read_triangles(faces)));
+  auto field = [&] {
+    const nb::gil_scoped_release released;
+    return ConvexField::create(mesh);
+  }();
+  auto convex = unwrap(std::move(field));
+  const std::size_t face_count = convex.face_count();
+  return {std::move(convex), face_count};
+}
+
 }  // namespace
 
 void bind_field(nb::module_& module) {
@@ -98,6 +113,19 @@ void bind_field(nb::module_& module) {
       nb::arg("half_extents"));
   module.def(
       "sphere_field", [](double radius) { return Field(SphereField{radius}); }, nb::arg("radius"));
+  module.def(
+      "capsule_field",
+      [](double radius, double length) { return Field(CapsuleField{radius, length}); },
+      nb::arg("radius"), nb::arg("length"));
+  module.def(
+      "cylinder_field",
+      [](double radius, double length) { return Field(CylinderField{radius, length}); },
+      nb::arg("radius"), nb::arg("length"));
+  module.def(
+      "cone_field", [](double radius, double height) { return Field(ConeField{radius, height}); },
+      nb::arg("radius"), nb::arg("height"));
+  module.def("convex_field", &make_convex_field, nb::arg("vertices"), nb::arg("faces"),
+             "The field and how many faces it has.");
 }
 
 }  // namespace voxshell::python

@@ -24,14 +24,8 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
                                    double voxel_size, int resolution, double point_spacing,
                                    std::size_t target_points, double padding, unsigned threads,
                                    nb::handle progress) {
-  // Copied while the GIL keeps other threads from changing them.
-  std::vector<Vec3> corners(vertices.shape(0));
-  for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = read_row(vertices.data() + 3 * i);
-  std::vector<Triangle> triangles(faces.shape(0));
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const std::uint32_t* face = faces.data() + 3 * i;
-    triangles[i] = {face[0], face[1], face[2]};
-  }
+  const std::vector<Vec3> corners = read_points(vertices);
+  const std::vector<Triangle> triangles = read_triangles(faces);
 
   const ModelSettings settings{.voxel_size = voxel_size,
                                .resolution = resolution,

@@ -1,8 +1,9 @@
 """Collision of any mesh with any mesh at haptic rates, exactly as sampled.
 
 A mesh is made ready once, as a :class:`Model`: a signed distance field, a shell of points on the
-surface and mass properties. Models, and the analytic shapes :class:`Plane`, :class:`Box` and
-:class:`Sphere`, then collide in any pose:
+surface and mass properties. Models, and the analytic shapes (:class:`Plane`, :class:`Box`,
+:class:`Sphere`, :class:`Capsule`, :class:`Cylinder`, :class:`Cone`, :class:`ConvexPolyhedron`), then
+collide in any pose:
 
     >>> import numpy as np
     >>> import trimesh
@@ -43,7 +44,7 @@ from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh
 from voxshell.model import Model
 from voxshell.queries import collide, contacts
-from voxshell.shapes import Box, Plane, Sphere
+from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plane, Sphere
 from voxshell.shell import PointShell, PointSphereTree
 
 if TYPE_CHECKING:
@@ -62,9 +63,13 @@ _SIMULATION = {
 __all__ = [
     "Body",
     "Box",
+    "Capsule",
+    "Cone",
     "Contacts",
     "ConvexDecomposition",
     "ConvexHull",
+    "ConvexPolyhedron",
+    "Cylinder",
     "DistanceField",
     "Field",
     "GImpact",

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class Field:
     """A signed distance field: how far a point is from a surface, negative inside.
 
-    Models have a :class:`DistanceField`; :class:`Plane`, :class:`Box` and :class:`Sphere` are exact
-    ones. Immutable.
+    Models have a :class:`DistanceField`; :class:`Plane`, :class:`Box`, :class:`Sphere` and the other
+    analytic shapes are ones by formula. Immutable.
     """
 
     __slots__ = ("_core",)

@@ -49,7 +49,7 @@ def contacts(
     find them (:func:`voxshell.testing.contacts_flat`): same ids, same bits, same order.
 
     Args:
-        a: A :class:`Model`, or a :class:`Plane`, :class:`Box` or :class:`Sphere`.
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``: rotation orthonormal to 1e-6, translation in
             metres. None: the identity.
@@ -115,7 +115,7 @@ def collide(
     """Tells whether two bodies touch: whether :func:`contacts` would find any; stops at the first.
 
     Args:
-        a: A :class:`Model`, or a :class:`Plane`, :class:`Box` or :class:`Sphere`.
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.

@@ -2,13 +2,34 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 import voxshell as vx
 
 SHAPES = {
     "plane": lambda: vx.Plane(normal=(1, 2, 2), offset=0.5),
     "box": lambda: vx.Box(half_extents=(0.3, 0.5, 0.8)),
     "sphere": lambda: vx.Sphere(radius=0.7),
+    "capsule": lambda: vx.Capsule(radius=0.4, length=0.9),
+    "cylinder": lambda: vx.Cylinder(radius=0.5, length=1.2),
+    "cone": lambda: vx.Cone(radius=0.6, height=1.2),
+    "convex": lambda: vx.ConvexPolyhedron(trimesh.creation.icosphere(1, radius=0.7)),
 }
+
+
+def distance_to_segment(p: np.ndarray, start, end) -> np.ndarray:
+    edge = np.subtract(end, start)
+    along = np.clip((p - start) @ edge / (edge @ edge), 0, 1)
+    return np.linalg.norm(p - start - along[:, None] * edge, axis=1)
+
+
+def distance_to_polygon(p: np.ndarray, corners) -> np.ndarray:
+    """Of a convex one, counter-clockwise."""
+    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    nearest = np.min([distance_to_segment(p, a, b) for a, b in edges], axis=0)
+    left = [
+        (b[0] - a[0]) * (p[:, 1] - a[1]) - (b[1] - a[1]) * (p[:, 0] - a[0]) > 0 for a, b in edges
+    ]
+    return np.where(np.all(left, axis=0), -nearest, nearest)
 
 
 def exact_distance(shape: vx.Field, p: np.ndarray) -> np.ndarray:
@@ -16,6 +37,21 @@ def exact_distance(shape: vx.Field, p: np.ndarray) -> np.ndarray:
         return p @ shape.normal - shape.offset
     if isinstance(shape, vx.Sphere):
         return np.linalg.norm(p, axis=1) - shape.radius
+    if isinstance(shape, vx.ConvexPolyhedron):
+        triangles = shape.mesh.vertices[shape.mesh.faces]
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return (p @ normals.T - np.sum(normals * triangles[:, 0], axis=1)).max(axis=1)
+    profile = np.column_stack([np.hypot(p[:, 0], p[:, 1]), p[:, 2]])
+    if isinstance(shape, vx.Capsule):
+        end = shape.length / 2
+        return distance_to_segment(profile, (0, -end), (0, end)) - shape.radius
+    if isinstance(shape, vx.Cylinder):
+        r, z = shape.radius, shape.length / 2
+        return distance_to_polygon(profile, [(-r, -z), (r, -z), (r, z), (-r, z)])
+    if isinstance(shape, vx.Cone):
+        r, z = shape.radius, shape.height / 2
+        return distance_to_polygon(profile, [(-r, -z), (r, -z), (0, z)])
     assert isinstance(shape, vx.Box)
     beyond = np.abs(p) - shape.half_extents
     return np.linalg.norm(np.maximum(beyond, 0), axis=1) + np.minimum(beyond.max(axis=1), 0)
@@ -55,6 +91,10 @@ def test_a_plane_keeps_its_normal_at_unit_length():
 def test_what_shapes_say_of_themselves():
     assert repr(SHAPES["box"]()) == "Box(half_extents=(0.3, 0.5, 0.8))"
     assert repr(SHAPES["sphere"]()) == "Sphere(radius=0.7)"
+    assert repr(SHAPES["capsule"]()) == "Capsule(radius=0.4, length=0.9)"
+    assert repr(SHAPES["cylinder"]()) == "Cylinder(radius=0.5, length=1.2)"
+    assert repr(SHAPES["cone"]()) == "Cone(radius=0.6, height=1.2)"
+    assert repr(SHAPES["convex"]()) == "ConvexPolyhedron(80 faces)"
     assert repr(vx.Plane()) == "Plane(normal=(0.0, 0.0, 1.0), offset=0)"
     box = vx.Box((1, 2, 3))
     box.half_extents[0] = 9.0  # a copy
@@ -68,10 +108,74 @@ def test_shapes_cannot_be_changed():
         SHAPES["plane"]().normal = (1, 0, 0)  # pyright: ignore[reportAttributeAccessIssue]
 
 
-@pytest.mark.parametrize("radius", [0, -1, np.nan, np.inf, 1e300, None, "1", [1, 2], 1j])
+WRONG_LENGTHS = [0, -1, np.nan, np.inf, 1e300, None, "1", [1, 2], 1j]
+
+
+@pytest.mark.parametrize("radius", WRONG_LENGTHS)
 def test_a_wrong_radius_is_refused(radius):
     with pytest.raises(vx.SettingsError, match="radius"):
         vx.Sphere(radius)
+    for shape in (vx.Capsule, vx.Cylinder, vx.Cone):
+        with pytest.raises(vx.SettingsError, match="radius"):
+            shape(radius, 1.0)
+
+
+@pytest.mark.parametrize("length", WRONG_LENGTHS)
+def test_a_wrong_length_or_height_is_refused(length):
+    for shape in (vx.Capsule, vx.Cylinder):
+        with pytest.raises(vx.SettingsError, match="length"):
+            shape(1.0, length)
+    with pytest.raises(vx.SettingsError, match="height"):
+        vx.Cone(1.0, length)
+
+
+def test_a_convex_polyhedron_takes_what_a_hull_is():
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(60, 3))
+    hull = vx.ConvexPolyhedron(vx.ConvexHull(points).mesh)
+    assert hull.sample(points).max() == pytest.approx(0.0, abs=1e-5)
+    assert (hull.sample(points) > -1e-5).sum() >= 4
+    assert hull.sample([points.mean(axis=0)])[0] < 0
+
+
+def test_a_convex_polyhedron_must_be_convex_and_says_by_how_much():
+    dented = trimesh.creation.box()
+    dented.vertices[np.argmax(dented.vertices.sum(axis=1))] *= 0.4
+    with pytest.raises(vx.MeshError, match=r"not convex: vertex .* stands 0\.\d+ m out"):
+        vx.ConvexPolyhedron(dented)
+    with pytest.raises(vx.MeshError, match="watertight"):
+        vx.ConvexPolyhedron((dented.vertices, dented.faces[1:]))
+    with pytest.raises(vx.MeshError, match="not finite"):
+        vx.ConvexPolyhedron((dented.vertices * np.nan, dented.faces))
+    with pytest.raises(vx.MemoryLimitError, match="4096 faces"):
+        vx.ConvexPolyhedron(trimesh.creation.icosphere(4))
+    with pytest.raises(vx.InputTypeError, match="mesh"):
+        vx.ConvexPolyhedron(None)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_convex_polyhedron_keeps_its_own_mesh():
+    box = trimesh.creation.box()
+    vertices = np.array(box.vertices)
+    polyhedron = vx.ConvexPolyhedron((vertices, box.faces))
+    vertices[:] = 9.0
+    np.testing.assert_array_equal(polyhedron.mesh.vertices, box.vertices)
+    with pytest.raises(ValueError, match="read-only"):
+        polyhedron.mesh.vertices[0] = 1.0
+
+
+@pytest.mark.parametrize("kind", ["capsule", "cylinder", "cone", "convex"])
+def test_new_shapes_meet_models_but_make_no_bodies(kind, ball):
+    shape = SHAPES[kind]()
+    pose = np.eye(4)
+    pose[:3, 3] = 0.0, 0.05, 0.0
+    touching = vx.contacts(ball, shape, a_pose=pose)
+    flat = vx.testing.contacts_flat(ball, shape, a_pose=pose)
+    assert len(touching) == len(ball.shell)
+    np.testing.assert_array_equal(touching.depths, flat.depths)
+    pose[1, 3] = 3.0
+    assert not vx.collide(ball, shape, a_pose=pose)
+    with pytest.raises(vx.InputTypeError, match=type(shape).__name__):
+        vx.World().add(shape, mass=0)
 
 
 @pytest.mark.parametrize(
