@@ -259,7 +259,8 @@ class ConvexPolyhedron(Field):
 
     Args:
         mesh: As for :meth:`voxshell.Model.from_mesh`: closed, convex to 1e-5 of its longest side,
-            of at most 4096 faces. For the hull of points: ``voxshell.ConvexHull(points).mesh``.
+            of at most 4096 faces. For the hull of points: ``voxshell.ConvexHull(points).mesh``,
+            which is good to 2e-4 of its size, or ``trimesh.convex.convex_hull(points)``.
 
     Raises:
         MeshError: The mesh cannot be read, is not closed, or is not convex; the message says by how

@@ -4,7 +4,8 @@
 #include "simd/wide.h"
 
 // Distances are exact and negative inside; gradients have unit length. Where several gradients are
-// as good, one is chosen, as the fields' headers say.
+// as good, one is chosen, as the fields' headers say. Of coordinates that are not numbers,
+// distances are none: maximum() keeps a second argument that is none.
 
 namespace voxshell::simd::VOXSHELL_ISA {
 
@@ -52,7 +53,7 @@ template <class F>
 inline F evaluate_distance(const BoxView& box, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const Triple<F> q = beyond_faces(box, p);
-  const Triple<F> outside{maximum(q.x, zero), maximum(q.y, zero), maximum(q.z, zero)};
+  const Triple<F> outside{maximum(zero, q.x), maximum(zero, q.y), maximum(zero, q.z)};
   return length(outside) + minimum(maximum(maximum(q.x, q.y), q.z), zero);
 }
 
@@ -62,8 +63,8 @@ inline Triple<F> evaluate_gradient(const BoxView& box, const Triple<F>& p) {
   const F one = splat<F>(1.0f);
   const Triple<F> q = beyond_faces(box, p);
   const Triple<F> outside =
-      normalized(Triple<F>{with_sign(maximum(q.x, zero), p.x), with_sign(maximum(q.y, zero), p.y),
-                           with_sign(maximum(q.z, zero), p.z)});
+      normalized(Triple<F>{with_sign(maximum(zero, q.x), p.x), with_sign(maximum(zero, q.y), p.y),
+                           with_sign(maximum(zero, q.z), p.z)});
   const auto is_x = (q.x >= q.y) & (q.x >= q.z);
   const F y = select(q.y >= q.z, one, zero);
   const Triple<F> inside{with_sign(select(is_x, one, zero), p.x),
@@ -151,7 +152,7 @@ template <class F>
 inline F evaluate_distance(const CylinderView& cylinder, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const Profile<F> beyond = beyond_faces(cylinder, to_profile(p));
-  const Profile<F> outside{maximum(beyond.r, zero), maximum(beyond.z, zero)};
+  const Profile<F> outside{maximum(zero, beyond.r), maximum(zero, beyond.z)};
   return square_root(squared_length(outside)) + minimum(maximum(beyond.r, beyond.z), zero);
 }
 
@@ -163,7 +164,7 @@ inline Triple<F> evaluate_gradient(const CylinderView& cylinder, const Triple<F>
   const Profile<F> beyond = beyond_faces(cylinder, q);
   const auto is_side = beyond.r >= beyond.z;
   const Profile<F> inside{select(is_side, one, zero), select(is_side, zero, one)};
-  const Profile<F> outside{maximum(beyond.r, zero), maximum(beyond.z, zero)};
+  const Profile<F> outside{maximum(zero, beyond.r), maximum(zero, beyond.z)};
   Profile<F> direction = normalized_or(outside, inside);
   direction.z = with_sign(direction.z, q.z);
   return from_profile(direction, p, q.r);
@@ -186,7 +187,7 @@ inline ConePlace<F> locate(const ConeView& cone, const Profile<F>& q) {
   const F along =
       clamp(from_rim.r * cone.slant_r + from_rim.z * cone.slant_z, 0.0f, cone.slant_length);
   const Profile<F> from_slant{from_rim.r - along * cone.slant_r, from_rim.z - along * cone.slant_z};
-  const Profile<F> from_base{maximum(from_rim.r, splat<F>(0.0f)), from_rim.z};
+  const Profile<F> from_base{maximum(splat<F>(0.0f), from_rim.r), from_rim.z};
   const F squared_slant = squared_length(from_slant);
   const F squared_base = squared_length(from_base);
   const auto is_base = squared_base < squared_slant;

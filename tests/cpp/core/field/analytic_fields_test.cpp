@@ -322,6 +322,27 @@ TEST(AnalyticFields, AreLipschitzInside) {
   }
 }
 
+TEST(AnalyticFields, GiveNoNumberForPlacesThatAreNone) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Field> fields{PlaneField{{0.6, 0, 0.8}, 0.1},
+                                  SphereField{1.0},
+                                  BoxField{{0.5, 1.0, 1.5}},
+                                  CapsuleField{0.5, 1.0},
+                                  CylinderField{0.5, 1.5},
+                                  ConeField{1.0, 2.0},
+                                  make_convex(test_support::make_icosphere(1.0, 1))};
+  for (const Field& field : fields) {
+    std::visit(
+        [&](const auto& f) {
+          for (const Vec3f& p : {Vec3f{nan, 0, 0}, Vec3f{0, nan, 0}, Vec3f{0, 0, nan}}) {
+            EXPECT_TRUE(std::isnan(f.distance(p))) << "field " << field.index();
+            EXPECT_TRUE(std::isnan(f.lower_bound(p, 0.1f))) << "field " << field.index();
+          }
+        },
+        field);
+  }
+}
+
 TEST(AnalyticFields, AnswerFarAwayWithoutTrouble) {
   const float infinity = std::numeric_limits<float>::infinity();
   const std::vector<Field> fields{PlaneField{{0.6, 0, 0.8}, 0.1}, SphereField{1.0},

@@ -196,6 +196,14 @@ Value evaluate(const BoxField& box, const std::array<float, 3>& q) {
   return value;
 }
 
+/// The formulas of the other fields have tests of their own.
+template <class F>
+Value evaluate(const F& field, const std::array<float, 3>& q) {
+  const Vec3f p{q[0], q[1], q[2]};
+  const Vec3f g = field.gradient(p);
+  return {field.distance(p), {g.x, g.y, g.z}};
+}
+
 Vec3f unit(const Vec3f& v) {
   const float far = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
   return far > 0.0f ? Vec3f{v.x / far, v.y / far, v.z / far} : Vec3f{};

@@ -27,6 +27,12 @@ inline GridField make_grid(const Soup& soup, double voxel_size) {
   return *std::move(field);
 }
 
+inline ConvexField make_convex(const Soup& soup) {
+  auto field = ConvexField::create(soup.mesh());
+  if (!field) std::abort();
+  return *std::move(field);
+}
+
 /// Bodies of about a metre, of every kind that matters to queries: not convex, with a hole, with
 /// sharp edges, flat.
 inline const std::vector<PointShell>& shells() {
@@ -42,7 +48,11 @@ inline const std::vector<Field>& fields() {
                                                   make_grid(make_blob(0.35, 3), 0.035),
                                                   PlaneField{normalized(Vec3{1, -2, 3}), 0.2},
                                                   BoxField{{0.3, 0.5, 0.2}},
-                                                  SphereField{0.4}};
+                                                  SphereField{0.4},
+                                                  CapsuleField{0.2, 0.5},
+                                                  CylinderField{0.3, 0.6},
+                                                  ConeField{0.4, 0.7},
+                                                  make_convex(make_icosphere(0.4, 1))};
   return *all;
 }
 
