@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
+from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.contact_set import Contacts
 from voxshell.errors import (
     InputTypeError,
@@ -65,6 +66,7 @@ __all__ = [
     "Box",
     "Capsule",
     "Cone",
+    "ContactBounds",
     "Contacts",
     "ConvexDecomposition",
     "ConvexHull",
@@ -91,6 +93,7 @@ __all__ = [
     "World",
     "__version__",
     "collide",
+    "contact_bounds",
     "contacts",
     "testing",
 ]
