@@ -13,19 +13,29 @@
 namespace voxshell {
 
 struct PointShellSettings {
+  static constexpr std::size_t kMostPoints = std::size_t{1} << 28;
+
   /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
   double spacing = 0.0;
   /// How many points are wanted; reached within 1 %. The voxels of very regular meshes may then be
   /// those of a rotated grid.
   std::size_t target_points = 0;
-  std::size_t point_limit = std::size_t{1} << 26;  ///< a larger shell is refused
+  std::size_t point_limit = std::size_t{1} << 26;  ///< a larger shell is refused; <= kMostPoints
+  unsigned threads = 0;                            ///< 0: one a core; the shell is the same
 };
 
 /// Points on a mesh's surface with outward unit normals and the area that each stands for, in the
-/// order of their point-sphere tree. Metres, the mesh's frame.
+/// order of their point-sphere tree. Metres, the mesh's frame; no two at the same place.
 ///
 /// There is one point a surface voxel: the closest to the voxel's centre of the surface within it
-/// (thesis, section 5.3). So no place of the surface is farther than sqrt(3) spacings from a point.
+/// (thesis, section 5.3). Where part of that surface faces away from the point, more than 90
+/// degrees, as in thin plates and at sharp edges, it has a point of its own (three more at most: no
+/// more than four directions face away from one another).
+///
+/// So no place of the surface is farther than sqrt(3) spacings, the diagonal of a voxel, from a
+/// point, and none farther than that from a point that does not face away from it; as far as
+/// float32 tells places apart, and but for needles, triangles narrower than a billionth of their
+/// length, which face nowhere.
 class PointShell {
  public:
   /// Those errors of build() that can be told before the work: kInvalidArgument, kTooLarge.

@@ -41,7 +41,9 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
 
   {
     std::vector<std::jthread> helpers;
-    const std::size_t helper_count = std::min<std::size_t>(threads - 1, count);
+    // The calling thread works, too: one task needs no helper.
+    const std::size_t helper_count =
+        std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)) - 1;
     // Where the system has no more threads to give, the work is done by fewer.
     const auto start_helper = [&] {
       try {

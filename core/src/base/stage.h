@@ -30,6 +30,15 @@ class Stage {
 
   bool stopped() const { return stopped_; }
 
+  /// For work that reports by itself: its 0 to 1 count `from` to `to` of this stage's part. Refers
+  /// to this stage.
+  Progress as_progress(double from, double to) {
+    return [this, from, to](std::string_view, double done) {
+      report(from + (to - from) * done);
+      return !stopped_;
+    };
+  }
+
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr auto kReportEvery = std::chrono::milliseconds(50);

@@ -67,7 +67,8 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
 
   PointShellSettings shell_settings{.spacing = settings.point_spacing,
-                                    .target_points = settings.target_points};
+                                    .target_points = settings.target_points,
+                                    .threads = settings.threads};
   if (shell_settings.spacing == 0.0 && shell_settings.target_points == 0) {
     shell_settings.spacing = *voxel_size;
   }

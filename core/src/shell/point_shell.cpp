@@ -1,10 +1,13 @@
 #include "voxshell/point_shell.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "base/stage.h"
 #include "base/text.h"
 #include "shell/surface_voxels.h"
 
@@ -13,45 +16,109 @@ namespace {
 
 struct ShellPoint {
   Vec3f point;
-  Vec3f normal;
+  std::uint32_t triangle;
   double area;
 };
 
 struct Sampling {
   std::vector<ShellPoint> points;
   double spacing = 0.0;
-  std::size_t voxels = 0;  ///< more than points where float32 cannot tell some apart
+  std::size_t samples = 0;  ///< more than points where float32 cannot tell some apart
 };
 
-/// Rounds samples to float32 and merges those that then share a place.
-Sampling compute_shell_points(const TriangleMesh& mesh, const VoxelGrid& grid, Stage& stage) {
-  std::vector<ShellPoint> shell_points;
-  for (const SurfaceSample& sample : sample_surface_voxels(mesh, grid, stage)) {
-    const auto [a, b, c] = mesh.corners(sample.triangle);
-    shell_points.push_back({static_cast<Vec3f>(sample.point),
-                            static_cast<Vec3f>(normalized(cross(b - a, c - a))), sample.area});
-  }
-  const auto before = [](const ShellPoint& a, const ShellPoint& b) {
-    if (a.point.z != b.point.z) return a.point.z < b.point.z;
-    if (a.point.y != b.point.y) return a.point.y < b.point.y;
-    return a.point.x < b.point.x;
-  };
-  std::stable_sort(shell_points.begin(), shell_points.end(), before);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < shell_points.size(); ++i) {
-    if (kept > 0 && shell_points[kept - 1].point == shell_points[i].point) {
-      shell_points[kept - 1].area += shell_points[i].area;
-    } else {
-      shell_points[kept++] = shell_points[i];
-    }
-  }
-  const std::size_t voxels = shell_points.size();
-  shell_points.resize(kept);
-  return {std::move(shell_points), grid.spacing, voxels};
+Vec3 normal_of(const TriangleMesh& mesh, std::uint32_t triangle) {
+  const auto [a, b, c] = mesh.corners(triangle);
+  return normalized(cross(b - a, c - a));
 }
 
-/// Surface voxels per spacing^2 of surface, on average over its orientations.
-constexpr double kVoxelsPerArea = 1.5;
+/// Which point is at a place.
+class PlaceTable {
+ public:
+  /// `points` stays where it is.
+  explicit PlaceTable(const std::vector<ShellPoint>& points)
+      : points_(points), slots_(std::bit_ceil(2 * points.size() + 1), kFree) {}
+
+  /// The point at the place of `candidate`, which is `candidate` itself if it is the first.
+  std::uint32_t take(std::uint32_t candidate) {
+    const Vec3f& p = points_[candidate].point;
+    std::size_t i = hash(p) & (slots_.size() - 1);
+    while (slots_[i] != kFree && points_[slots_[i]].point != p) i = (i + 1) & (slots_.size() - 1);
+    if (slots_[i] == kFree) slots_[i] = candidate;
+    return slots_[i];
+  }
+
+ private:
+  static constexpr auto kFree = static_cast<std::uint32_t>(-1);
+
+  /// Spreads the bits of three floats (the steps of SplitMix64).
+  static std::uint64_t hash(const Vec3f& p) {
+    std::uint64_t h = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      h += std::bit_cast<std::uint32_t>(p[axis] + 0.0f);  // -0 becomes 0
+      h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9u;
+      h = (h ^ (h >> 27)) * 0x94D049BB133111EBu;
+    }
+    return h >> 32;
+  }
+
+  const std::vector<ShellPoint>& points_;
+  std::vector<std::uint32_t> slots_;
+};
+
+/// Rounds samples to float32. Those that then share a place become one point if they face the same
+/// way, too; otherwise all but one of them move to the middle of their piece of the surface. So the
+/// two sides of an edge that passes nearest to a voxel's centre both keep a point.
+std::vector<ShellPoint> make_shell_points(const TriangleMesh& mesh,
+                                          const std::vector<SurfaceSample>& samples, Stage& stage) {
+  std::vector<ShellPoint> points;
+  points.reserve(samples.size());
+  for (const SurfaceSample& sample : samples) {
+    points.push_back({static_cast<Vec3f>(sample.point), sample.triangle, sample.area});
+  }
+  const auto face_the_same_way = [&](std::uint32_t a, std::uint32_t b) {
+    constexpr double kSameNormal = 1.0 - 1e-6;
+    return points[a].triangle == points[b].triangle ||
+           dot(normal_of(mesh, points[a].triangle), normal_of(mesh, points[b].triangle)) >
+               kSameNormal;
+  };
+  const auto join = [&](std::uint32_t id, std::uint32_t other) {
+    points[other].area += points[id].area;
+    points[id].area = 0.0;
+  };
+
+  PlaceTable table(points);
+  std::vector<std::uint32_t> moved;
+  for (std::uint32_t id = 0; id < points.size(); ++id) {
+    constexpr std::uint32_t kPointsAReport = 1 << 16;
+    if (id % kPointsAReport == 0) {
+      stage.report(0.9 + 0.1 * static_cast<double>(id) / static_cast<double>(points.size()));
+      if (stage.stopped()) return {};
+    }
+    const std::uint32_t first = table.take(id);
+    if (first == id) continue;
+    if (face_the_same_way(id, first)) {
+      join(id, first);
+    } else {
+      moved.push_back(id);
+    }
+  }
+  for (const std::uint32_t id : moved) {
+    points[id].point =
+        static_cast<Vec3f>(samples[id].point + static_cast<Vec3>(samples[id].to_middle));
+    // Where float32 cannot tell the middle from another point either, that one stands for both.
+    const std::uint32_t first = table.take(id);
+    if (first != id) join(id, first);
+  }
+  std::erase_if(points, [](const ShellPoint& point) { return point.area == 0.0; });
+  return points;
+}
+
+Sampling sample_shell(const TriangleMesh& mesh, const VoxelGrid& grid, unsigned threads,
+                      Stage& stage) {
+  const auto samples = sample_surface_voxels(mesh, grid, threads, stage.as_progress(0.0, 0.9));
+  if (stage.stopped()) return {};
+  return {make_shell_points(mesh, samples, stage), grid.spacing, samples.size()};
+}
 
 /// A grid that shares no symmetry with the mesh; another for each index. Rotation and shift are
 /// multiples of powers of the root of x^4 = x + 1, which spread evenly.
@@ -71,55 +138,89 @@ VoxelGrid make_odd_grid(double spacing, int index) {
 
 Error stopped() { return {ErrorCode::kCancelled, "building the point shell was stopped"}; }
 
-/// Finds the spacing that gives a wanted number of points. The number falls with the spacing, but
-/// on regular meshes in steps, as many voxels appear at once. Where a bisection ends at such a
-/// step, the search goes on with odd grids.
-Result<Sampling> search_target(const TriangleMesh& mesh, std::size_t target, Stage& stage) {
-  constexpr int kMaxTrials = 64;
+/// Finds the spacing that gives a wanted number of points. The number falls with the spacing, on
+/// most meshes almost as its inverse square; but on regular ones in steps, as many voxels appear at
+/// once. Where a search ends at such a step, it goes on with odd grids.
+class TargetSearch {
+ public:
+  TargetSearch(const TriangleMesh& mesh, std::size_t target)
+      : wanted_(static_cast<double>(target)) {
+    const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+    grid_.spacing = std::max(std::sqrt(compute_passed_area(mesh, {}) / wanted_), longest / wanted_);
+  }
+
+  const VoxelGrid& grid() const { return grid_; }
+
+  /// Chooses the next grid to try from the count that this one gave, which is not the one wanted.
+  void take(std::size_t count) {
+    const double ratio = static_cast<double>(count) / wanted_;
+    if (odd_grids_ > 0) {
+      grid_ = make_odd_grid(grid_.spacing * std::sqrt(std::sqrt(ratio)), odd_grids_++);
+      return;
+    }
+    ++trials_;
+    (ratio > 1.0 ? too_fine_ : too_coarse_) = {grid_.spacing, std::log(ratio)};
+    if (too_fine_.spacing == 0.0 || too_coarse_.spacing == 0.0) {
+      // Beyond what is expected, if that fell short: to have it between two spacings soon.
+      const double beyond = trials_ == 1 ? 0.0 : ratio > 1.0 ? 0.01 : -0.01;
+      grid_.spacing *= std::max(0.5, std::sqrt(ratio)) * (1.0 + beyond);
+      return;
+    }
+    const double apart = std::log(too_coarse_.spacing / too_fine_.spacing);
+    // By a straight line in logarithms, and by halves where that does not get there.
+    const double share = trials_ % 2 == 0
+                             ? too_fine_.log_ratio / (too_fine_.log_ratio - too_coarse_.log_ratio)
+                             : 0.5;
+    grid_.spacing = too_fine_.spacing * std::exp(share * apart);
+    constexpr double kStepWidth = 1e-4;
+    constexpr int kManyTrials = 10;
+    if (apart < kStepWidth || trials_ >= kManyTrials) {
+      grid_ = make_odd_grid(grid_.spacing, odd_grids_++);
+    }
+  }
+
+ private:
+  struct Trial {
+    double spacing = 0.0;
+    double log_ratio = 0.0;  ///< of the count to the one wanted
+  };
+
+  double wanted_;
+  VoxelGrid grid_{};
+  Trial too_fine_;
+  Trial too_coarse_;
+  int trials_ = 0;
+  int odd_grids_ = 0;
+};
+
+Result<Sampling> sample_target(const TriangleMesh& mesh, std::size_t target, unsigned threads,
+                               Stage& stage) {
+  constexpr int kMaxTrials = 256;  // few points must be hit to the point, and take little time
   constexpr double kTolerance = 0.01;
   const auto wanted = static_cast<double>(target);
-  const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
-  VoxelGrid grid{
-      std::max(std::sqrt(kVoxelsPerArea * mesh.compute_area() / wanted), longest / wanted), {}};
-  int odd_grids = 0;
-  double too_fine = 0.0;
-  double too_coarse = 0.0;
-  Sampling best;
-  const auto miss = [&](std::size_t points) {
-    return std::abs(static_cast<double>(points) - wanted);
+  const auto miss = [&](const Sampling& sampling) {
+    return std::abs(static_cast<double>(sampling.points.size()) - wanted);
   };
+  TargetSearch search(mesh, target);
+  Sampling best;
+  double done = 0.0;
   for (int trial = 0; trial < kMaxTrials; ++trial) {
-    stage.set_part(static_cast<double>(trial) / kMaxTrials,
-                   static_cast<double>(trial + 1) / kMaxTrials);
-    stage.report(0.0);
-    Sampling sampling = compute_shell_points(mesh, grid, stage);
+    // Most searches end soon: each trial counts half of what is left.
+    stage.set_part(done, 0.5 * (1.0 + done));
+    done = 0.5 * (1.0 + done);
+    Sampling sampling = sample_shell(mesh, search.grid(), threads, stage);
     if (stage.stopped()) return stopped();
     const std::size_t count = sampling.points.size();
-    const std::size_t voxels = sampling.voxels;
-    if (best.points.empty() || miss(count) < miss(best.points.size())) best = std::move(sampling);
-    // A tenth of the tolerance is soon found on large shells and keeps repeated asks alike.
-    const double good_enough = trial < 16 ? 0.1 * kTolerance : kTolerance;
-    if (miss(best.points.size()) <= good_enough * wanted) return best;
+    const std::size_t samples = sampling.samples;
+    if (best.points.empty() || miss(sampling) < miss(best)) best = std::move(sampling);
+    // Soon, a third trial gets as near as a quarter of the tolerance.
+    const double good_enough = trial < 3 ? 0.25 * kTolerance : kTolerance;
+    if (miss(best) <= good_enough * wanted) return best;
 
     // Finer voxels would only give more points that float32 cannot tell apart.
-    constexpr std::size_t kMostVoxelsAPoint = 4;
-    if (count < target && voxels > kMostVoxelsAPoint * target) break;
-
-    const double ratio = static_cast<double>(count) / wanted;
-    if (odd_grids > 0) {
-      grid = make_odd_grid(grid.spacing * std::sqrt(std::sqrt(ratio)), odd_grids++);
-      continue;
-    }
-    (count > target ? too_fine : too_coarse) = grid.spacing;
-    if (too_fine == 0.0 || too_coarse == 0.0) {
-      grid.spacing *= std::max(0.5, std::sqrt(ratio)) * (count > target ? 1.01 : 0.99);
-      continue;
-    }
-    grid.spacing = std::sqrt(too_fine * too_coarse);
-    constexpr double kStepWidth = 1e-4;
-    if (std::abs(too_coarse - too_fine) < kStepWidth * too_fine) {
-      grid = make_odd_grid(grid.spacing, odd_grids++);
-    }
+    constexpr std::size_t kMostSamplesAPoint = 4;
+    if (count < target && samples > kMostSamplesAPoint * target) break;
+    search.take(count);
   }
   return Error{ErrorCode::kInvalidArgument,
                format_text("no voxel size gives %zu points within 1 %% on this mesh; the nearest "
@@ -140,22 +241,21 @@ Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
     return Error{ErrorCode::kInvalidArgument,
                  format_text("point spacing must be above 0 m, not %g", settings.spacing)};
   }
-  const double area = mesh.compute_area();
+  const double area = compute_passed_area(mesh, {});
   const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
-  const auto limit = static_cast<double>(settings.point_limit);
+  const std::size_t limit = std::min(settings.point_limit, PointShellSettings::kMostPoints);
   // A wire has no area to speak of, but passes a voxel a spacing.
-  const double expected =
-      by_spacing ? std::max(kVoxelsPerArea * area / (settings.spacing * settings.spacing),
-                            longest / settings.spacing)
-                 : static_cast<double>(settings.target_points);
-  if (expected > limit) {
+  const double expected = by_spacing ? std::max(area / (settings.spacing * settings.spacing),
+                                                longest / settings.spacing)
+                                     : static_cast<double>(settings.target_points);
+  if (expected > static_cast<double>(limit)) {
     constexpr double kSafety = 1.2;  // how far the estimate may be below the number found
     return Error{ErrorCode::kTooLarge,
                  format_text("a point shell of about %.3g points is above the limit of %zu; use a "
                              "spacing of at least %.3g m",
-                             expected, settings.point_limit,
-                             std::max(std::sqrt(kSafety * kVoxelsPerArea * area / limit),
-                                      kSafety * longest / limit))};
+                             expected, limit,
+                             std::max(std::sqrt(kSafety * area / static_cast<double>(limit)),
+                                      kSafety * longest / static_cast<double>(limit)))};
   }
   return std::monostate{};
 }
@@ -167,9 +267,9 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   Stage stage(progress, "point shell");
   Sampling sampling;
   if (settings.target_points == 0) {
-    sampling = compute_shell_points(mesh, {settings.spacing, {}}, stage);
+    sampling = sample_shell(mesh, {settings.spacing, {}}, settings.threads, stage);
   } else {
-    auto found = search_target(mesh, settings.target_points, stage);
+    auto found = sample_target(mesh, settings.target_points, settings.threads, stage);
     if (!found) return found.error();
     sampling = *std::move(found);
     stage.set_part(0.0, 1.0);
@@ -191,9 +291,10 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   shell.normals_.reserve(order.size());
   shell.areas_.reserve(order.size());
   for (const std::uint32_t id : order) {
-    shell.points_.push_back(sampling.points[id].point);
-    shell.normals_.push_back(sampling.points[id].normal);
-    shell.areas_.push_back(static_cast<float>(sampling.points[id].area));
+    const ShellPoint& p = sampling.points[id];
+    shell.points_.push_back(p.point);
+    shell.normals_.push_back(static_cast<Vec3f>(normal_of(mesh, p.triangle)));
+    shell.areas_.push_back(static_cast<float>(p.area));
   }
   return shell;
 }

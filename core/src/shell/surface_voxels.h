@@ -3,17 +3,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/stage.h"
 #include "voxshell/pose.h"
+#include "voxshell/progress.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
 
-/// The surface within one voxel, as one sample.
+/// One side of the surface within one voxel.
 struct SurfaceSample {
-  Vec3 point;              ///< closest to the voxel's centre of the surface within the voxel
+  Vec3 point;              ///< closest to the voxel's centre of this side of the surface within it
+  Vec3f to_middle;         ///< from `point` to well within the part of the triangle in the voxel
   std::uint32_t triangle;  ///< the triangle that it lies on
-  double area;             ///< of the surface within the voxel, m2
+  double area;             ///< of this side, m2
 };
 
 /// A regular grid of voxels about a mesh.
@@ -23,17 +24,28 @@ struct VoxelGrid {
   Vec3 shift{};            ///< of the grid from being centred on the mesh's bounds, voxels
 };
 
-/// Cuts a mesh along a grid and samples each voxel that the surface passes through. Ordered by
-/// voxel, x fastest.
-std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid,
-                                                 Stage& stage);
+/// Surfaces face away from each other where the cosine of the angle between their normals is below
+/// this: beyond a right angle by more than what the rounding of a mesh's corners makes of one.
+constexpr double kFacesAway = -1e-3;
 
-/// The same without anybody who watches.
-inline std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh,
-                                                        const VoxelGrid& grid) {
-  const Progress nobody;
-  Stage stage(nobody, "");
-  return sample_surface_voxels(mesh, grid, stage);
-}
+/// The outward unit normal of a triangle; zero for a needle, narrower than a billionth of its
+/// length, whose normal would be mere rounding.
+Vec3 compute_triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Area times the expected number of voxels that a unit of area passes, m2: of |n| along the grid's
+/// axes the sum. Divided by spacing^2 it is how many voxels a surface that is flat within most
+/// voxels passes.
+double compute_passed_area(const TriangleMesh& mesh, const Matrix3& grid_from_mesh);
+
+/// Cuts a mesh along a grid and samples each voxel that the surface passes: the point closest to
+/// its centre and, where part of the surface within the voxel faces away from that one, the closest
+/// of that part, and so on; no more than four directions face away from one another. Needles face
+/// nowhere, and give a sample only to voxels with nothing else.
+///
+/// Neighbours are near each other in the order, which is the same for any number of threads. Empty
+/// where progress asked to stop.
+std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                                 unsigned threads = 0,
+                                                 const Progress& progress = {});
 
 }  // namespace voxshell

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/closest_point.h"
+#include "shell/surface_voxels.h"
 #include "support/brute_force.h"
 #include "support/meshes.h"
 #include "support/random.h"
@@ -114,24 +116,71 @@ void expect_sound(const PointShell& shell, const TriangleMesh& mesh, const std::
   }
 }
 
-/// No place of the surface is farther than sqrt(3) spacings from a point.
-void expect_covers(const PointShell& shell, const TriangleMesh& mesh, Random& random,
-                   const std::string& name) {
-  const SurfaceSampler surface(mesh);
-  const double bound = std::sqrt(3.0) * shell.spacing() * (1 + 1e-6);
-  double worst = 0.0;
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3 p = surface(random);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Vec3f& q : shell.points()) {
-      nearest = std::min(nearest, squared_length(static_cast<Vec3>(q) - p));
+/// The points of a shell by cells of the surface that each may cover.
+class NearPoints {
+ public:
+  explicit NearPoints(const PointShell& shell, double reach) : shell_(shell), reach_(reach) {
+    for (std::uint32_t id = 0; id < shell.size(); ++id) {
+      ids_[cell(static_cast<Vec3>(shell.points()[id]))].push_back(id);
     }
-    worst = std::max(worst, std::sqrt(nearest));
   }
-  EXPECT_LE(worst, bound) << name;
-  // Where spacing is far above the body's size one point is enough.
+
+  /// To the nearest point that `accepts`; infinite where there is none within reach.
+  template <class Accepts>
+  double distance(const Vec3& p, const Accepts& accepts) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    const auto centre = cell(p);
+    for (int i = 0; i < 27; ++i) {
+      const auto found =
+          ids_.find({centre[0] + i % 3 - 1, centre[1] + i / 3 % 3 - 1, centre[2] + i / 9 - 1});
+      if (found == ids_.end()) continue;
+      for (const std::uint32_t id : found->second) {
+        if (!accepts(id)) continue;
+        nearest = std::min(nearest, length(static_cast<Vec3>(shell_.points()[id]) - p));
+      }
+    }
+    return nearest <= reach_ ? nearest : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+
+  Cell cell(const Vec3& p) const {
+    Cell index;
+    for (int axis = 0; axis < 3; ++axis) {
+      index[static_cast<std::size_t>(axis)] =
+          static_cast<std::int64_t>(std::floor(p[axis] / reach_));
+    }
+    return index;
+  }
+
+  const PointShell& shell_;
+  double reach_;
+  std::map<Cell, std::vector<std::uint32_t>> ids_;
+};
+
+/// No place of the surface is farther than sqrt(3) spacings from a point that does not face away
+/// from it.
+void expect_covers(const PointShell& shell, const TriangleMesh& mesh, Random& random,
+                   const std::string& name, int places = 2000) {
+  SCOPED_TRACE(name + ", spacing " + std::to_string(shell.spacing()));
+  const SurfaceSampler surface(mesh);
+  const double bound = std::sqrt(3.0) * shell.spacing() + 1e-6 * length(mesh.bounds().extents());
+  const NearPoints near(shell, bound);
+  double worst = 0.0;
+  for (int i = 0; i < places; ++i) {
+    const auto [p, triangle] = surface.place(random);
+    const auto [a, b, c] = mesh.corners(triangle);
+    const Vec3 normal = normalized(cross(b - a, c - a));
+    const double distance = near.distance(p, [&](std::uint32_t id) {
+      return dot(static_cast<Vec3>(shell.normals()[id]), normal) > -0.003;
+    });
+    ASSERT_LE(distance, bound) << "from " << p.x << ", " << p.y << ", " << p.z;
+    worst = std::max(worst, distance);
+  }
+  // Where spacing is far above the body's size one point a side is enough.
   if (shell.size() > 100) {
-    EXPECT_GT(worst, 0.3 * shell.spacing()) << name;
+    EXPECT_GT(worst, 0.3 * shell.spacing());
   }
 }
 
@@ -171,14 +220,64 @@ TEST(PointShell, OfBoxesWithSidesOfWholeSpacings) {
   }
 }
 
-TEST(PointShell, OfAThinPlateCoversBothSidesWithinItsThickness) {
+std::size_t count_facing(const PointShell& shell, const Vec3& direction) {
+  return static_cast<std::size_t>(std::count_if(
+      shell.normals().begin(), shell.normals().end(),
+      [&](const Vec3f& normal) { return dot(static_cast<Vec3>(normal), direction) > 0.9; }));
+}
+
+TEST(PointShell, OfAThinPlateHasPointsOnBothSides) {
   Random random(93);
-  for (const double thickness : {1e-3, 1e-5}) {
+  for (const double thickness : {0.04, 1e-3, 1e-5, 1e-7}) {
     const TriangleMesh mesh = make_box({0.5, 0.5, thickness / 2}).mesh();
     const PointShell shell = build(mesh, {.spacing = 0.05});
     expect_sound(shell, mesh, "plate");
     expect_covers(shell, mesh, random, "plate");
-    EXPECT_EQ(shell.size(), 441u);  // a voxel holds both sides, and gets one point
+    // Voxels on the rim have a point there, from which neither side faces away.
+    EXPECT_EQ(count_facing(shell, {0, 0, 1}), 19u * 19u);
+    EXPECT_EQ(count_facing(shell, {0, 0, -1}), 19u * 19u);
+    EXPECT_EQ(shell.size(), 2u * 19u * 19u + 80u);
+  }
+}
+
+TEST(PointShell, OfThinAndSharpBodiesHasPointsOnAllSides) {
+  Random random(98);
+  std::vector<Body> all;
+  const auto add = [&](const char* name, const Soup& soup) {
+    all.push_back({name, soup.mesh()});
+    all.push_back({name, transformed(soup, random.pose(0.3)).mesh()});
+  };
+  add("blade", make_wedge(1.0, 0.05, 0.5));
+  add("fine blade", make_wedge(1.0, 1e-4, 0.5));
+  // Its edge is in a plane between voxels, where those of both sides may choose the same place.
+  add("steep blade", make_wedge(0.3, 0.5, 0.5));
+  add("spike", make_spike(0.1, 1.0));
+  add("flat spike", make_spike(1.0, 0.01));
+  add("rod", make_box({0.003, 0.002, 0.5}));
+  add("thin tube", make_torus(0.5, 0.004, 60, 8));
+  add("three-sided rod",
+      make_prism({{0.004, 0}, {-0.002, 0.0035}, {-0.002, -0.0035}}, {{0, 1, 2}}, -0.5, 0.5));
+  add("small tetrahedron", make_corner_tetrahedron(0.02));
+  add("gap",
+      together(make_box({0.3, 0.3, 0.01}), moved(make_box({0.3, 0.3, 0.01}), {0, 0, 0.021})));
+  for (const auto& [name, mesh] : all) {
+    for (const double spacing : {0.013, 0.05, 0.2, 3.0}) {
+      const PointShell shell = build(mesh, {.spacing = spacing});
+      expect_sound(shell, mesh, name);
+      expect_covers(shell, mesh, random, name, 5000);
+    }
+  }
+}
+
+TEST(PointShell, OfSmoothBodiesHasOnePointAVoxel) {
+  // The second side is the exception.
+  for (const std::size_t body : {4u, 5u, 6u}) {
+    const auto [name, mesh] = bodies()[body];
+    const double spacing = 0.02;
+    const double voxels = compute_passed_area(mesh, {}) / (spacing * spacing);
+    EXPECT_NEAR(static_cast<double>(build(mesh, {.spacing = spacing}).size()), voxels,
+                0.01 * voxels)
+        << name;
   }
 }
 
@@ -230,12 +329,18 @@ TEST(PointShell, ByTargetIsReachedWithinOnePercent) {
 TEST(PointShell, ByTargetOfFewPointsIsReachedToThePoint) {
   // One percent of fewer than 100 points is none.
   for (const auto& [name, mesh] : bodies()) {
-    for (const std::size_t target : {1u, 2u, 3u, 5u, 8u, 13u, 20u, 21u, 33u}) {
+    for (const std::size_t target : {5u, 8u, 13u, 20u, 21u, 33u, 51u, 89u}) {
       const auto shell = PointShell::build(mesh, {.target_points = target});
       ASSERT_TRUE(shell) << name << ": " << shell.error().message;
       EXPECT_EQ(shell->size(), target) << name;
     }
   }
+}
+
+TEST(PointShell, ByTargetBelowTheSidesOfABodyIsRefused) {
+  // A closed body has sides that face away from one another: two to four points at least.
+  const auto refused = PointShell::build(make_icosphere(0.5, 3).mesh(), {.target_points = 1});
+  expect_error(refused, ErrorCode::kInvalidArgument, "the nearest count found is 4");
 }
 
 TEST(PointShell, ByTargetBeyondWhatFloat32CanTellApartIsRefusedWithTheNearestCount) {
@@ -273,16 +378,22 @@ TEST(PointShell, ByTargetOfManyPoints) {
   }
 }
 
-TEST(PointShell, TwoShellsOfOneAskAreTheSame) {
+TEST(PointShell, IsTheSameForAnyNumberOfThreads) {
   const TriangleMesh mesh = bodies()[6].mesh;
-  for (const PointShellSettings& settings :
-       {PointShellSettings{.spacing = 0.03}, PointShellSettings{.target_points = 1000}}) {
+  for (PointShellSettings settings :
+       {PointShellSettings{.spacing = 0.01}, PointShellSettings{.target_points = 12'000}}) {
+    settings.threads = 1;
     const PointShell a = build(mesh, settings);
-    const PointShell b = build(mesh, settings);
-    EXPECT_TRUE(
-        std::equal(a.points().begin(), a.points().end(), b.points().begin(), b.points().end()));
-    EXPECT_TRUE(std::equal(a.normals().begin(), a.normals().end(), b.normals().begin()));
-    EXPECT_TRUE(std::equal(a.areas().begin(), a.areas().end(), b.areas().begin()));
+    EXPECT_GT(a.size(), 10'000u);  // several tasks
+    for (const unsigned threads : {1u, 2u, 5u, 0u}) {
+      settings.threads = threads;
+      const PointShell b = build(mesh, settings);
+      EXPECT_EQ(a.spacing(), b.spacing());
+      EXPECT_TRUE(
+          std::equal(a.points().begin(), a.points().end(), b.points().begin(), b.points().end()));
+      EXPECT_TRUE(std::equal(a.normals().begin(), a.normals().end(), b.normals().begin()));
+      EXPECT_TRUE(std::equal(a.areas().begin(), a.areas().end(), b.areas().begin()));
+    }
   }
 }
 

@@ -22,7 +22,14 @@ class SurfaceSampler {
     }
   }
 
-  Vec3 operator()(Random& random) const {
+  struct Place {
+    Vec3 point;
+    std::size_t triangle;
+  };
+
+  Vec3 operator()(Random& random) const { return place(random).point; }
+
+  Place place(Random& random) const {
     const double area = random.uniform(0.0, area_up_to_.back());
     const auto found = std::upper_bound(area_up_to_.begin(), area_up_to_.end(), area);
     const auto index =
@@ -30,7 +37,7 @@ class SurfaceSampler {
     const auto [a, b, c] = mesh_.corners(index);
     const double root = std::sqrt(random.unit());
     const double v = random.unit();
-    return (1.0 - root) * a + (root * (1.0 - v)) * b + (root * v) * c;
+    return {(1.0 - root) * a + (root * (1.0 - v)) * b + (root * v) * c, index};
   }
 
  private:
