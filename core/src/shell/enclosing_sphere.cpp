@@ -1,7 +1,9 @@
 #include "shell/enclosing_sphere.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -22,63 +24,81 @@ struct Ball {
 /// coincident, collinear or coplanar one) leave it as it is without them.
 class Boundary {
  public:
-  Ball ball() const { return ball_; }
+  const Ball& ball() const { return balls_[count_]; }
   bool is_full() const { return count_ == 4; }
 
   bool push(const Vec3& p) {
     if (count_ == 0) {
       origin_ = p;
-      ball_ = {p, 0.0};
+      balls_[1] = {p, 0.0};
       count_ = 1;
       return true;
     }
     // Orthonormal directions spanned so far; the centre moves along the new one only.
     const Vec3 q = p - origin_;
     Vec3 across = q;
-    for (int i = 0; i + 1 < count_; ++i) across = across - dot(across, axes_[i]) * axes_[i];
+    for (std::size_t i = 0; i + 1 < count_; ++i) across = across - dot(across, axes_[i]) * axes_[i];
     const double height = length(across);
     constexpr double kFlat = 1e-9;
     if (height <= kFlat * length(q)) return false;
     const Vec3 axis = across / height;
-    const Vec3 c = ball_.centre - origin_;
-    const double excess = squared_length(q - c) - ball_.squared_radius;
+    const Vec3 c = ball().centre - origin_;
+    const double excess = squared_length(q - c) - ball().squared_radius;
     const double along = excess / (2.0 * height);
-    ball_.centre += along * axis;
-    ball_.squared_radius += along * along;
+    balls_[count_ + 1] = {ball().centre + along * axis, ball().squared_radius + along * along};
     axes_[count_ - 1] = axis;
     ++count_;
     return true;
   }
+  void pop() { --count_; }
 
  private:
   Vec3 origin_{};
-  Vec3 axes_[3]{};
-  int count_ = 0;
-  Ball ball_;
+  std::array<Vec3, 3> axes_{};
+  std::array<Ball, 5> balls_{};  ///< of no point, of one, ...
+  std::size_t count_ = 0;
 };
 
-/// The smallest ball around points[0, end) that has `boundary` on its boundary.
-Ball enclose(std::vector<Vec3>& points, std::size_t end, const Boundary& boundary) {
-  Ball ball = boundary.ball();
-  if (boundary.is_full()) return ball;
-  for (std::size_t i = 0; i < end; ++i) {
-    const Vec3 p = points[i];
-    if (ball.encloses(p)) continue;
-    Boundary with_point = boundary;
-    if (!with_point.push(p)) continue;
-    ball = enclose(points, i, with_point);
-    std::move_backward(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(i),
-                       points.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    points[0] = p;
+/// The few points that a ball may hang on, those that it last grew by first.
+class Candidates {
+ public:
+  std::size_t size() const { return size_; }
+  const Vec3& operator[](std::size_t i) const { return points_[i]; }
+
+  /// Where there are too many, the last is dropped: the up to four of the ball are first.
+  void insert_first(const Vec3& p) {
+    size_ = std::min(size_ + 1, points_.size());
+    std::copy_backward(points_.begin(), points_.begin() + size_ - 1, points_.begin() + size_);
+    points_[0] = p;
   }
-  return ball;
+
+  void move_to_front(std::size_t i) {
+    std::rotate(points_.begin(), points_.begin() + i, points_.begin() + i + 1);
+  }
+
+ private:
+  std::array<Vec3, 32> points_;
+  std::size_t size_ = 0;
+};
+
+/// Makes `ball` the smallest around points[0, end) that has `boundary` on its boundary.
+void enclose(Candidates& points, std::size_t end, Boundary& boundary, Ball& ball) {
+  ball = boundary.ball();
+  if (boundary.is_full()) return;
+  for (std::size_t i = 0; i < end; ++i) {
+    if (ball.encloses(points[i]) || !boundary.push(points[i])) continue;
+    enclose(points, i, boundary, ball);
+    boundary.pop();
+    points.move_to_front(i);
+  }
 }
 
 /// Takes in the farthest point outside until there is none (Gaertner 1999). A handful of passes
 /// does whatever the order of the points, where Welzl's algorithm alone wants it random.
 Ball enclose_all(std::span<const Vec3> points) {
-  std::vector<Vec3> taken;
-  Ball ball;
+  Candidates taken;
+  Ball ball{0.5 * (points.front() + points.back())};
+  if (points.size() <= 2) return ball;
   while (true) {
     const Vec3* farthest = nullptr;
     double squared_distance = -1.0;
@@ -90,29 +110,42 @@ Ball enclose_all(std::span<const Vec3> points) {
       }
     }
     if (farthest == nullptr || ball.encloses(*farthest)) return ball;
-    taken.insert(taken.begin(), *farthest);
-    const Ball larger = enclose(taken, taken.size(), {});
+    taken.insert_first(*farthest);
+    Boundary boundary;
+    Ball larger;
+    enclose(taken, taken.size(), boundary, larger);
     // Only rounding can keep a ball from growing.
     if (!(larger.squared_radius > ball.squared_radius)) return ball;
     ball = larger;
   }
 }
 
-}  // namespace
-
-Sphere compute_enclosing_sphere(std::span<const Vec3f> points, std::span<const std::uint32_t> ids) {
-  std::vector<Vec3> selected;
-  selected.reserve(ids.size());
-  for (const std::uint32_t id : ids) selected.push_back(static_cast<Vec3>(points[id]));
-  const Ball ball = enclose_all(selected);
-
+Sphere enclose_rounded(std::span<const Vec3> points) {
+  const Ball ball = enclose_all(points);
   const auto centre = static_cast<Vec3f>(ball.centre);
   double squared_radius = 0.0;
-  for (const Vec3& p : selected) {
+  for (const Vec3& p : points) {
     squared_radius = std::max(squared_radius, squared_length(p - static_cast<Vec3>(centre)));
   }
   const auto radius = static_cast<float>(std::sqrt(squared_radius));
   return {centre, std::nextafter(radius, std::numeric_limits<float>::infinity())};
+}
+
+}  // namespace
+
+Sphere compute_enclosing_sphere(std::span<const Vec3f> points, std::span<const std::uint32_t> ids) {
+  const auto select = [&](Vec3* selected) {
+    for (const std::uint32_t id : ids) *selected++ = static_cast<Vec3>(points[id]);
+  };
+  // Most clusters are small, and then allocating takes longer than the rest.
+  std::array<Vec3, 16> few;
+  if (ids.size() <= few.size()) {
+    select(few.data());
+    return enclose_rounded(std::span(few).first(ids.size()));
+  }
+  std::vector<Vec3> many(ids.size());
+  select(many.data());
+  return enclose_rounded(many);
 }
 
 }  // namespace voxshell
