@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel.h"
 #include "base/stage.h"
 #include "base/text.h"
 #include "shell/surface_voxels.h"
@@ -267,7 +268,11 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   Stage stage(progress, "point shell");
   Sampling sampling;
   if (settings.target_points == 0) {
-    sampling = sample_shell(mesh, {settings.spacing, {}}, settings.threads, stage);
+    // Voxels of twice the mesh's size and above hold all of it; far above, numbers overflow.
+    const double size = length(mesh.bounds().extents());
+    sampling =
+        sample_shell(mesh, {std::min(settings.spacing, 2.0 * size), {}}, settings.threads, stage);
+    sampling.spacing = settings.spacing;
   } else {
     auto found = sample_target(mesh, settings.target_points, settings.threads, stage);
     if (!found) return found.error();
@@ -287,15 +292,21 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   shell.spacing_ = sampling.spacing;
   shell.tree_ = PointSphereTree::build(points, order, progress);
   if (shell.tree_.point_count() == 0) return stopped();
-  shell.points_.reserve(order.size());
-  shell.normals_.reserve(order.size());
-  shell.areas_.reserve(order.size());
-  for (const std::uint32_t id : order) {
-    const ShellPoint& p = sampling.points[id];
-    shell.points_.push_back(p.point);
-    shell.normals_.push_back(static_cast<Vec3f>(normal_of(mesh, p.triangle)));
-    shell.areas_.push_back(static_cast<float>(p.area));
-  }
+  shell.points_.resize(order.size());
+  shell.normals_.resize(order.size());
+  shell.areas_.resize(order.size());
+  constexpr std::size_t kPointsATask = 1 << 14;
+  const auto gather = [&](std::size_t task) {
+    const std::size_t end = std::min(order.size(), (task + 1) * kPointsATask);
+    for (std::size_t i = task * kPointsATask; i < end; ++i) {
+      const ShellPoint& p = sampling.points[order[i]];
+      shell.points_[i] = p.point;
+      shell.normals_[i] = static_cast<Vec3f>(normal_of(mesh, p.triangle));
+      shell.areas_[i] = static_cast<float>(p.area);
+    }
+  };
+  const std::size_t tasks = (order.size() + kPointsATask - 1) / kPointsATask;
+  parallel_for(tasks, settings.threads, "point shell", {}, gather);
   return shell;
 }
 

@@ -405,6 +405,18 @@ TEST(PointShell, FollowsTheMeshToAnotherPlace) {
   EXPECT_NEAR(static_cast<double>(here.size()), static_cast<double>(there.size()), 5.0);
 }
 
+TEST(PointShell, TakesSpacingsFarAboveTheBody) {
+  const TriangleMesh mesh = make_box({0.5, 0.4, 0.3}).mesh();
+  const PointShell expected = build(mesh, {.spacing = 10.0});
+  for (const double spacing : {1e9, 1e200, std::numeric_limits<double>::max()}) {
+    const PointShell shell = build(mesh, {.spacing = spacing});
+    EXPECT_EQ(shell.spacing(), spacing);
+    expect_sound(shell, mesh, "box");
+    EXPECT_TRUE(std::equal(shell.points().begin(), shell.points().end(), expected.points().begin(),
+                           expected.points().end()));
+  }
+}
+
 TEST(PointShell, RefusesSettingsThatMakeNoSense) {
   const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
   const double nan = std::numeric_limits<double>::quiet_NaN();
