@@ -15,7 +15,7 @@ class MeshPair:
 
     def __init__(self, a: m3.Manifold, b: m3.Manifold) -> None:
         self._solids = a, b
-        self._surfaces = _coal_surface(a), _coal_surface(b)
+        self._surfaces = make_surface(*as_arrays(a)), make_surface(*as_arrays(b))
 
     def surfaces_within(self, b_from_a: np.ndarray, distance: float) -> bool:
         """Whether the surfaces cross or come this near; not where one solid is deep in the other."""
@@ -43,17 +43,29 @@ class MeshPair:
         places_in_a = places @ a_from_b[:3, :3].T + a_from_b[:3, 3]
         # On the surface of what they have in common, and deep in b: so it is of a's surface.
         a, b = self._surfaces
-        return _any_farther(places, b, depth), _any_farther(places_in_a, a, depth)
+        return (
+            any(is_farther(place, b, depth) for place in places),
+            any(is_farther(place, a, depth) for place in places_in_a),
+        )
 
 
-def _any_farther(places: np.ndarray, surface: coal.BVHModelOBBRSS, depth: float) -> bool:
-    ball = coal.Sphere(depth)
+def make_surface(corners: np.ndarray, triangles: np.ndarray) -> coal.BVHModelOBBRSS:
+    """Triangles, closed or not, for coal."""
+    surface = coal.BVHModelOBBRSS()
+    surface.beginModel(len(triangles), len(corners))
+    points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    points.extend(corners)
+    faces.extend([coal.Triangle(*(int(i) for i in triangle)) for triangle in triangles])
+    surface.addSubModel(points, faces)
+    surface.endModel()
+    return surface
+
+
+def is_farther(place: np.ndarray, surface: coal.BVHModelOBBRSS, distance: float) -> bool:
+    """Whether a ball of that radius about the place does not reach the surface."""
     pose = np.eye(4)
-    for place in places:
-        pose[:3, 3] = place
-        if not _collide(ball, surface, pose, 0.0):
-            return True
-    return False
+    pose[:3, 3] = place
+    return not _collide(coal.Sphere(distance), surface, pose, 0.0)
 
 
 def _collide(a, b, b_from_a: np.ndarray, margin: float) -> bool:
@@ -67,15 +79,3 @@ def _collide(a, b, b_from_a: np.ndarray, margin: float) -> bool:
 
 def _transform(pose: np.ndarray) -> coal.Transform3s:
     return coal.Transform3s(pose[:3, :3], pose[:3, 3])
-
-
-def _coal_surface(solid: m3.Manifold) -> coal.BVHModelOBBRSS:
-    corners, triangles = as_arrays(solid)
-    surface = coal.BVHModelOBBRSS()
-    surface.beginModel(len(triangles), len(corners))
-    points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    points.extend(corners)
-    faces.extend([coal.Triangle(*(int(i) for i in triangle)) for triangle in triangles])
-    surface.addSubModel(points, faces)
-    surface.endModel()
-    return surface

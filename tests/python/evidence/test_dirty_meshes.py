@@ -1,0 +1,168 @@
+"""Real meshes with faults are built with a warning that counts and locates them, or refused so.
+
+None hangs, crashes or becomes a field that is inside out without a word.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import dirty_meshes
+import numpy as np
+import pytest
+import trimesh
+from mesh_judges import is_farther, make_surface
+
+RESOLUTION = 40
+HANGS_AFTER = 120.0  # seconds; takes one or two
+TELL = Path(dirty_meshes.__file__).with_name("build_and_tell.py")
+
+# Edges of one triangle, of more than two, and of two that disagree; counted by find_faults.
+EDGE_FAULTS = {
+    "a1/meshes/thigh_mirror.obj": "all three kinds",
+    "franka_panda/meshes/collision/link6.obj": "open, 586 edges",
+    "franka_panda/meshes/visual/hand.obj": "open and non-manifold, many bodies",
+    "gripper/meshes/l_gripper_tip_scaled.stl": "a triangle is missing",
+    "husky/meshes/user_rail.stl": "non-manifold, closed",
+    "husky/meshes/wheel.stl": "open, 1,234 edges",
+    "kuka_iiwa/meshes/link_7.stl": "cracks between vertices that nearly agree",
+    "random_urdfs/121/121.obj": "seven non-manifold edges",
+    "lego/lego_vhacd.obj": "convex parts that share edges",
+    "mini_cheetah/meshes/mini_upper_link.obj": "non-manifold, and wrongly oriented",
+    "objects/mug.obj": "an open seam",
+    "objects/mug_col.obj": "convex parts that share edges",
+    "quadruped/microtaur/xavier.stl": "non-manifold, many bodies",
+    "racecar/meshes/hokuyo.obj": "all three kinds",
+    "terrain.obj": "a sheet: it has no inside",
+    "toys/cube.obj": "bodies that share edges",
+    "xarm/xarm_description/meshes/xarm6/visual/link5.stl": "open, many bodies",
+}
+NOT_FINITE = "random_urdfs/168/168.obj"  # a vertex is not a number
+CLOSED = "random_urdfs/000/000.obj"
+
+
+@pytest.fixture(scope="module")
+def folder() -> Path:
+    return dirty_meshes.fetch([*EDGE_FAULTS, NOT_FINITE, CLOSED])
+
+
+def load(path: Path) -> trimesh.Trimesh:
+    mesh = trimesh.load(path, force="mesh", process=False)
+    assert isinstance(mesh, trimesh.Trimesh)
+    return mesh
+
+
+def build(path: Path, places: np.ndarray, tmp_path: Path) -> dict:
+    """What build_and_tell says; a crash or a hang fails."""
+    np.save(tmp_path / "places.npy", places)
+    done = subprocess.run(
+        [sys.executable, TELL, path, str(RESOLUTION), tmp_path / "places.npy"],
+        capture_output=True,
+        text=True,
+        timeout=HANGS_AFTER,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def far_places(mesh: trimesh.Trimesh) -> np.ndarray:
+    """Around the mesh, on spheres of one and a half and five times its size."""
+    rng = np.random.default_rng(8)
+    directions = rng.normal(size=(40, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    size = float(np.linalg.norm(mesh.extents))
+    return mesh.bounds.mean(axis=0) + size * np.concatenate([1.5 * directions, 5.0 * directions])
+
+
+def certain_places(mesh: trimesh.Trimesh, voxel_size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places that are certainly inside, and certainly outside: winding number and distance say so."""
+    rng = np.random.default_rng(9)
+    places = rng.uniform(*mesh.bounds, size=(150, 3))
+    triangles = np.asarray(mesh.triangles)
+    windings = dirty_meshes.winding_numbers(places, triangles)
+    surface = make_surface(mesh.vertices, mesh.faces)
+    away = np.array([is_farther(place, surface, 2.0 * voxel_size) for place in places])
+    return (
+        places[(np.abs(windings - 1.0) < 0.05) & away],
+        places[(np.abs(windings) < 0.05) & away],
+    )
+
+
+@pytest.mark.parametrize("name", EDGE_FAULTS)
+def test_faulty_edges_are_counted_and_located(name: str, folder: Path, tmp_path: Path):
+    mesh = load(folder / name)
+    faults = dirty_meshes.find_faults(mesh.vertices, mesh.faces)
+    assert len(faults.places) > 0, "this mesh is clean"
+    far = far_places(mesh)
+    inside, outside = certain_places(mesh, mesh.extents.max() / RESOLUTION)
+    told = build(folder / name, np.concatenate([far, inside, outside]), tmp_path)
+
+    if "refused" in told:
+        assert told["error"] == "MeshError"
+        message = told["refused"]
+        assert re.search(r"repair|sign=", message), "nothing is said about what to do"
+    else:
+        assert told["warnings"], "built without a word"
+        message = " ".join(told["warnings"])
+        far_away, within, without = np.split(
+            np.array(told["distances"]), [len(far), len(far) + len(inside)]
+        )
+        assert (far_away > 0.0).all(), "inside out"
+        assert (within < 0.0).all()
+        assert (without > 0.0).all()
+        assert told["shell"] > 0
+
+    counts = re.search(r"(\d+) open, (\d+) non-manifold and (\d+) wrongly oriented edges", message)
+    assert counts, message
+    assert tuple(map(int, counts.groups())) == (
+        faults.open_edges,
+        faults.non_manifold_edges,
+        faults.flipped_edges,
+    )
+    place = re.search(r"near \[([^\]]+)\]", message)
+    assert place, message
+    located = np.array([float(number) for number in place[1].split(",")])
+    gaps = np.linalg.norm(faults.places - located, axis=1)
+    assert gaps.min() <= 1e-3 * np.abs(mesh.bounds).max(), "no fault is there"
+
+
+def test_a_vertex_that_is_no_number_is_refused_by_its_name(folder: Path, tmp_path: Path):
+    mesh = load(folder / NOT_FINITE)
+    wrong = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
+    told = build(folder / NOT_FINITE, np.zeros((1, 3)), tmp_path)
+    assert told["error"] == "MeshError"
+    named = re.search(r"vertex (\d+) of the mesh is not finite", told["refused"])
+    assert named, told["refused"]
+    assert int(named[1]) in wrong
+
+
+def test_an_inverted_mesh_is_never_inside_out_in_silence(folder: Path, tmp_path: Path):
+    mesh = load(folder / CLOSED)
+    assert mesh.volume > 0.0
+    mesh.invert()
+    path = tmp_path / "inverted.obj"
+    mesh.export(path)
+    far = far_places(mesh)
+    told = build(path, far, tmp_path)
+    if "refused" in told:
+        assert re.search(r"inside out|inward", told["refused"])
+    else:
+        assert told["warnings"]
+        assert (np.array(told["distances"]) > 0.0).all()
+
+
+def test_a_clean_mesh_of_the_same_source_is_built_without_a_word(folder: Path, tmp_path: Path):
+    mesh = load(folder / CLOSED)
+    assert len(dirty_meshes.find_faults(mesh.vertices, mesh.faces).places) == 0
+    far = far_places(mesh)
+    inside, outside = certain_places(mesh, mesh.extents.max() / RESOLUTION)
+    assert len(inside) > 5
+    assert len(outside) > 5
+    told = build(folder / CLOSED, np.concatenate([far, outside, inside]), tmp_path)
+    assert told["warnings"] == []
+    assert (np.array(told["distances"])[: -len(inside)] > 0.0).all()
+    assert (np.array(told["distances"])[-len(inside) :] < 0.0).all()
