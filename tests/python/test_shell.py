@@ -83,3 +83,14 @@ def test_levels_without_spheres_have_segments(cube: vx.Model):
 def test_it_says_what_it_holds(cube: vx.Model):
     text = f"PointShell({len(cube.shell)} points, spacing 0.05 m, {cube.shell.tree.levels} levels)"
     assert repr(cube.shell) == text
+
+
+def test_every_place_of_the_bunny_is_near_a_point_that_does_not_face_away(
+    coarse_bunny: vx.Model, bunny_mesh: trimesh.Trimesh
+):
+    shell = coarse_bunny.shell
+    places, faces = trimesh.sample.sample_surface(bunny_mesh, 4_000, seed=1)
+    offsets = np.asarray(places)[:, None, :] - shell.points.astype(float)
+    facing = bunny_mesh.face_normals[faces] @ shell.normals.astype(float).T > -0.003
+    distances = np.where(facing, np.linalg.norm(offsets, axis=2), np.inf)
+    assert distances.min(axis=1).max() <= np.sqrt(3) * shell.spacing * (1 + 1e-6)
