@@ -123,10 +123,12 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
   std::vector<Contact> found;
   if constexpr (kSearch == Search::kTree) {
     QueryScratch scratch;
-    find_contacts(*query.field, *query.shell, query.field_from_shell, {margin}, scratch);
-    found = std::move(scratch.contacts);
+    const auto contacts = find_contacts(*query.field, *query.shell, query.field_from_shell,
+                                        {.margin = margin}, scratch);
+    found.assign(contacts.begin(), contacts.end());
   } else {
-    found = find_contacts_flat(*query.field, *query.shell, query.field_from_shell, {margin});
+    found =
+        find_contacts_flat(*query.field, *query.shell, query.field_from_shell, {.margin = margin});
   }
   return make_contact_set(query.shell_body, std::move(query.shell), query.world_from_shell, level,
                           std::move(found));

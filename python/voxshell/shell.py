@@ -73,7 +73,8 @@ class PointSphereTree:
     """Nested clusters of a shell's points, each with the smallest sphere that encloses it.
 
     Levels count from the root, which is level 1; level L has ``branching ** (L - 1)`` clusters. A
-    cluster of a level is a *segment* of the shell at that level.
+    cluster of a level is a *segment* of the shell at that level. Clusters are made of whole buckets
+    of eight points.
 
     Example:
         >>> import trimesh
@@ -81,7 +82,7 @@ class PointSphereTree:
         >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(), resolution=20, target_points=500)
         >>> tree = model.shell.tree
         >>> tree.levels
-        4
+        3
         >>> tree.spheres(2).shape
         (4, 4)
         >>> sorted(set(tree.segments(2).tolist()))
@@ -100,7 +101,7 @@ class PointSphereTree:
 
     @property
     def levels(self) -> int:
-        """Levels with spheres; the clusters of the last one are not divided any more."""
+        """Levels with spheres: as many as have a bucket of points for each cluster."""
         return self._core.levels
 
     def spheres(self, level: int) -> NDArray[np.float32]:
@@ -121,7 +122,7 @@ class PointSphereTree:
         """The cluster that each point belongs to.
 
         Args:
-            level: From 1 to 12. Below :attr:`levels` there are no spheres, but segments still.
+            level: From 1 to 12. Below :attr:`levels` there are no spheres, but segments still, some empty.
 
         Returns:
             (n,) int64, from 0 to ``branching ** (level - 1) - 1``, ascending.

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "voxshell/field.h"
 #include "voxshell/point_shell.h"
@@ -23,12 +24,27 @@ struct Contact {
 
 struct ContactOptions {
   float margin = 0.0f;  ///< points with a distance below this are contacts, metres
+  /// Where there are more contacts, only so many: the deepest, ties to the smaller id.
+  std::size_t max_points = SIZE_MAX;
 };
 
-/// The mutable state of queries; one a thread. Reused, it makes a warm query free of allocation.
+/// The mutable state of queries; one a thread. Reused, it makes a warm query free of allocation,
+/// and lets a query for a pose near the last one begin where that one ended.
 class QueryScratch {
  public:
-  std::vector<Contact> contacts;
+  QueryScratch();
+  ~QueryScratch();
+  QueryScratch(QueryScratch&&) noexcept;
+  QueryScratch& operator=(QueryScratch&&) noexcept;
+
+  /// What the last query for contacts found.
+  std::span<const Contact> contacts() const;
+
+  struct State;
+  State& state() { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
 };
 
 /// All contacts of a shell in a field, ascending by id (thesis, Algorithm 3.1: walk the
@@ -37,6 +53,21 @@ class QueryScratch {
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
                                        const Pose& field_from_shell, const ContactOptions& options,
                                        QueryScratch& scratch);
+
+/// What a search under a budget found. A contact that it missed is no deeper than `depth_bound`.
+struct BudgetedContacts {
+  std::span<const Contact> contacts;
+  bool is_exact;      ///< nothing can have been missed: these are those of find_contacts()
+  float depth_bound;  ///< metres; minus infinity where exact
+};
+
+/// The contacts that looking at `budget` nodes brings (a node: eight spheres or eight points, of
+/// about equal cost): breadth first, half of the budget for spheres, the rest for the points of the
+/// clusters that may be deepest (level of detail: Barbic and James 2008, section 5).
+BudgetedContacts find_contacts_within_budget(const Field& field, const PointShell& shell,
+                                             const Pose& field_from_shell,
+                                             const ContactOptions& options, std::size_t budget,
+                                             QueryScratch& scratch);
 
 /// True if find_contacts() would find any; stops at the first.
 bool collides(const Field& field, const PointShell& shell, const Pose& field_from_shell,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "voxshell/result.h"
@@ -46,6 +47,7 @@ class ConvexField {
 
   std::vector<float> planes_;  ///< outward unit normal and offset of each
   double reach_ = 0.0;
+  std::uint64_t serial_ = 0;
 };
 
 }  // namespace voxshell

@@ -59,7 +59,7 @@ class GridField {
                                  const Progress& progress = {});
 
   /// `data` must be what data() of a field returned, or have been checked to be as sound.
-  explicit GridField(GridFieldData data) : data_(std::move(data)) {}
+  explicit GridField(GridFieldData data);
 
   float distance(const Vec3f& p) const;
 
@@ -88,6 +88,7 @@ class GridField {
 
  private:
   GridFieldData data_;
+  std::uint64_t serial_;
 };
 
 }  // namespace voxshell

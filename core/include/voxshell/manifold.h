@@ -33,4 +33,16 @@ ManifoldPoints select_manifold(std::span<const Contact> contacts,
 void select_deepest_per_segment(std::span<const Contact> contacts, const PointSphereTree& tree,
                                 int level, std::vector<std::uint32_t>& deepest);
 
+/// The contacts that select_manifold() would pick from those of find_contacts(), the same bits, by
+/// branch and bound: without listing the others. The result lives in `scratch` until its next use.
+std::span<const Contact> find_manifold(const Field& field, const PointShell& shell,
+                                       const Pose& field_from_shell, float margin,
+                                       QueryScratch& scratch,
+                                       std::size_t max_points = kManifoldSize);
+
+/// The contacts that select_deepest_per_segment() would pick, likewise.
+std::span<const Contact> find_deepest_per_segment(const Field& field, const PointShell& shell,
+                                                  const Pose& field_from_shell, int level,
+                                                  float margin, QueryScratch& scratch);
+
 }  // namespace voxshell

@@ -10,6 +10,10 @@
 
 namespace voxshell {
 
+namespace simd {
+struct TreeView;
+}
+
 struct Sphere {
   Vec3f centre{};
   float radius = 0.0f;
@@ -25,55 +29,73 @@ struct PointRange {
 
 /// A point-sphere tree: nested clusters of a point shell, each with the minimal sphere that
 /// encloses its points. Branching factor 4 (thesis, section 5.3); levels count from the root = 1,
-/// so level L has 4^(L-1) clusters.
+/// so level L has at most 4^(L-1) clusters.
 ///
-/// The points lie in tree order, which makes a cluster a range of ids that a formula gives: of n
-/// points, cluster i of m on a level covers [floor(n i / m), floor(n (i + 1) / m)).
+/// The points lie in tree order, in buckets of kBucketPoints, which makes a cluster a range of ids
+/// that a formula gives: of b buckets, cluster i of m on a level covers
+/// [floor(b i / m), floor(b (i + 1) / m)). Queries walk eight clusters at a time: every third level
+/// of the binary tree that the same formula gives for m = 2, 4, 8, ...
 class PointSphereTree {
  public:
   static constexpr std::uint32_t kBranching = 4;
-  /// Leaves hold at most this many points, unless there are more than kMaxLevel levels could hold.
-  static constexpr std::uint32_t kLeafPoints = 8;
+  static constexpr std::uint32_t kBucketPoints = 8;
   static constexpr int kMaxLevel = 12;  ///< 4^11 = 4,194,304 clusters
 
   PointSphereTree() = default;
 
-  /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic.
-  /// A tree without points where `progress` asked to stop.
+  /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic, for any
+  /// number of threads (0: one a core). A tree without points where `progress` asked to stop.
   static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
-                               const Progress& progress = {});
+                               const Progress& progress = {}, unsigned threads = 0);
 
-  /// Levels with spheres; the last one holds the leaves.
-  int level_count() const { return level_count_; }
   std::uint32_t point_count() const { return point_count_; }
+  std::uint32_t bucket_count() const { return bucket_count_; }
+
+  /// Levels with spheres: as many as have a bucket for each cluster.
+  int level_count() const { return level_count_; }
 
   static std::uint64_t cluster_count(int level) { return std::uint64_t{1} << (2 * (level - 1)); }
 
-  /// Points of cluster `index` on `level`; defined to kMaxLevel, beyond the last sphere, too.
+  /// Points of cluster `index` on `level`; defined to kMaxLevel. Beyond level_count() clusters may
+  /// be empty.
   PointRange cluster_points(int level, std::uint64_t index) const {
-    const auto n = std::uint64_t{point_count_};
-    const int shift = 2 * (level - 1);
-    return {static_cast<std::uint32_t>((n * index) >> shift),
-            static_cast<std::uint32_t>((n * (index + 1)) >> shift)};
+    return points_between(2 * (level - 1), index);
   }
 
   /// The cluster on `level` that holds point `id`: the segment of a contact.
   std::uint32_t segment(std::uint32_t id, int level) const {
-    const std::uint64_t scaled = (std::uint64_t{id} + 1) << (2 * (level - 1));
-    return static_cast<std::uint32_t>((scaled - 1) / point_count_);
+    const std::uint64_t scaled = (std::uint64_t{id / kBucketPoints} + 1) << (2 * (level - 1));
+    return static_cast<std::uint32_t>((scaled - 1) / bucket_count_);
   }
 
   /// One sphere a cluster; level 1 to level_count().
   std::span<const Sphere> spheres(int level) const {
-    return std::span(spheres_).subspan(first_sphere(level), cluster_count(level));
+    return std::span(spheres_).subspan((cluster_count(level) - 1) / 3, cluster_count(level));
   }
 
- private:
-  static std::size_t first_sphere(int level) { return (cluster_count(level) - 1) / 3; }
+  std::size_t nbytes() const;
+  simd::TreeView view() const;
 
+ private:
+  /// Points of cluster `index` of 2^depth.
+  PointRange points_between(int depth, std::uint64_t index) const {
+    return {first_point(depth, index), first_point(depth, index + 1)};
+  }
+  std::uint32_t first_point(int depth, std::uint64_t index) const {
+    const std::uint64_t point = kBucketPoints * ((bucket_count_ * index) >> depth);
+    return point < point_count_ ? static_cast<std::uint32_t>(point) : point_count_;
+  }
+
+  friend class TreeBuilder;
+
+  std::uint64_t serial_ = 0;
   std::uint32_t point_count_ = 0;
+  std::uint32_t bucket_count_ = 0;
   int level_count_ = 0;
-  std::vector<Sphere> spheres_;  ///< level by level
+  int depth_ = 0;                     ///< the walk ends at 2^depth_ clusters of at most two buckets
+  std::vector<Sphere> spheres_;       ///< level by level
+  std::vector<float> blocks_;         ///< the walk's spheres; see simd/tree_view.h
+  std::vector<float> bucket_points_;  ///< the points, bucket by bucket
 };
 
 }  // namespace voxshell

@@ -7,6 +7,7 @@
 #include <limits>
 #include <variant>
 
+#include "base/serial.h"
 #include "base/text.h"
 #include "field/evaluate.h"
 #include "simd/analytic_formula.h"
@@ -129,6 +130,7 @@ Result<ConvexField> ConvexField::create(const TriangleMesh& mesh) {
   if (auto checked = enclose(mesh, size, *faces); !checked) return checked.error();
 
   ConvexField field;
+  field.serial_ = next_serial();
   field.planes_.reserve(4 * faces->size());
   for (const Face& face : *faces) {
     const auto n = static_cast<Vec3f>(face.normal);
@@ -147,7 +149,7 @@ float ConvexField::lower_bound(const Vec3f& centre, float radius) const {
 }
 
 simd::ConvexView ConvexField::view() const {
-  return {planes_.data(), static_cast<std::int32_t>(face_count())};
+  return {serial_, planes_.data(), static_cast<std::int32_t>(face_count())};
 }
 
 }  // namespace voxshell

@@ -1,10 +1,15 @@
 #include "voxshell/grid_field.h"
 
+#include <utility>
+
+#include "base/serial.h"
 #include "simd/grid_formula.h"
 
 namespace voxshell {
 
 using simd::kBrickCells;
+
+GridField::GridField(GridFieldData data) : data_(std::move(data)), serial_(next_serial()) {}
 
 std::array<int, 3> GridField::shape() const {
   const auto [x, y, z] = data_.bricks;
@@ -18,6 +23,7 @@ std::size_t GridField::nbytes() const {
 
 simd::GridView GridField::view() const {
   simd::GridView view{};
+  view.serial = serial_;
   view.entries = data_.entries.data();
   view.bounds = data_.bounds.data();
   view.samples = data_.samples.data();

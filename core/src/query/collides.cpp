@@ -1,15 +1,13 @@
-#include "query/traverse.h"
+#include "query/posed.h"
+#include "simd/query_kernels.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell {
 
 bool collides(const Field& field, const PointShell& shell, const Pose& field_from_shell,
               float margin) {
-  const auto points = shell.points();
-  return with_posed_field(field, shell, field_from_shell, [&](const auto& posed) {
-    return !visit_points_below(posed, shell, margin, [&](std::uint32_t id) {
-      return !(posed.distance(points[id]) < margin);
-    });
+  return with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
+    return simd::query_kernels<V>(simd::active_isa()).find_any(posed, view_tree(shell), margin);
   });
 }
 

@@ -1,24 +1,108 @@
 #include "voxshell/contacts.h"
 
-#include "query/traverse.h"
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "query/posed.h"
+#include "query/scratch.h"
 
 namespace voxshell {
+namespace {
+
+/// No point of a sphere moves by more than this between two poses, metres.
+double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
+  const auto centre = static_cast<Vec3>(sphere.centre);
+  const Vec3 turn_x = to.rotation.row_x - from.rotation.row_x;
+  const Vec3 turn_y = to.rotation.row_y - from.rotation.row_y;
+  const Vec3 turn_z = to.rotation.row_z - from.rotation.row_z;
+  // The Frobenius norm is at least the spectral one.
+  const double turn =
+      std::sqrt(squared_length(turn_x) + squared_length(turn_y) + squared_length(turn_z));
+  return length(to.transform_point(centre) - from.transform_point(centre)) +
+         turn * static_cast<double>(sphere.radius);
+}
+
+/// How far the next poses may be expected to stray, given the last motion. Looking that far ahead
+/// leaves more survivors, which pays while the motion is small against a slot.
+double choose_growth(double motion, const PointShell& shell) {
+  constexpr double kSteps = 4.0;
+  constexpr double kMost = 0.25;  // spacings
+  const double ahead = kSteps * motion;
+  return ahead <= kMost * shell.spacing() ? ahead : 0.0;
+}
+
+/// The slots that may hold a point below the margin.
+template <class V>
+const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd::TreeView& tree,
+                                     const PointShell& shell, const Pose& field_from_shell,
+                                     float margin, const V& field, QueryScratch::State& state) {
+  auto& survivors = state.survivors;
+  const Sphere& root = shell.tree().spheres(1)[0];
+  double growth = 0.0;
+  const V* known = std::get_if<V>(&survivors.field);
+  if (known != nullptr && *known == field && survivors.tree == tree.serial &&
+      survivors.margin == margin) {
+    const double motion = bound_motion(survivors.field_from_shell, field_from_shell, root);
+    const double last_motion = bound_motion(survivors.last_asked, field_from_shell, root);
+    survivors.last_asked = field_from_shell;
+    if (motion <= survivors.growth) return survivors.slots;
+    growth = choose_growth(last_motion, shell);
+  }
+  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+  // Rounded up, so that it bounds the float64 that poses are compared by.
+  const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
+  simd::NodeList nodes = state.nodes[0].empty_list();
+  simd::NodeList next = state.nodes[1].empty_list();
+  nodes.bound = next.bound = nullptr;
+  nodes.index[0] = 0;
+  nodes.tag[0] = 0;
+  nodes.count = 1;
+  for (int level = 0; level < tree.level_count && nodes.count > 0; ++level) {
+    next.count = 0;
+    kernels.expand(posed, tree, level, nodes, next, margin, grown);
+    std::swap(nodes, next);
+  }
+  survivors = {field, tree.serial, field_from_shell, margin, growth, field_from_shell, nodes};
+  return survivors.slots;
+}
+
+/// Ascending by id before and after.
+std::size_t keep_deepest(Contact* contacts, std::size_t count, std::size_t max_points) {
+  if (count <= max_points) return count;
+  std::nth_element(contacts, contacts + max_points, contacts + count,
+                   [](const Contact& a, const Contact& b) {
+                     return a.depth != b.depth ? a.depth > b.depth : a.id < b.id;
+                   });
+  std::sort(contacts, contacts + max_points,
+            [](const Contact& a, const Contact& b) { return a.id < b.id; });
+  return max_points;
+}
+
+}  // namespace
 
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
                                        const Pose& field_from_shell, const ContactOptions& options,
                                        QueryScratch& scratch) {
-  scratch.contacts.clear();
-  const auto points = shell.points();
-  with_posed_field(field, shell, field_from_shell, [&](const auto& posed) {
-    visit_points_below(posed, shell, options.margin, [&](std::uint32_t id) {
-      const float distance = posed.distance(points[id]);
-      if (distance < options.margin) {
-        scratch.contacts.push_back(make_contact(posed, shell, id, distance));
-      }
-      return true;
-    });
-  });
-  return scratch.contacts;
+  QueryScratch::State& state = scratch.state();
+  state.reserve(shell);
+  const simd::TreeView tree = view_tree(shell);
+  std::visit(
+      [&](const auto& typed) {
+        const auto posed = make_posed(typed, shell, field_from_shell);
+        const auto view = typed.view();
+        const auto& kernels =
+            simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
+        const simd::NodeList& slots =
+            find_survivors(posed, tree, shell, field_from_shell, options.margin, view, state);
+        simd::PointList points = state.empty_points();
+        kernels.evaluate(posed, tree, slots, options.margin, points);
+        kernels.complete(posed, tree, points, state.contact_data());
+        state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
+      },
+      field);
+  return scratch.contacts();
 }
 
 }  // namespace voxshell

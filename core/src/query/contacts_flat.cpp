@@ -1,6 +1,6 @@
 #include "voxshell/contacts_flat.h"
 
-#include "query/traverse.h"
+#include "query/posed.h"
 
 namespace voxshell {
 
@@ -9,12 +9,17 @@ std::vector<Contact> find_contacts_flat(const Field& field, const PointShell& sh
                                         const ContactOptions& options) {
   std::vector<Contact> contacts;
   const auto points = shell.points();
-  with_posed_field(field, shell, field_from_shell, [&](const auto& posed) {
+  with_posed(field, shell, field_from_shell, [&](const auto& posed) {
     for (std::uint32_t id = 0; id < points.size(); ++id) {
-      const float distance = posed.distance(points[id]);
-      if (distance < options.margin) {
-        contacts.push_back(make_contact(posed, shell, id, distance));
-      }
+      const simd::portable::Triple<float> p{points[id].x, points[id].y, points[id].z};
+      const float distance = posed_distance(posed, p);
+      if (!(distance < options.margin)) continue;
+      const auto n = posed_normal(posed, p);
+      Vec3f normal{n.x, n.y, n.z};
+      // Where the field has no gradient (a ridge inside it), the shell's own normal says which way
+      // is out.
+      if (normal == Vec3f{}) normal = -shell.normals()[id];
+      contacts.push_back({id, -distance, points[id], normal});
     }
   });
   return contacts;

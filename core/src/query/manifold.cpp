@@ -1,7 +1,11 @@
 #include "voxshell/manifold.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+
+#include "query/posed.h"
+#include "query/scratch.h"
 
 namespace voxshell {
 namespace {
@@ -81,6 +85,85 @@ void select_deepest_per_segment(std::span<const Contact> contacts, const PointSp
       deepest.back() = i;
     }
   }
+}
+
+namespace {
+
+void append(simd::PointList& points, const simd::FoundPoint& found) {
+  points.id[points.count] = found.id;
+  points.distance[points.count] = found.distance;
+  points.x[points.count] = found.point[0];
+  points.y[points.count] = found.point[1];
+  points.z[points.count] = found.point[2];
+  ++points.count;
+}
+
+}  // namespace
+
+std::span<const Contact> find_manifold(const Field& field, const PointShell& shell,
+                                       const Pose& field_from_shell, float margin,
+                                       QueryScratch& scratch, std::size_t max_points) {
+  assert(max_points >= 1 && max_points <= kManifoldSize);
+  QueryScratch::State& state = scratch.state();
+  state.reserve(shell);
+  const simd::TreeView tree = view_tree(shell);
+  with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
+    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    simd::PointList points = state.empty_points();
+    simd::FoundPoint found{simd::kNone, 0.0f, {}};
+    simd::ManifoldSearch search{};
+    kernels.find_deepest(posed, tree, 0, margin, &found);
+    while (found.id != simd::kNone) {
+      append(points, found);
+      if (points.count == max_points) break;
+      std::copy_n(found.point, 3, search.chosen[search.count++]);
+      found = kernels.find_widest(posed, tree, search, margin);
+    }
+    kernels.complete(posed, tree, points, state.contact_data());
+    state.contact_count = points.count;
+  });
+  return scratch.contacts();
+}
+
+std::span<const Contact> find_deepest_per_segment(const Field& field, const PointShell& shell,
+                                                  const Pose& field_from_shell, int level,
+                                                  float margin, QueryScratch& scratch) {
+  assert(level >= 1 && level <= PointSphereTree::kMaxLevel);
+  QueryScratch::State& state = scratch.state();
+  state.reserve(shell);
+  const simd::TreeView tree = view_tree(shell);
+  const int depth = 2 * (level - 1);
+  if (depth > tree.depth) {
+    // Segments finer than what the walk ends at hold a bucket each.
+    find_contacts(field, shell, field_from_shell, {.margin = margin}, scratch);
+    Contact* contacts = state.contact_data();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < state.contact_count; ++i) {
+      const bool continues = kept > 0 && shell.tree().segment(contacts[kept - 1].id, level) ==
+                                             shell.tree().segment(contacts[i].id, level);
+      if (!continues) {
+        contacts[kept++] = contacts[i];
+      } else if (contacts[i].depth > contacts[kept - 1].depth) {
+        contacts[kept - 1] = contacts[i];
+      }
+    }
+    state.contact_count = kept;
+    return scratch.contacts();
+  }
+  const std::size_t segments = std::size_t{1} << depth;
+  simd::FoundPoint* best = state.reserve_found(segments);
+  std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
+  with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
+    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    kernels.find_deepest(posed, tree, depth, margin, best);
+    simd::PointList points = state.empty_points();
+    for (std::size_t i = 0; i < segments; ++i) {
+      if (best[i].id != simd::kNone) append(points, best[i]);
+    }
+    kernels.complete(posed, tree, points, state.contact_data());
+    state.contact_count = points.count;
+  });
+  return scratch.contacts();
 }
 
 }  // namespace voxshell

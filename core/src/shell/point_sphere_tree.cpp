@@ -1,70 +1,203 @@
 #include "voxshell/point_sphere_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
-#include "base/stage.h"
+#include "base/parallel.h"
+#include "base/serial.h"
 #include "shell/enclosing_sphere.h"
+#include "simd/tree_view.h"
 #include "voxshell/bounds.h"
 
 namespace voxshell {
-namespace {
 
-/// Splits order[begin, end), which is cluster `index` of 2^depth, down to 2^max_depth clusters, at
-/// the medians along the longest axis. Ids settle ties, so the order is the same everywhere.
-void split(std::span<const Vec3f> points, std::vector<std::uint32_t>& order, std::uint64_t index,
-           int depth, int max_depth, Stage& stage) {
-  stage.report(0.0);
-  if (stage.stopped()) return;
-  const std::uint64_t n = order.size();
-  const auto boundary = [&](std::uint64_t i, int level) {
-    return order.begin() + static_cast<std::ptrdiff_t>((n * i) >> level);
-  };
-  const auto begin = boundary(index, depth);
-  const auto end = boundary(index + 1, depth);
-  if (depth == max_depth) {
-    std::sort(begin, end);
-    return;
+/// Builds on binary clusters: cluster i of 2^depth.
+class TreeBuilder {
+ public:
+  TreeBuilder(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
+              const Progress& progress, unsigned threads)
+      : points_(points), order_(order), progress_(progress), threads_(threads) {
+    tree_.point_count_ = static_cast<std::uint32_t>(order.size());
+    constexpr std::uint32_t kPoints = PointSphereTree::kBucketPoints;
+    tree_.bucket_count_ = (tree_.point_count_ + kPoints - 1) / kPoints;
+    const std::uint64_t buckets = tree_.bucket_count_;
+    tree_.serial_ = next_serial();
+    tree_.level_count_ = 1;
+    while (tree_.level_count_ < PointSphereTree::kMaxLevel &&
+           PointSphereTree::cluster_count(tree_.level_count_ + 1) <= buckets) {
+      ++tree_.level_count_;
+    }
+    // Between 3/4 and 3/2 buckets a slot: neither many empty ones nor many that hold two.
+    while (2 * buckets > 3 * (std::uint64_t{1} << tree_.depth_)) ++tree_.depth_;
   }
-  Bounds bounds;
-  for (auto id = begin; id != end; ++id) bounds.extend(static_cast<Vec3>(points[*id]));
-  const int axis = bounds.longest_axis();
-  const auto before = [&](std::uint32_t a, std::uint32_t b) {
-    const float ca = points[a][axis];
-    const float cb = points[b][axis];
-    return ca != cb ? ca < cb : a < b;
-  };
-  std::nth_element(begin, boundary(2 * index + 1, depth + 1), end, before);
-  split(points, order, 2 * index, depth + 1, max_depth, stage);
-  split(points, order, 2 * index + 1, depth + 1, max_depth, stage);
-}
 
-}  // namespace
-
-PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
-                                       std::vector<std::uint32_t>& order,
-                                       const Progress& progress) {
-  Stage stage(progress, "point-sphere tree");
-  PointSphereTree tree;
-  tree.point_count_ = static_cast<std::uint32_t>(order.size());
-  tree.level_count_ = 1;
-  while (tree.level_count_ < kMaxLevel &&
-         tree.point_count_ > kLeafPoints * cluster_count(tree.level_count_)) {
-    ++tree.level_count_;
+  PointSphereTree build() {
+    if (!sort_points() || !enclose_clusters()) return {};
+    fill_buckets();
+    return std::move(tree_);
   }
-  split(points, order, 0, 0, 2 * (tree.level_count_ - 1), stage);
 
-  tree.spheres_.reserve(first_sphere(tree.level_count_ + 1));
-  for (int level = 1; level <= tree.level_count_; ++level) {
-    const auto clusters = static_cast<double>(cluster_count(level));
-    for (std::uint64_t i = 0; i < cluster_count(level); ++i) {
-      const PointRange range = tree.cluster_points(level, i);
-      tree.spheres_.push_back(
-          compute_enclosing_sphere(points, std::span(order).subspan(range.begin, range.size())));
-      stage.report((level - 1 + static_cast<double>(i + 1) / clusters) / tree.level_count_);
-      if (stage.stopped()) return {};
+ private:
+  /// Puts the points of each bucket together. Subtrees of the upper levels are independent.
+  bool sort_points() {
+    constexpr int kSerialDepth = 4;
+    const int serial = std::min(kSerialDepth, tree_.depth_);
+    for (int depth = 0; depth < serial; ++depth) {
+      const std::uint64_t clusters = std::uint64_t{1} << depth;
+      if (!parallel_for(clusters, threads_, kStage, scaled(0.1 * depth / serial, 0.1 / serial),
+                        [&](std::size_t i) { split_once(i, depth); })) {
+        return false;
+      }
+    }
+    return parallel_for(std::size_t{1} << serial, threads_, kStage, scaled(0.1, 0.2),
+                        [&](std::size_t i) { split(i, serial); });
+  }
+
+  void split(std::uint64_t index, int depth) {
+    const PointRange range = tree_.points_between(depth, index);
+    if (range.size() <= PointSphereTree::kBucketPoints) {
+      // A set has one order.
+      std::sort(order_.begin() + range.begin, order_.begin() + range.end);
+      return;
+    }
+    split_once(index, depth);
+    split(2 * index, depth + 1);
+    split(2 * index + 1, depth + 1);
+  }
+
+  /// Halves a cluster at the median along its longest axis. Ids settle ties, so the order is the
+  /// same everywhere.
+  void split_once(std::uint64_t index, int depth) {
+    const PointRange range = tree_.points_between(depth, index);
+    const std::uint32_t middle = tree_.first_point(depth + 1, 2 * index + 1);
+    if (middle == range.begin || middle == range.end) return;
+    Bounds bounds;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      bounds.extend(static_cast<Vec3>(points_[order_[i]]));
+    }
+    const int axis = bounds.longest_axis();
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+      const float ca = points_[a][axis];
+      const float cb = points_[b][axis];
+      return ca != cb ? ca < cb : a < b;
+    };
+    std::nth_element(order_.begin() + range.begin, order_.begin() + middle,
+                     order_.begin() + range.end, before);
+  }
+
+  bool enclose_clusters() {
+    const int walk_levels = std::max(1, (tree_.depth_ + 2) / 3);
+    tree_.spheres_.resize((PointSphereTree::cluster_count(tree_.level_count_ + 1) - 1) / 3);
+    const std::size_t blocks = count_blocks(tree_.depth_, walk_levels);
+    tree_.blocks_.assign(blocks * simd::kBlockFloats, 0.0f);
+    std::size_t first_block = 0;
+    // The depths of levels (0, 2, 4, ...) and of the walk (..., depth - 3, depth), each once.
+    for (int depth = 0; depth <= tree_.depth_; ++depth) {
+      const bool is_level = depth % 2 == 0 && depth / 2 < tree_.level_count_;
+      const bool is_walked = (tree_.depth_ - depth) % 3 == 0 && (depth > 0 || tree_.depth_ == 0);
+      if (!is_level && !is_walked) continue;
+      const std::size_t clusters = std::size_t{1} << depth;
+      const std::size_t first_sphere = is_level ? (clusters - 1) / 3 : 0;
+      // Many small clusters a task, or one large one.
+      const std::size_t tasks = std::min<std::size_t>(clusters, 256);
+      const std::size_t padded = is_walked ? (clusters + 7) / 8 * 8 : clusters;
+      const auto enclose = [&](std::size_t task) {
+        const std::size_t end = task + 1 == tasks ? padded : clusters * (task + 1) / tasks;
+        for (std::size_t i = clusters * task / tasks; i < end; ++i) {
+          Sphere sphere{{}, simd::kNoSphere};
+          if (i < clusters) {
+            const PointRange range = tree_.points_between(depth, i);
+            if (range.size() > 0) {
+              sphere = compute_enclosing_sphere(
+                  points_, std::span(order_).subspan(range.begin, range.size()));
+            }
+          }
+          if (is_level && i < clusters) tree_.spheres_[first_sphere + i] = sphere;
+          if (is_walked) put(first_block, i, sphere);
+        }
+      };
+      const double share = 0.7 / (tree_.depth_ + 1);
+      if (!parallel_for(tasks, threads_, kStage, scaled(0.3 + share * depth, share), enclose)) {
+        return false;
+      }
+      if (is_walked) first_block += padded / 8;
+    }
+    return true;
+  }
+
+  static std::size_t count_blocks(int depth, int levels) {
+    std::size_t blocks = 0;
+    for (int level = 0; level < levels; ++level) {
+      const int at = depth - 3 * level;
+      blocks += ((std::size_t{1} << at) + 7) / 8;
+    }
+    return blocks;
+  }
+
+  void put(std::size_t first_block, std::size_t index, const Sphere& sphere) {
+    float* block = &tree_.blocks_[(first_block + index / 8) * simd::kBlockFloats];
+    block[index % 8] = sphere.centre.x;
+    block[8 + index % 8] = sphere.centre.y;
+    block[16 + index % 8] = sphere.centre.z;
+    block[24 + index % 8] = sphere.radius;
+  }
+
+  void fill_buckets() {
+    tree_.bucket_points_.assign(std::size_t{tree_.bucket_count_} * simd::kBucketFloats,
+                                std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      float* bucket = &tree_.bucket_points_[i / 8 * simd::kBucketFloats];
+      for (int axis = 0; axis < 3; ++axis) {
+        bucket[8 * static_cast<std::size_t>(axis) + i % 8] = points_[order_[i]][axis];
+      }
     }
   }
-  return tree;
+
+  /// Progress of one part of the build.
+  Progress scaled(double from, double share) const {
+    if (!progress_) return {};
+    return [this, from, share](std::string_view stage, double done) {
+      return progress_(stage, std::min(1.0, from + share * done));
+    };
+  }
+
+  static constexpr const char* kStage = "point-sphere tree";
+
+  std::span<const Vec3f> points_;
+  std::vector<std::uint32_t>& order_;
+  const Progress& progress_;
+  unsigned threads_;
+  PointSphereTree tree_;
+};
+
+PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
+                                       std::vector<std::uint32_t>& order, const Progress& progress,
+                                       unsigned threads) {
+  return TreeBuilder(points, order, progress, threads).build();
+}
+
+std::size_t PointSphereTree::nbytes() const {
+  return spheres_.size() * sizeof(Sphere) +
+         (blocks_.size() + bucket_points_.size()) * sizeof(float);
+}
+
+simd::TreeView PointSphereTree::view() const {
+  simd::TreeView view{};
+  view.serial = serial_;
+  view.blocks = blocks_.data();
+  view.buckets = bucket_points_.data();
+  view.depth = depth_;
+  view.level_count = std::max(1, (depth_ + 2) / 3);
+  view.point_count = point_count_;
+  view.bucket_count = bucket_count_;
+  std::uint32_t block = 0;
+  for (int level = 0; level < view.level_count; ++level) {
+    view.first_block[level] = block;
+    const int at = depth_ - 3 * (view.level_count - 1 - level);
+    block += ((1u << at) + 7) / 8;
+  }
+  return view;
 }
 
 }  // namespace voxshell

@@ -11,31 +11,31 @@ namespace voxshell::simd::VOXSHELL_ISA {
 
 /// Fields whose distance is 1-Lipschitz; grids have their own.
 template <class View, class F>
-inline F evaluate_lower_bound(const View& field, const Triple<F>& p, F radius) {
+VOXSHELL_INLINE F evaluate_lower_bound(const View& field, const Triple<F>& p, F radius) {
   return evaluate_distance(field, p) - radius;
 }
 
 // ---- plane --------------------------------------------------------------------------------------
 
 template <class F>
-inline F evaluate_distance(const PlaneView& plane, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const PlaneView& plane, const Triple<F>& p) {
   return plane.normal[0] * p.x + plane.normal[1] * p.y + plane.normal[2] * p.z - plane.offset;
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const PlaneView& plane, const Triple<F>&) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const PlaneView& plane, const Triple<F>&) {
   return {splat<F>(plane.normal[0]), splat<F>(plane.normal[1]), splat<F>(plane.normal[2])};
 }
 
 // ---- sphere -------------------------------------------------------------------------------------
 
 template <class F>
-inline F evaluate_distance(const SphereView& sphere, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const SphereView& sphere, const Triple<F>& p) {
   return length(p) - sphere.radius;
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const SphereView&, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const SphereView&, const Triple<F>& p) {
   Triple<F> outwards = normalized(p);
   outwards.z = select(dot(p, p) > 0.0f, outwards.z, splat<F>(1.0f));
   return outwards;
@@ -44,13 +44,13 @@ inline Triple<F> evaluate_gradient(const SphereView&, const Triple<F>& p) {
 // ---- box ----------------------------------------------------------------------------------------
 
 template <class F>
-inline Triple<F> beyond_faces(const BoxView& box, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> beyond_faces(const BoxView& box, const Triple<F>& p) {
   return {absolute(p.x) - box.half_extents[0], absolute(p.y) - box.half_extents[1],
           absolute(p.z) - box.half_extents[2]};
 }
 
 template <class F>
-inline F evaluate_distance(const BoxView& box, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const BoxView& box, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const Triple<F> q = beyond_faces(box, p);
   const Triple<F> outside{maximum(zero, q.x), maximum(zero, q.y), maximum(zero, q.z)};
@@ -58,7 +58,7 @@ inline F evaluate_distance(const BoxView& box, const Triple<F>& p) {
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const BoxView& box, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const BoxView& box, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const F one = splat<F>(1.0f);
   const Triple<F> q = beyond_faces(box, p);
@@ -82,13 +82,13 @@ struct Profile {
 };
 
 template <class F>
-inline Profile<F> to_profile(const Triple<F>& p) {
+VOXSHELL_INLINE Profile<F> to_profile(const Triple<F>& p) {
   return {square_root(p.x * p.x + p.y * p.y), p.z};
 }
 
 /// From the half-plane of p; on the axis, that of x.
 template <class F>
-inline Triple<F> from_profile(const Profile<F>& direction, const Triple<F>& p, F r) {
+VOXSHELL_INLINE Triple<F> from_profile(const Profile<F>& direction, const Triple<F>& p, F r) {
   const auto is_off_axis = r > 0.0f;
   const F divisor = select(is_off_axis, r, splat<F>(1.0f));
   return {direction.r * select(is_off_axis, p.x / divisor, splat<F>(1.0f)),
@@ -96,18 +96,18 @@ inline Triple<F> from_profile(const Profile<F>& direction, const Triple<F>& p, F
 }
 
 template <class F>
-inline F squared_length(const Profile<F>& a) {
+VOXSHELL_INLINE F squared_length(const Profile<F>& a) {
   return a.r * a.r + a.z * a.z;
 }
 
 template <class F>
-inline Profile<F> select(MaskOf<F> mask, const Profile<F>& a, const Profile<F>& b) {
+VOXSHELL_INLINE Profile<F> select(MaskOf<F> mask, const Profile<F>& a, const Profile<F>& b) {
   return {select(mask, a.r, b.r), select(mask, a.z, b.z)};
 }
 
 /// Unit vector along `a`, or `otherwise` where `a` is zero.
 template <class F>
-inline Profile<F> normalized_or(const Profile<F>& a, const Profile<F>& otherwise) {
+VOXSHELL_INLINE Profile<F> normalized_or(const Profile<F>& a, const Profile<F>& otherwise) {
   const F l = square_root(squared_length(a));
   const auto is_long = l > 0.0f;
   const F divisor = select(is_long, l, splat<F>(1.0f));
@@ -115,7 +115,7 @@ inline Profile<F> normalized_or(const Profile<F>& a, const Profile<F>& otherwise
 }
 
 template <class F>
-inline F clamp(F value, float low, float high) {
+VOXSHELL_INLINE F clamp(F value, float low, float high) {
   return minimum(maximum(value, splat<F>(low)), splat<F>(high));
 }
 
@@ -123,18 +123,18 @@ inline F clamp(F value, float low, float high) {
 
 /// From the nearest point of the segment between the caps' centres.
 template <class F>
-inline Profile<F> from_segment(const CapsuleView& capsule, const Triple<F>& p) {
+VOXSHELL_INLINE Profile<F> from_segment(const CapsuleView& capsule, const Triple<F>& p) {
   const Profile<F> q = to_profile(p);
   return {q.r, q.z - clamp(q.z, -capsule.half_length, capsule.half_length)};
 }
 
 template <class F>
-inline F evaluate_distance(const CapsuleView& capsule, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const CapsuleView& capsule, const Triple<F>& p) {
   return square_root(squared_length(from_segment(capsule, p))) - capsule.radius;
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const CapsuleView& capsule, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const CapsuleView& capsule, const Triple<F>& p) {
   const Profile<F> outwards = from_segment(capsule, p);
   const Profile<F> sideways{splat<F>(1.0f), splat<F>(0.0f)};
   return from_profile(normalized_or(outwards, sideways), p, outwards.r);
@@ -144,12 +144,12 @@ inline Triple<F> evaluate_gradient(const CapsuleView& capsule, const Triple<F>& 
 
 /// Beyond the side and beyond the nearer end.
 template <class F>
-inline Profile<F> beyond_faces(const CylinderView& cylinder, const Profile<F>& q) {
+VOXSHELL_INLINE Profile<F> beyond_faces(const CylinderView& cylinder, const Profile<F>& q) {
   return {q.r - cylinder.radius, absolute(q.z) - cylinder.half_length};
 }
 
 template <class F>
-inline F evaluate_distance(const CylinderView& cylinder, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const CylinderView& cylinder, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const Profile<F> beyond = beyond_faces(cylinder, to_profile(p));
   const Profile<F> outside{maximum(zero, beyond.r), maximum(zero, beyond.z)};
@@ -157,7 +157,7 @@ inline F evaluate_distance(const CylinderView& cylinder, const Triple<F>& p) {
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const CylinderView& cylinder, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const CylinderView& cylinder, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const F one = splat<F>(1.0f);
   const Profile<F> q = to_profile(p);
@@ -182,7 +182,7 @@ struct ConePlace {
 };
 
 template <class F>
-inline ConePlace<F> locate(const ConeView& cone, const Profile<F>& q) {
+VOXSHELL_INLINE ConePlace<F> locate(const ConeView& cone, const Profile<F>& q) {
   const Profile<F> from_rim{q.r - cone.radius, q.z + cone.half_height};
   const F along =
       clamp(from_rim.r * cone.slant_r + from_rim.z * cone.slant_z, 0.0f, cone.slant_length);
@@ -196,14 +196,14 @@ inline ConePlace<F> locate(const ConeView& cone, const Profile<F>& q) {
 }
 
 template <class F>
-inline F evaluate_distance(const ConeView& cone, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const ConeView& cone, const Triple<F>& p) {
   const ConePlace<F> place = locate(cone, to_profile(p));
   const F beyond = maximum(place.beyond_base, place.beyond_slant);
   return select(beyond > 0.0f, square_root(place.squared_distance), beyond);
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const ConeView& cone, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const ConeView& cone, const Triple<F>& p) {
   const F zero = splat<F>(0.0f);
   const Profile<F> q = to_profile(p);
   const ConePlace<F> place = locate(cone, q);
@@ -226,7 +226,7 @@ struct FarthestFace {
 
 /// The face whose plane is farthest below the point; the first of equals.
 template <class F>
-inline FarthestFace<F> find_farthest_face(const ConvexView& convex, const Triple<F>& p) {
+VOXSHELL_INLINE FarthestFace<F> find_farthest_face(const ConvexView& convex, const Triple<F>& p) {
   const auto normal_of = [&](const float* plane) {
     return Triple<F>{splat<F>(plane[0]), splat<F>(plane[1]), splat<F>(plane[2])};
   };
@@ -243,12 +243,12 @@ inline FarthestFace<F> find_farthest_face(const ConvexView& convex, const Triple
 }
 
 template <class F>
-inline F evaluate_distance(const ConvexView& convex, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const ConvexView& convex, const Triple<F>& p) {
   return find_farthest_face(convex, p).distance;
 }
 
 template <class F>
-inline Triple<F> evaluate_gradient(const ConvexView& convex, const Triple<F>& p) {
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const ConvexView& convex, const Triple<F>& p) {
   return find_farthest_face(convex, p).normal;
 }
 

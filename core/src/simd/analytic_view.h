@@ -9,24 +9,34 @@ namespace voxshell::simd {
 struct PlaneView {
   float normal[3];  ///< unit length, out of the solid
   float offset;
+
+  friend bool operator==(const PlaneView&, const PlaneView&) = default;
 };
 
 struct BoxView {
   float half_extents[3];
+
+  friend bool operator==(const BoxView&, const BoxView&) = default;
 };
 
 struct SphereView {
   float radius;
+
+  friend bool operator==(const SphereView&, const SphereView&) = default;
 };
 
 struct CapsuleView {
   float radius;
   float half_length;  ///< of the segment between the caps' centres, along z
+
+  friend bool operator==(const CapsuleView&, const CapsuleView&) = default;
 };
 
 struct CylinderView {
   float radius;
   float half_length;  ///< along z
+
+  friend bool operator==(const CylinderView&, const CylinderView&) = default;
 };
 
 struct ConeView {
@@ -37,11 +47,16 @@ struct ConeView {
   float slant_r;
   float slant_z;
   float slant_length;
+
+  friend bool operator==(const ConeView&, const ConeView&) = default;
 };
 
 struct ConvexView {
+  uint64_t serial;      ///< of the field; see base/serial.h
   const float* planes;  ///< outward unit normal x, y, z and offset of each
   int32_t plane_count;  ///< at least one
+
+  friend bool operator==(const ConvexView&, const ConvexView&) = default;
 };
 
 }  // namespace voxshell::simd

@@ -16,10 +16,9 @@ struct GridPlace {
 
 /// In this order, not-a-number becomes 0 here and stays what it is in `outside`.
 template <class F>
-inline F clamp_to_axis(const GridView& grid, int axis, F p, F& outside, Integer<F>& cell) {
+VOXSHELL_INLINE F clamp_to_axis(const GridView& grid, int axis, F p, F& outside, Integer<F>& cell) {
   const F unclamped = (p - grid.origin[axis]) * grid.inverse_voxel_size;
-  const F clamped =
-      minimum(maximum(unclamped, splat<F>(0.0f)), splat<F>(grid.cells[axis]));
+  const F clamped = minimum(maximum(unclamped, splat<F>(0.0f)), splat<F>(grid.cells[axis]));
   outside = (unclamped - clamped) * grid.voxel_size;
   cell = to_int(clamped);
   cell = select(cell > grid.last_cell[axis], Integer<F>{} + grid.last_cell[axis], cell);
@@ -27,7 +26,7 @@ inline F clamp_to_axis(const GridView& grid, int axis, F p, F& outside, Integer<
 }
 
 template <class F>
-inline GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
+VOXSHELL_INLINE GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
   using I = Integer<F>;
   GridPlace<F> place;
   I x, y, z;
@@ -47,26 +46,26 @@ inline GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
 template <class F>
 struct GridCell {
   F c[8];
-  Triple<F> t;      ///< 0 to 1
-  F scale;          ///< metres of one quantum
-  F size;           ///< edge of the cell, voxels
+  Triple<F> t;  ///< 0 to 1
+  F scale;      ///< metres of one quantum
+  F size;       ///< edge of the cell, voxels
 };
 
 /// What follows an entry's fields; entries are unsigned.
 template <class I>
-inline I as_payload(I entry) {
+VOXSHELL_INLINE I as_payload(I entry) {
   return (entry >> kPayloadShift) & ((1 << (32 - kPayloadShift)) - 1);
 }
 
 template <class F>
-inline F lerp(F a, F b, F t) {
+VOXSHELL_INLINE F lerp(F a, F b, F t) {
   return a + t * (b - a);
 }
 
 /// Lanes whose brick holds a plane get some cell or other.
 template <class F>
-inline GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place, Integer<F> entry,
-                             MaskOf<F> is_plane) {
+VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place,
+                                      Integer<F> entry, MaskOf<F> is_plane) {
   using I = Integer<F>;
   const I zero = I{};
   const I level = entry & 3;
@@ -102,7 +101,7 @@ inline GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place, In
 }
 
 template <class F>
-inline F interpolate(const GridCell<F>& cell) {
+VOXSHELL_INLINE F interpolate(const GridCell<F>& cell) {
   const auto& c = cell.c;
   const auto& t = cell.t;
   const F low = lerp(lerp(c[0], c[1], t.x), lerp(c[2], c[3], t.x), t.y);
@@ -112,7 +111,7 @@ inline F interpolate(const GridCell<F>& cell) {
 
 /// The gradient of interpolate().
 template <class F>
-inline Triple<F> differentiate(const GridCell<F>& cell, float inverse_voxel_size) {
+VOXSHELL_INLINE Triple<F> differentiate(const GridCell<F>& cell, float inverse_voxel_size) {
   const auto& c = cell.c;
   const auto& t = cell.t;
   const F scale = cell.scale * inverse_voxel_size / cell.size;
@@ -124,27 +123,26 @@ inline Triple<F> differentiate(const GridCell<F>& cell, float inverse_voxel_size
 
 template <class F>
 struct GridValue {
-  GridPlace<F> place;
   Integer<F> entry;
-  F distance;           ///< at the nearest point of the grid
-  F cell_size;          ///< voxels; 1 on planes
-  Triple<F> gradient;   ///< there; only where asked for
+  F distance;          ///< at the nearest point of the grid
+  F cell_size;         ///< voxels; 1 on planes
+  Triple<F> gradient;  ///< there; only where asked for
 };
 
 enum class Wanted { kDistance, kDistanceAndGradient };
 
 /// The field at the nearest point of the grid.
 template <Wanted kWanted, class F>
-inline GridValue<F> evaluate_in_grid(const GridView& grid, const Triple<F>& p) {
+VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple<F>& p,
+                                              const GridPlace<F>& place) {
   constexpr unsigned kAllLanes = sizeof(F) == sizeof(float) ? 1u : 255u;
-  GridValue<F> value{};
-  value.place = locate(grid, p);
-  value.entry = gather(grid.entries, value.place.brick);
+  GridValue<F> value;
+  value.entry = gather(grid.entries, place.brick);
   const auto is_plane = (value.entry & kPlaneBit) != 0;
   const unsigned planes = bits(is_plane);
   value.cell_size = splat<F>(1.0f);
   if (planes != kAllLanes) {
-    const GridCell<F> cell = load_cell<F>(grid, value.place, value.entry, is_plane);
+    const GridCell<F> cell = load_cell<F>(grid, place, value.entry, is_plane);
     value.distance = interpolate(cell);
     value.cell_size = select(is_plane, value.cell_size, cell.size);
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
@@ -155,19 +153,20 @@ inline GridValue<F> evaluate_in_grid(const GridView& grid, const Triple<F>& p) {
     const Integer<F> index = select(is_plane, as_payload(value.entry) * 4, Integer<F>{});
     const Triple<F> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
                            gather(grid.planes, index + 2)};
-    const Triple<F>& beyond = value.place.outside;
+    const Triple<F>& beyond = place.outside;
     const Triple<F> nearest{p.x - beyond.x, p.y - beyond.y, p.z - beyond.z};
-    value.distance =
-        select(is_plane, dot(normal, nearest) - gather(grid.planes, index + 3), value.distance);
+    const F distance = dot(normal, nearest) - gather(grid.planes, index + 3);
+    const bool all = planes == kAllLanes;
+    value.distance = all ? distance : select(is_plane, distance, value.distance);
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
-      value.gradient = select<F>(is_plane, normal, value.gradient);
+      value.gradient = all ? normal : select<F>(is_plane, normal, value.gradient);
     }
   }
   return value;
 }
 
 template <class F>
-inline MaskOf<F> is_beyond(const Triple<F>& outside) {
+VOXSHELL_INLINE MaskOf<F> is_beyond(const Triple<F>& outside) {
   return (outside.x != 0.0f) | (outside.y != 0.0f) | (outside.z != 0.0f);
 }
 
@@ -175,45 +174,46 @@ inline MaskOf<F> is_beyond(const Triple<F>& outside) {
 /// distance there along the gradient. It cannot be nearer than sqrt(|p - q|^2 + distance(q)^2): q
 /// is the projection of p on a convex body that holds the surface.
 template <class F>
-inline F bound_outside(const Triple<F>& outside, F distance) {
+VOXSHELL_INLINE F bound_outside(const Triple<F>& outside, F distance) {
   return square_root(dot(outside, outside) + distance * distance);
 }
 
 template <class F>
-inline Triple<F> from_surface(const GridValue<F>& value) {
+VOXSHELL_INLINE Triple<F> from_surface(const Triple<F>& outside, const GridValue<F>& value) {
   const Triple<F> direction = normalized(value.gradient);
-  const Triple<F>& outside = value.place.outside;
   return {outside.x + value.distance * direction.x, outside.y + value.distance * direction.y,
           outside.z + value.distance * direction.z};
 }
 
 template <class F>
-inline F evaluate_distance(const GridView& grid, const Triple<F>& p) {
-  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p);
-  const auto beyond = is_beyond(value.place.outside);
+VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p) {
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  const auto beyond = is_beyond(place.outside);
   if (!any(beyond)) return value.distance;
-  const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p);
-  const F outside = maximum(length(from_surface(seen)),
-                            bound_outside(value.place.outside, value.distance));
+  const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
+  const F outside = maximum(length(from_surface(place.outside, seen)),
+                            bound_outside(place.outside, value.distance));
   return select(beyond, outside, value.distance);
 }
 
 /// Outside the grid unit length, inside as long as the interpolant is steep.
 template <class F>
-inline Triple<F> evaluate_gradient(const GridView& grid, const Triple<F>& p) {
-  const auto value = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p);
-  const auto beyond = is_beyond(value.place.outside);
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F>& p) {
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
+  const auto beyond = is_beyond(place.outside);
   if (!any(beyond)) return value.gradient;
-  return select<F>(beyond, normalized(from_surface(value)), value.gradient);
+  return select<F>(beyond, normalized(from_surface(place.outside, value)), value.gradient);
 }
 
 /// How two bfloat16 lie in an entry of GridView::bounds.
 template <class I>
-inline auto upper_half(I word) {
+VOXSHELL_INLINE auto upper_half(I word) {
   return as_float(word & static_cast<int32_t>(0xffff0000u));
 }
 template <class I>
-inline auto lower_half(I word) {
+VOXSHELL_INLINE auto lower_half(I word) {
   return as_float(word << 16);
 }
 
@@ -227,27 +227,35 @@ struct GridBound {
 };
 
 template <class F>
-inline GridBound<F> bound_ball(const GridView& grid, const GridValue<F>& value, F radius) {
-  const auto beyond = is_beyond(value.place.outside);
+VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>& place,
+                                        const GridValue<F>& value, F radius) {
+  const auto beyond = is_beyond(place.outside);
   F here = value.distance;
-  if (any(beyond)) here = select(beyond, bound_outside(value.place.outside, here), here);
-  const F slope = lower_half(gather(grid.bounds, value.place.brick));
+  if (any(beyond)) here = select(beyond, bound_outside(place.outside, here), here);
+  const F slope = lower_half(gather(grid.bounds, place.brick));
   const F by_slope = here - slope * radius - grid.jump;
   const auto is_local = (beyond == 0) & (radius <= kBrickCells * grid.voxel_size);
   return {here - grid.fine_error * value.cell_size - radius,
           select(is_local, by_slope, splat<F>(-kNoLipschitzConstant))};
 }
 
+/// Of the value over the ball, from the bounds of the true distance and by slope.
 template <class F>
-inline F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius) {
-  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p);
-  const auto [d, by_slope] = bound_ball(grid, value, radius);
-  // Large cells are of use only where the true distance allows them to be met.
-  const F if_coarse = d - kBrickCells * grid.fine_error;
+VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
+  // Large cells matter only where the true distance allows them to be met.
+  const F d = bound.by_distance;
   const F if_fine = d - grid.fine_error;
-  const F floor = splat<F>(grid.coarse_floor);
-  const F above = select(d > floor, maximum(if_coarse, floor - grid.fine_error), if_fine);
-  return maximum(select(d < -floor, if_coarse, above), by_slope);
+  const F if_coarse = d - kBrickCells * grid.fine_error;
+  const F above = maximum(if_coarse, splat<F>(grid.coarse_floor - grid.fine_error));
+  const F far = select(d > 0.0f, above, if_coarse);
+  return maximum(select(absolute(d) <= grid.coarse_floor, if_fine, far), bound.by_slope);
+}
+
+template <class F>
+VOXSHELL_INLINE F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius) {
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  return combine(grid, bound_ball(grid, place, value, radius));
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -28,18 +28,19 @@ inline constexpr float kNoCoarseFloor = 1e30f;
 
 /// A grid field as kernels see it. Metres, the field's frame.
 struct GridView {
-  const uint32_t* entries;   ///< one a brick, x fastest
-  const uint32_t* bounds;    ///< one a brick: two bfloat16, see GridField::bounds_
-  const int16_t* samples;    ///< at least kFewestSamples
-  const float* planes;       ///< normal x, y, z and offset of each
-  float origin[3];           ///< of the first cell
-  float cells[3];            ///< along each axis; a multiple of kBrickCells
+  uint64_t serial;          ///< of the field; see base/serial.h
+  const uint32_t* entries;  ///< one a brick, x fastest
+  const uint32_t* bounds;   ///< one a brick: two bfloat16, see GridField::bounds_
+  const int16_t* samples;   ///< at least kFewestSamples
+  const float* planes;      ///< normal x, y, z and offset of each
+  float origin[3];          ///< of the first cell
+  float cells[3];           ///< along each axis; a multiple of kBrickCells
   int32_t last_cell[3];
-  int32_t bricks_x;          ///< bricks in a row
-  int32_t bricks_xy;         ///< bricks in a layer
+  int32_t bricks_x;   ///< bricks in a row
+  int32_t bricks_xy;  ///< bricks in a layer
   float voxel_size;
   float inverse_voxel_size;
-  float quantum;             ///< a sample's unit at scale exponent 0, metres
+  float quantum;  ///< a sample's unit at scale exponent 0, metres
   /// |value - true distance| in cells of one voxel, metres. In larger cells it is as many times
   /// that as they are voxels wide.
   float fine_error;
@@ -47,9 +48,11 @@ struct GridView {
   /// at most kBrickCells voxels apart, differ by at most that times their separation plus this,
   /// metres: bricks that hold different numbers of nodes do not agree on the face between them.
   float jump;
-  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres; or
-  /// kNoCoarseFloor.
+  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres;
+  /// or kNoCoarseFloor.
   float coarse_floor;
+
+  friend bool operator==(const GridView&, const GridView&) = default;
 };
 
 }  // namespace voxshell::simd

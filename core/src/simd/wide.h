@@ -16,9 +16,29 @@
 #include <immintrin.h>
 #endif
 
+/// Calls would pass eight floats through memory.
+#define VOXSHELL_INLINE [[gnu::always_inline]] inline
+
 namespace voxshell::simd::VOXSHELL_ISA {
 
 inline constexpr int kLanes = 8;
+
+/// For each set of lanes, their numbers in ascending order, one a byte.
+struct CompressOrders {
+  uint64_t lanes_of[256];
+};
+inline constexpr CompressOrders kCompressOrders = [] {
+  CompressOrders orders{};
+  for (unsigned lanes = 0; lanes < 256; ++lanes) {
+    int shift = 0;
+    for (uint64_t lane = 0; lane < 8; ++lane) {
+      if ((lanes >> lane & 1) == 0) continue;
+      orders.lanes_of[lanes] |= lane << shift;
+      shift += 8;
+    }
+  }
+  return orders;
+}();
 
 using F8 = float __attribute__((vector_size(32)));
 using I8 = int32_t __attribute__((vector_size(32)));
@@ -49,67 +69,67 @@ struct Triple {
 
 /// Subtracts: -0 + 0 would be 0.
 template <class F>
-inline F splat(float value) {
+VOXSHELL_INLINE F splat(float value) {
   return value - F{};
 }
 template <>
-inline float splat<float>(float value) {
+VOXSHELL_INLINE float splat<float>(float value) {
   return value;
 }
 
-inline float select(bool mask, float a, float b) { return mask ? a : b; }
-inline int32_t select(bool mask, int32_t a, int32_t b) { return mask ? a : b; }
-inline F8 select(I8 mask, F8 a, F8 b) { return mask ? a : b; }
-inline I8 select(I8 mask, I8 a, I8 b) { return mask ? a : b; }
+VOXSHELL_INLINE float select(bool mask, float a, float b) { return mask ? a : b; }
+VOXSHELL_INLINE int32_t select(bool mask, int32_t a, int32_t b) { return mask ? a : b; }
+VOXSHELL_INLINE F8 select(I8 mask, F8 a, F8 b) { return mask ? a : b; }
+VOXSHELL_INLINE I8 select(I8 mask, I8 a, I8 b) { return mask ? a : b; }
 
 /// Of not-a-number and b: b.
 template <class F>
-inline F minimum(F a, F b) {
+VOXSHELL_INLINE F minimum(F a, F b) {
   return select(a < b, a, b);
 }
 template <class F>
-inline F maximum(F a, F b) {
+VOXSHELL_INLINE F maximum(F a, F b) {
   return select(a > b, a, b);
 }
 
-inline int32_t as_int(float value) {
+VOXSHELL_INLINE int32_t as_int(float value) {
   int32_t bits;
   memcpy(&bits, &value, sizeof bits);
   return bits;
 }
-inline I8 as_int(F8 value) { return reinterpret_cast<I8>(value); }
-inline float as_float(int32_t bits) {
+VOXSHELL_INLINE I8 as_int(F8 value) { return reinterpret_cast<I8>(value); }
+VOXSHELL_INLINE float as_float(int32_t bits) {
   float value;
   memcpy(&value, &bits, sizeof value);
   return value;
 }
-inline F8 as_float(I8 bits) { return reinterpret_cast<F8>(bits); }
+VOXSHELL_INLINE F8 as_float(I8 bits) { return reinterpret_cast<F8>(bits); }
 
 template <class F>
-inline F absolute(F value) {
+VOXSHELL_INLINE F absolute(F value) {
   return as_float(as_int(value) & 0x7fffffff);
 }
 
 /// `magnitude` with the sign of `sign`; `magnitude` must not be negative.
 template <class F>
-inline F with_sign(F magnitude, F sign) {
+VOXSHELL_INLINE F with_sign(F magnitude, F sign) {
   return as_float(as_int(magnitude) | (as_int(sign) & INT32_MIN));
 }
 
 /// Rounds towards zero; the value must fit.
-inline int32_t to_int(float value) { return static_cast<int32_t>(value); }
-inline I8 to_int(F8 value) { return __builtin_convertvector(value, I8); }
-inline float to_float(int32_t value) { return static_cast<float>(value); }
-inline F8 to_float(I8 value) { return __builtin_convertvector(value, F8); }
+VOXSHELL_INLINE int32_t to_int(float value) { return static_cast<int32_t>(value); }
+VOXSHELL_INLINE I8 to_int(F8 value) { return __builtin_convertvector(value, I8); }
+VOXSHELL_INLINE float to_float(int32_t value) { return static_cast<float>(value); }
+VOXSHELL_INLINE F8 to_float(I8 value) { return __builtin_convertvector(value, F8); }
 
 /// 2^exponent, for exponents from -126 to 127.
 template <class I>
-inline auto power_of_two(I exponent) {
+VOXSHELL_INLINE auto power_of_two(I exponent) {
   return as_float((exponent + 127) << 23);
 }
 
-inline float square_root(float value) { return __builtin_sqrtf(value); }
-inline F8 square_root(F8 value) {
+VOXSHELL_INLINE float square_root(float value) { return __builtin_sqrtf(value); }
+VOXSHELL_INLINE F8 square_root(F8 value) {
 #ifdef __AVX2__
   return reinterpret_cast<F8>(_mm256_sqrt_ps(reinterpret_cast<__m256>(value)));
 #else
@@ -120,8 +140,8 @@ inline F8 square_root(F8 value) {
 }
 
 /// One bit a lane.
-inline unsigned bits(bool mask) { return mask ? 1u : 0u; }
-inline unsigned bits(I8 mask) {
+VOXSHELL_INLINE unsigned bits(bool mask) { return mask ? 1u : 0u; }
+VOXSHELL_INLINE unsigned bits(I8 mask) {
 #ifdef __AVX2__
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
 #else
@@ -131,14 +151,14 @@ inline unsigned bits(I8 mask) {
 #endif
 }
 template <class Mask>
-inline bool any(Mask mask) {
+VOXSHELL_INLINE bool any(Mask mask) {
   return bits(mask) != 0;
 }
 
-inline int32_t gather(const uint32_t* base, int32_t index) {
+VOXSHELL_INLINE int32_t gather(const uint32_t* base, int32_t index) {
   return static_cast<int32_t>(base[index]);
 }
-inline I8 gather(const uint32_t* base, I8 index) {
+VOXSHELL_INLINE I8 gather(const uint32_t* base, I8 index) {
 #ifdef __AVX2__
   return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
                                                      reinterpret_cast<__m256i>(index), 4));
@@ -149,8 +169,8 @@ inline I8 gather(const uint32_t* base, I8 index) {
 #endif
 }
 
-inline float gather(const float* base, int32_t index) { return base[index]; }
-inline F8 gather(const float* base, I8 index) {
+VOXSHELL_INLINE float gather(const float* base, int32_t index) { return base[index]; }
+VOXSHELL_INLINE F8 gather(const float* base, I8 index) {
 #ifdef __AVX2__
   return reinterpret_cast<F8>(_mm256_i32gather_ps(base, reinterpret_cast<__m256i>(index), 4));
 #else
@@ -161,10 +181,10 @@ inline F8 gather(const float* base, I8 index) {
 }
 
 /// The samples at `index` (low half) and `index + 1` (high half).
-inline int32_t gather_pair(const int16_t* base, int32_t index) {
+VOXSHELL_INLINE int32_t gather_pair(const int16_t* base, int32_t index) {
   return static_cast<int32_t>(static_cast<uint16_t>(base[index])) | (base[index + 1] * 65536);
 }
-inline I8 gather_pair(const int16_t* base, I8 index) {
+VOXSHELL_INLINE I8 gather_pair(const int16_t* base, I8 index) {
 #ifdef __AVX2__
   return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
                                                      reinterpret_cast<__m256i>(index), 2));
@@ -175,33 +195,88 @@ inline I8 gather_pair(const int16_t* base, I8 index) {
 #endif
 }
 
+/// Writes those lanes of `values` whose bit is set, packed; space for all eight must be there.
+VOXSHELL_INLINE void compress(float* to, F8 values, unsigned lanes) {
+#ifdef __AVX2__
+  const __m256i order = _mm256_cvtepu8_epi32(
+      _mm_cvtsi64_si128(static_cast<int64_t>(kCompressOrders.lanes_of[lanes])));
+  _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(reinterpret_cast<__m256>(values), order));
+#else
+  for (; lanes != 0; lanes &= lanes - 1) *to++ = values[__builtin_ctz(lanes)];
+#endif
+}
+VOXSHELL_INLINE void compress(uint32_t* to, I8 values, unsigned lanes) {
+#ifdef __AVX2__
+  const __m256i order = _mm256_cvtepu8_epi32(
+      _mm_cvtsi64_si128(static_cast<int64_t>(kCompressOrders.lanes_of[lanes])));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                      _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(values), order));
+#else
+  for (; lanes != 0; lanes &= lanes - 1) {
+    *to++ = static_cast<uint32_t>(values[__builtin_ctz(lanes)]);
+  }
+#endif
+}
+
+inline constexpr I8 kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7};
+
+/// Rows become columns.
+VOXSHELL_INLINE void transpose(F8 (&rows)[kLanes]) {
+#ifdef __AVX2__
+  __m256 r[8], t[8];
+  for (int i = 0; i < 8; ++i) r[i] = reinterpret_cast<__m256>(rows[i]);
+  for (int i = 0; i < 8; i += 2) {
+    t[i] = _mm256_unpacklo_ps(r[i], r[i + 1]);
+    t[i + 1] = _mm256_unpackhi_ps(r[i], r[i + 1]);
+  }
+  for (int i = 0; i < 8; i += 4) {
+    r[i] = _mm256_shuffle_ps(t[i], t[i + 2], _MM_SHUFFLE(1, 0, 1, 0));
+    r[i + 1] = _mm256_shuffle_ps(t[i], t[i + 2], _MM_SHUFFLE(3, 2, 3, 2));
+    r[i + 2] = _mm256_shuffle_ps(t[i + 1], t[i + 3], _MM_SHUFFLE(1, 0, 1, 0));
+    r[i + 3] = _mm256_shuffle_ps(t[i + 1], t[i + 3], _MM_SHUFFLE(3, 2, 3, 2));
+  }
+  for (int i = 0; i < 4; ++i) {
+    rows[i] = reinterpret_cast<F8>(_mm256_permute2f128_ps(r[i], r[i + 4], 0x20));
+    rows[i + 4] = reinterpret_cast<F8>(_mm256_permute2f128_ps(r[i], r[i + 4], 0x31));
+  }
+#else
+  for (int i = 0; i < kLanes; ++i) {
+    for (int j = i + 1; j < kLanes; ++j) {
+      const float above = rows[i][j];
+      rows[i][j] = rows[j][i];
+      rows[j][i] = above;
+    }
+  }
+#endif
+}
+
 template <class F>
-inline F load(const float* from) {
+VOXSHELL_INLINE F load(const float* from) {
   F value;
   memcpy(&value, from, sizeof value);
   return value;
 }
 template <class F>
-inline void store(float* to, F value) {
+VOXSHELL_INLINE void store(float* to, F value) {
   memcpy(to, &value, sizeof value);
 }
 
 template <class F>
-inline F dot(const Triple<F>& a, const Triple<F>& b) {
+VOXSHELL_INLINE F dot(const Triple<F>& a, const Triple<F>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class F>
-inline F length(const Triple<F>& a) {
+VOXSHELL_INLINE F length(const Triple<F>& a) {
   return square_root(dot(a, a));
 }
 template <class F>
-inline Triple<F> select(MaskOf<F> mask, const Triple<F>& a, const Triple<F>& b) {
+VOXSHELL_INLINE Triple<F> select(MaskOf<F> mask, const Triple<F>& a, const Triple<F>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
 /// Unit vector along `a`; zero where `a` is.
 template <class F>
-inline Triple<F> normalized(const Triple<F>& a) {
+VOXSHELL_INLINE Triple<F> normalized(const Triple<F>& a) {
   const F l = length(a);
   const auto is_long = l > 0.0f;
   const F divisor = select(is_long, l, splat<F>(1.0f));

@@ -256,13 +256,13 @@ TEST(DeepestPerSegment, OnTheFirstLevelIsTheDeepestOfAll) {
   EXPECT_EQ(deepest, (std::vector<std::uint32_t>{1, 2, 3}));
 }
 
-TEST(DeepestPerSegment, FarBeyondTheNumberOfPointsKeepsEveryContact) {
+TEST(DeepestPerSegment, FarBeyondTheNumberOfBucketsKeepsOneContactOfEach) {
   const PointSphereTree tree = tree_of(100);
   std::vector<Contact> contacts;
   for (std::uint32_t id = 0; id < 100; ++id) contacts.push_back(contact_at(id, 0.1f, {}));
   std::vector<std::uint32_t> deepest;
   select_deepest_per_segment(contacts, tree, PointSphereTree::kMaxLevel, deepest);
-  EXPECT_EQ(deepest.size(), 100u);
+  EXPECT_EQ(deepest.size(), 13u);  // of eight points each, the last of four
 }
 
 TEST(DeepestPerSegment, OfNothingIsEmpty) {

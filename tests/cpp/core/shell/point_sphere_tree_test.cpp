@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simd/tree_view.h"
 #include "support/random.h"
 
 namespace voxshell {
@@ -108,23 +109,93 @@ TEST(PointSphereTree, EveryLevelCountsFourTimesTheClusters) {
   EXPECT_EQ(PointSphereTree::cluster_count(5), 256u);
   EXPECT_EQ(PointSphereTree::cluster_count(PointSphereTree::kMaxLevel), 4'194'304u);
   const PointSphereTree tree = build(random_points(799, 44)).tree;
-  EXPECT_EQ(tree.level_count(), 5);  // 256 leaves of 3 or 4; 64 would hold 12 or 13
+  EXPECT_EQ(tree.level_count(), 4);  // 64 clusters share 100 buckets; 256 could not
   for (int level = 1; level <= tree.level_count(); ++level) {
     EXPECT_EQ(tree.spheres(level).size(), PointSphereTree::cluster_count(level));
   }
 }
 
-TEST(PointSphereTree, LeavesHoldUpToEightPointsAndAreNeverEmpty) {
+TEST(PointSphereTree, ClustersWithSpheresShareTheBucketsEvenly) {
   for (const std::uint32_t count : kCounts) {
     const PointSphereTree tree = build(random_points(count, 45)).tree;
-    const int leaves = tree.level_count();
-    for (std::uint64_t i = 0; i < PointSphereTree::cluster_count(leaves); ++i) {
-      const std::uint32_t size = tree.cluster_points(leaves, i).size();
-      EXPECT_LE(size, PointSphereTree::kLeafPoints);
-      EXPECT_GE(size, 1u);
+    EXPECT_EQ(tree.bucket_count(), (count + 7) / 8);
+    for (int level = 1; level <= tree.level_count(); ++level) {
+      const std::uint64_t clusters = PointSphereTree::cluster_count(level);
+      const std::uint32_t fewest = tree.bucket_count() / static_cast<std::uint32_t>(clusters);
+      EXPECT_GE(fewest, 1u);
+      for (std::uint64_t i = 0; i < clusters; ++i) {
+        const PointRange range = tree.cluster_points(level, i);
+        EXPECT_EQ(range.begin % PointSphereTree::kBucketPoints, 0u);
+        const std::uint32_t buckets = (range.size() + 7) / 8;
+        EXPECT_GE(buckets, fewest);
+        EXPECT_LE(buckets, fewest + 1);
+      }
     }
-    if (leaves > 1) {
-      EXPECT_GT(tree.cluster_points(leaves - 1, 0).size(), PointSphereTree::kLeafPoints - 1);
+  }
+}
+
+TEST(PointSphereTree, WalkEndsAtSlotsOfAtMostTwoFullBuckets) {
+  for (const std::uint32_t count : kCounts) {
+    const BuiltTree built = build(random_points(count, 50));
+    const simd::TreeView view = built.tree.view();
+    const std::uint64_t slots = std::uint64_t{1} << view.depth;
+    EXPECT_LE(4 * built.tree.bucket_count(), 6 * slots);
+    EXPECT_GE(4 * built.tree.bucket_count(), slots == 1 ? 4 : 3 * slots);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const float* bucket = view.buckets + i / 8 * simd::kBucketFloats;
+      const Vec3f in_bucket{bucket[i % 8], bucket[8 + i % 8], bucket[16 + i % 8]};
+      ASSERT_EQ(in_bucket, built.points[built.order[i]]);
+    }
+    for (std::uint32_t i = count; i % 8 != 0; ++i) {
+      ASSERT_TRUE(std::isnan(view.buckets[i / 8 * simd::kBucketFloats + i % 8]));
+    }
+  }
+}
+
+TEST(PointSphereTree, SpheresOfTheWalkEncloseTheirPoints) {
+  for (const std::uint32_t count : kCounts) {
+    const BuiltTree built = build(random_points(count, 51));
+    const simd::TreeView view = built.tree.view();
+    for (int level = 0; level < view.level_count; ++level) {
+      const int depth = view.depth - 3 * (view.level_count - 1 - level);
+      const std::uint64_t clusters = std::uint64_t{1} << depth;
+      std::uint64_t empty = 0;
+      for (std::uint64_t i = 0; i < std::max<std::uint64_t>(clusters, 8); ++i) {
+        const float* block = view.blocks + (view.first_block[level] + i / 8) * simd::kBlockFloats;
+        const Vec3f centre{block[i % 8], block[8 + i % 8], block[16 + i % 8]};
+        const float radius = block[24 + i % 8];
+        const auto first = [&](std::uint64_t c) {
+          return std::min<std::uint64_t>(count, 8 * ((view.bucket_count * c) >> depth));
+        };
+        if (i >= clusters || first(i) == first(i + 1)) {
+          ASSERT_EQ(radius, simd::kNoSphere);
+          ++empty;
+          continue;
+        }
+        for (std::uint64_t id = first(i); id < first(i + 1); ++id) {
+          ASSERT_LE(distance_between(built.points[built.order[id]], centre),
+                    static_cast<double>(radius));
+        }
+      }
+      EXPECT_LE(4 * empty, std::max<std::uint64_t>(4 * 7, clusters));
+    }
+  }
+}
+
+TEST(PointSphereTree, IsTheSameOnAnyNumberOfThreads) {
+  const std::vector<Vec3f> points = random_points(5003, 52);
+  const BuiltTree one = build(points);
+  for (const unsigned threads : {1u, 2u, 7u}) {
+    std::vector<std::uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const PointSphereTree tree = PointSphereTree::build(points, order, {}, threads);
+    EXPECT_EQ(order, one.order);
+    ASSERT_EQ(tree.nbytes(), one.tree.nbytes());
+    for (int level = 1; level <= tree.level_count(); ++level) {
+      for (std::uint64_t i = 0; i < PointSphereTree::cluster_count(level); ++i) {
+        EXPECT_EQ(tree.spheres(level)[i].centre, one.tree.spheres(level)[i].centre);
+        EXPECT_EQ(tree.spheres(level)[i].radius, one.tree.spheres(level)[i].radius);
+      }
     }
   }
 }

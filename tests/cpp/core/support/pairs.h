@@ -9,6 +9,7 @@
 
 #include "support/meshes.h"
 #include "support/random.h"
+#include "voxshell/distance.h"
 #include "voxshell/field.h"
 #include "voxshell/point_shell.h"
 #include "voxshell/pose.h"
@@ -78,9 +79,10 @@ inline Pose make_pose_at(const Field& field, const PointShell& shell, double cle
   Vec3 away = random.direction();
   if (const auto* plane = std::get_if<PlaneField>(&field)) away = plane->normal;
   field_from_shell.translation = random.uniform(0.0, 0.6) * away;
+  QueryScratch scratch;
   for (int step = 0; step < 8; ++step) {
-    const double missing = clearance - smallest_distance(field, shell, field_from_shell);
-    field_from_shell.translation += missing * away;
+    const auto nearest = find_nearest(field, shell, field_from_shell, 1e9f, scratch);
+    field_from_shell.translation += (clearance + static_cast<double>(nearest->depth)) * away;
   }
   return field_from_shell;
 }

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "voxshell/contacts.h"
+
+namespace voxshell {
+
+/// The contacts of many poses, one after another: those of pose i are
+/// contacts[offsets[i]] to contacts[offsets[i + 1] - 1].
+struct ContactBatch {
+  std::vector<Contact> contacts;
+  std::vector<std::size_t> offsets;  ///< one more than there are poses
+};
+
+/// find_contacts() for each pose, on `threads` threads (0: one a core); the same bits for any
+/// number. Error kCancelled where `progress` asked to stop.
+Result<ContactBatch> find_contacts_batch(const Field& field, const PointShell& shell,
+                                         std::span<const Pose> field_from_shell,
+                                         const ContactOptions& options, unsigned threads = 0,
+                                         const Progress& progress = {});
+
+/// collides() for each pose, 1 or 0.
+Result<std::vector<char>> collides_batch(const Field& field, const PointShell& shell,
+                                         std::span<const Pose> field_from_shell, float margin,
+                                         unsigned threads = 0, const Progress& progress = {});
+
+}  // namespace voxshell

@@ -1,0 +1,55 @@
+#include "query/scratch.h"
+
+namespace voxshell {
+
+QueryScratch::QueryScratch() : state_(std::make_unique<State>()) {}
+QueryScratch::~QueryScratch() = default;
+QueryScratch::QueryScratch(QueryScratch&&) noexcept = default;
+QueryScratch& QueryScratch::operator=(QueryScratch&&) noexcept = default;
+
+std::span<const Contact> QueryScratch::contacts() const {
+  return {state_->contact_data(), state_->contact_count};
+}
+
+void QueryScratch::State::reserve(const PointShell& shell) {
+  constexpr std::size_t kSpare = 8;  // kernels write eight at a time
+  const std::size_t points = shell.size() + kSpare;
+  if (points > point_capacity) {
+    point_capacity = points;
+    point_id = std::make_unique_for_overwrite<std::uint32_t[]>(points);
+    point_distance = std::make_unique_for_overwrite<float[]>(points);
+    point_x = std::make_unique_for_overwrite<float[]>(points);
+    point_y = std::make_unique_for_overwrite<float[]>(points);
+    point_z = std::make_unique_for_overwrite<float[]>(points);
+    contact_bytes = std::make_unique_for_overwrite<std::byte[]>(points * sizeof(Contact));
+    contact_count = 0;
+  }
+  const std::size_t slots = (std::size_t{1} << shell.tree().view().depth) + kSpare;
+  if (slots > node_capacity) {
+    node_capacity = slots;
+    for (NodeBuffer& buffer : nodes) {
+      buffer.index = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
+      buffer.tag = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
+      buffer.bound = std::make_unique_for_overwrite<float[]>(slots);
+    }
+    survivors = {};
+  }
+}
+
+simd::FoundPoint* QueryScratch::State::reserve_found(std::size_t segments) {
+  if (segments > found_capacity) {
+    found_capacity = segments;
+    found = std::make_unique_for_overwrite<simd::FoundPoint[]>(segments);
+  }
+  return found.get();
+}
+
+void QueryScratch::State::reserve_gradients() {
+  if (point_capacity <= gradient_capacity) return;
+  gradient_capacity = point_capacity;
+  gradient_x = std::make_unique_for_overwrite<float[]>(gradient_capacity);
+  gradient_y = std::make_unique_for_overwrite<float[]>(gradient_capacity);
+  gradient_z = std::make_unique_for_overwrite<float[]>(gradient_capacity);
+}
+
+}  // namespace voxshell

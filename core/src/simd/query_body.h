@@ -1,0 +1,454 @@
+#pragma once
+
+// The kernels of simd/query_kernels.h, for whatever instruction set the including source is
+// compiled for.
+
+#include "simd/query_kernels.h"
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+/// Eight siblings of a tree.
+struct Block {
+  Triple<F8> centres;
+  F8 radii;
+  unsigned lanes;  ///< those that are clusters
+};
+
+/// Eight spheres in a field.
+struct Balls {
+  F8 bound;  ///< no point within has a smaller distance, metres
+  I8 tags;
+  unsigned lanes;  ///< those that may hold a point below the margin
+};
+
+VOXSHELL_INLINE unsigned lanes_below(F8 bound, float margin) {
+  return ~bits(bound >= margin) & 255u;
+}
+
+VOXSHELL_INLINE Triple<F8> load_triple(const float* from) {
+  return {load<F8>(from), load<F8>(from + 8), load<F8>(from + 16)};
+}
+
+template <class V>
+VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Triple<F8>& centres, F8 radii,
+                                 uint32_t /*tag*/, float margin) {
+  const F8 bound = evaluate_lower_bound(posed.field, to_field(posed, centres), radii) - posed.slack;
+  return {bound, I8{}, lanes_below(bound, margin)};
+}
+
+VOXSHELL_INLINE F8 distance_to_plane(const GridView& grid, uint32_t tag, const Triple<F8>& p) {
+  const float* plane = grid.planes + 4 * (tag - 1);
+  return plane[0] * p.x + plane[1] * p.y + plane[2] * p.z - plane[3];
+}
+
+/// Balls that lie, as float32 places their points, within bricks of one plane.
+VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
+                             const GridValue<F8>& value, F8 radii, float slack) {
+  const I8 is_plane = (value.entry & kPlaneBit) != 0;
+  if (!any(is_plane)) return I8{};
+  constexpr float kHalf = 0.5f * kBrickCells;
+  const Triple<F8>& w = place.within;
+  const F8 off_centre =
+      maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
+  const F8 same = to_float((value.entry >> kFieldShift) & kFieldMask);
+  constexpr float kSafety = 0.01f;  // voxels
+  const F8 room =
+      (same * static_cast<float>(kBrickCells) + (kHalf - kSafety) - off_centre) * grid.voxel_size -
+      slack;
+  const I8 fits = is_plane & (radii <= room) & (is_beyond(place.outside) == 0);
+  return fits & (as_payload(value.entry) + 1);
+}
+
+VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Triple<F8>& centres,
+                                 F8 radii, uint32_t tag, float margin) {
+  const GridView& grid = posed.field;
+  const Triple<F8> p = to_field(posed, centres);
+  if (tag != 0) {
+    const F8 bound = distance_to_plane(grid, tag, p) - radii - posed.slack;
+    return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin)};
+  }
+  const auto place = locate(grid, p);
+  // First by what is known of the whole brick.
+  F8 least = upper_half(gather(grid.bounds, place.brick));
+  const I8 beyond = is_beyond(place.outside);
+  if (any(beyond)) least = select(beyond, maximum(least, length(place.outside)), least);
+  const F8 coarse =
+      combine<F8>(grid, {least - radii, splat<F8>(-kNoLipschitzConstant)}) - posed.slack;
+  const unsigned lanes = lanes_below(coarse, margin);
+  if (lanes == 0) return {coarse, I8{}, 0};
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  const F8 bound =
+      maximum(coarse, combine(grid, bound_ball(grid, place, value, radii)) - posed.slack);
+  return {bound, find_tags(grid, place, value, radii, posed.slack),
+          lanes & lanes_below(bound, margin)};
+}
+
+template <class V>
+VOXSHELL_INLINE F8 tagged_distance(const PosedView<V>& posed, const Triple<F8>& p,
+                                   uint32_t /*tag*/) {
+  return posed_distance(posed, p);
+}
+VOXSHELL_INLINE F8 tagged_distance(const PosedView<GridView>& posed, const Triple<F8>& p,
+                                   uint32_t tag) {
+  if (tag == 0) return posed_distance(posed, p);
+  return distance_to_plane(posed.field, tag, to_field(posed, p));
+}
+
+VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index) {
+  const float* block =
+      tree.blocks + static_cast<uint64_t>(tree.first_block[level] + index) * kBlockFloats;
+  const F8 radii = load<F8>(block + 24);
+  return {load_triple(block), radii, bits(radii >= 0.0f)};
+}
+
+VOXSHELL_INLINE uint32_t first_bucket(const TreeView& tree, uint32_t slot) {
+  return static_cast<uint32_t>((static_cast<uint64_t>(tree.bucket_count) * slot) >> tree.depth);
+}
+
+/// The binary depth of the spheres of a level of the walk.
+VOXSHELL_INLINE int depth_of(const TreeView& tree, int level) {
+  return tree.depth - 3 * (tree.level_count - 1 - level);
+}
+
+template <class V>
+void expand(const PosedView<V>& posed, const TreeView& tree, int level, const NodeList& nodes,
+            NodeList& out, float margin, float growth) {
+  uint32_t count = out.count;
+  for (uint32_t i = 0; i < nodes.count; ++i) {
+    const Block block = load_block(tree, level, nodes.index[i]);
+    const Balls balls =
+        test_balls(posed, block.centres, block.radii + growth, nodes.tag[i], margin);
+    const unsigned lanes = balls.lanes & block.lanes;
+    if (lanes == 0) continue;
+    const I8 children = kLaneIndex + static_cast<int32_t>(nodes.index[i] * kLanes);
+    compress(out.index + count, children, lanes);
+    compress(out.tag + count, balls.tags, lanes);
+    if (out.bound != nullptr) compress(out.bound + count, balls.bound, lanes);
+    count += static_cast<uint32_t>(__builtin_popcount(lanes));
+  }
+  out.count = count;
+}
+
+template <class V>
+void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& slots, float margin,
+              PointList& out) {
+  uint32_t count = out.count;
+  for (uint32_t i = 0; i < slots.count; ++i) {
+    const uint32_t end = first_bucket(tree, slots.index[i] + 1);
+    for (uint32_t bucket = first_bucket(tree, slots.index[i]); bucket < end; ++bucket) {
+      const Triple<F8> p =
+          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      const F8 distance = tagged_distance(posed, p, slots.tag[i]);
+      const unsigned lanes = bits(distance < margin);
+      if (lanes == 0) continue;
+      compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
+      compress(out.distance + count, distance, lanes);
+      compress(out.x + count, p.x, lanes);
+      compress(out.y + count, p.y, lanes);
+      compress(out.z + count, p.z, lanes);
+      count += static_cast<uint32_t>(__builtin_popcount(lanes));
+    }
+  }
+  out.count = count;
+}
+
+/// The last eight are filled up with copies.
+VOXSHELL_INLINE void fill_up(const PointList& points) {
+  for (uint32_t i = points.count; i % kLanes != 0; ++i) {
+    const uint32_t last = points.count - 1;
+    points.id[i] = points.id[last];
+    points.distance[i] = points.distance[last];
+    points.x[i] = points.x[last];
+    points.y[i] = points.y[last];
+    points.z[i] = points.z[last];
+  }
+}
+
+template <class V>
+void differentiate(const PosedView<V>& posed, const PointList& points, float step, float* x,
+                   float* y, float* z) {
+  fill_up(points);
+  const F8 scale = splat<F8>(0.5f / step);
+  for (uint32_t i = 0; i < points.count; i += kLanes) {
+    const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
+    const auto difference = [&](float dx, float dy, float dz) {
+      const F8 ahead = posed_distance(posed, Triple<F8>{p.x + dx, p.y + dy, p.z + dz});
+      const F8 behind = posed_distance(posed, Triple<F8>{p.x - dx, p.y - dy, p.z - dz});
+      return (ahead - behind) * scale;
+    };
+    store(x + i, difference(step, 0.0f, 0.0f));
+    store(y + i, difference(0.0f, step, 0.0f));
+    store(z + i, difference(0.0f, 0.0f, step));
+  }
+}
+
+template <class V>
+void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& points,
+              void* contacts) {
+  fill_up(points);
+  char* to = static_cast<char*>(contacts);
+  for (uint32_t i = 0; i < points.count; i += kLanes) {
+    const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
+    Triple<F8> normal = posed_normal(posed, p);
+    const I8 is_zero = (normal.x == 0.0f) & (normal.y == 0.0f) & (normal.z == 0.0f);
+    // Where the field has no gradient (a ridge inside it), the shell's own normal says which way
+    // is out.
+    for (unsigned lanes = bits(is_zero); lanes != 0; lanes &= lanes - 1) {
+      const int lane = __builtin_ctz(lanes);
+      const float* own =
+          tree.normals + 3 * static_cast<uint64_t>(points.id[i + static_cast<uint32_t>(lane)]);
+      normal.x[lane] = -own[0];
+      normal.y[lane] = -own[1];
+      normal.z[lane] = -own[2];
+    }
+    F8 rows[kLanes] = {load<F8>(reinterpret_cast<const float*>(points.id + i)),
+                       -load<F8>(points.distance + i),
+                       p.x,
+                       p.y,
+                       p.z,
+                       normal.x,
+                       normal.y,
+                       normal.z};
+    transpose(rows);
+    const uint32_t end = points.count - i < kLanes ? points.count - i : kLanes;
+    for (uint32_t lane = 0; lane < end; ++lane, to += sizeof(F8)) {
+      memcpy(to, &rows[lane], sizeof(F8));
+    }
+  }
+}
+
+/// One sphere that waits to be looked into.
+struct Waiting {
+  float rank;  ///< the smaller, the sooner
+  uint32_t index;
+  uint32_t tag;
+  int32_t level;  ///< of its children
+};
+
+/// A walk that takes the most promising of siblings first.
+class BestFirst {
+ public:
+  BestFirst() { stack_[0] = {-kNoLipschitzConstant, 0, 0, 0}; }
+
+  bool is_done() const { return count_ == 0; }
+  const Waiting& take() { return stack_[--count_]; }
+
+  /// Of siblings pushed one after another, take() returns the smallest rank first.
+  void begin_siblings() { first_sibling_ = count_; }
+  void push(const Waiting& sibling) {
+    int at = count_++;
+    for (; at > first_sibling_ && stack_[at - 1].rank < sibling.rank; --at) {
+      stack_[at] = stack_[at - 1];
+    }
+    stack_[at] = sibling;
+  }
+
+ private:
+  Waiting stack_[kMostWalkLevels * kLanes + 1];
+  int count_ = 1;
+  int first_sibling_ = 0;
+};
+
+VOXSHELL_INLINE FoundPoint make_found(uint32_t id, float distance, const Triple<F8>& p, int lane) {
+  return {id, distance, {p.x[lane], p.y[lane], p.z[lane]}};
+}
+
+template <class V>
+void find_deepest(const PosedView<V>& posed, const TreeView& tree, int segment_depth, float margin,
+                  FoundPoint* best) {
+  // The best so far of the one segment that a sphere lies in; larger spheres may hold any.
+  const auto limit = [&](int level, uint32_t index) {
+    const int finer = depth_of(tree, level) - segment_depth;
+    if (finer < 0) return margin;
+    const FoundPoint& found = best[index >> finer];
+    return found.id == kNone ? margin : found.distance;
+  };
+  BestFirst walk;
+  while (!walk.is_done()) {
+    const Waiting node = walk.take();
+    if (node.level > 0 && node.rank > limit(node.level - 1, node.index)) continue;
+    if (node.level < tree.level_count) {
+      const Block block = load_block(tree, node.level, node.index);
+      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      walk.begin_siblings();
+      for (unsigned lanes = balls.lanes & block.lanes; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
+        if (balls.bound[lane] > limit(node.level, child)) continue;
+        walk.push(
+            {balls.bound[lane], child, static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
+      }
+      continue;
+    }
+    FoundPoint& found = best[node.index >> (tree.depth - segment_depth)];
+    const uint32_t end = first_bucket(tree, node.index + 1);
+    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
+      const Triple<F8> p =
+          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      const F8 distance = tagged_distance(posed, p, node.tag);
+      const float most = found.id == kNone ? margin : found.distance;
+      for (unsigned lanes = bits(distance <= most); lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
+        const float d = distance[lane];
+        const bool is_deeper = found.id == kNone
+                                   ? d < margin
+                                   : d < found.distance || (d == found.distance && id < found.id);
+        if (is_deeper) found = make_found(id, d, p, lane);
+      }
+    }
+  }
+}
+
+template <class V>
+bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
+  BestFirst walk;
+  while (!walk.is_done()) {
+    const Waiting node = walk.take();
+    if (node.level < tree.level_count) {
+      const Block block = load_block(tree, node.level, node.index);
+      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      walk.begin_siblings();
+      for (unsigned lanes = balls.lanes & block.lanes; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        walk.push({balls.bound[lane], node.index * kLanes + static_cast<uint32_t>(lane),
+                   static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
+      }
+      continue;
+    }
+    const uint32_t end = first_bucket(tree, node.index + 1);
+    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
+      const Triple<F8> p =
+          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      if (any(tagged_distance(posed, p, node.tag) < margin)) return true;
+    }
+  }
+  return false;
+}
+
+template <class F>
+VOXSHELL_INLINE Triple<F> minus(const Triple<F>& a, const float (&b)[3]) {
+  return {a.x - b[0], a.y - b[1], a.z - b[2]};
+}
+template <class F>
+VOXSHELL_INLINE Triple<F> cross(const Triple<F>& a, const Triple<F>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// How much a point adds to the extent of a manifold's chosen points: the squared distance from
+/// one, four times the squared area of the triangle with two, or four times the area times that of
+/// the chosen triangle beyond the side of it that gains most.
+class ManifoldScore {
+ public:
+  explicit ManifoldScore(const ManifoldSearch& search) : search_(search) {
+    if (search.count < 2) return;
+    const auto& [a, b, c] = search.chosen;
+    side_ = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    side_length_ = length(side_);
+    if (search.count < 3) return;
+    const Triple<float> other{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    up_ = cross(side_, other);
+    for (int i = 0; i < 3; ++i) {
+      const auto& from = search.chosen[i];
+      const auto& to = search.chosen[(i + 1) % 3];
+      sides_[i] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+      const float steepness = length(sides_[i]) * length(up_);
+      steepness_ = maximum(steepness_, steepness);
+    }
+  }
+
+  F8 evaluate(const Triple<F8>& p) const {
+    if (search_.count == 1) {
+      const Triple<F8> q = minus(p, search_.chosen[0]);
+      return dot(q, q);
+    }
+    if (search_.count == 2) {
+      const Triple<F8> area = cross(wide(side_), minus(p, search_.chosen[0]));
+      return dot(area, area);
+    }
+    const Triple<F8> up = wide(up_);
+    F8 most{};
+    for (int i = 0; i < 3; ++i) {
+      const F8 gain = dot(cross(minus(p, search_.chosen[i]), wide(sides_[i])), up);
+      most = i == 0 ? gain : maximum(most, gain);
+    }
+    return most;
+  }
+
+  /// No point within the balls has a larger score.
+  F8 evaluate_upper_bound(const Triple<F8>& centres, F8 radii) const {
+    constexpr float kRounding = 1.0001f;
+    if (search_.count == 3) {
+      const F8 away = length(minus(centres, search_.chosen[0]));
+      return evaluate(centres) + steepness_ * (radii * kRounding + away * (kRounding - 1.0f));
+    }
+    const F8 grown =
+        square_root(evaluate(centres)) + radii * (search_.count == 1 ? 1.0f : side_length_);
+    return grown * grown * kRounding;
+  }
+
+ private:
+  static Triple<F8> wide(const Triple<float>& a) {
+    return {splat<F8>(a.x), splat<F8>(a.y), splat<F8>(a.z)};
+  }
+
+  const ManifoldSearch& search_;
+  Triple<float> side_{};
+  float side_length_ = 0.0f;
+  Triple<float> up_{};
+  Triple<float> sides_[3]{};
+  float steepness_ = 0.0f;
+};
+
+template <class V>
+FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree,
+                       const ManifoldSearch& search, float margin) {
+  const ManifoldScore score(search);
+  FoundPoint best{kNone, 0.0f, {}};
+  float best_score = 0.0f;
+  BestFirst walk;
+  while (!walk.is_done()) {
+    const Waiting node = walk.take();
+    if (node.level > 0 && -node.rank < best_score) continue;
+    if (node.level < tree.level_count) {
+      const Block block = load_block(tree, node.level, node.index);
+      const F8 most = score.evaluate_upper_bound(block.centres, block.radii);
+      const unsigned wide_enough = bits(most >= best_score) & block.lanes;
+      if (wide_enough == 0) continue;
+      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      walk.begin_siblings();
+      for (unsigned lanes = balls.lanes & wide_enough; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        walk.push({-most[lane], node.index * kLanes + static_cast<uint32_t>(lane),
+                   static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
+      }
+      continue;
+    }
+    const uint32_t end = first_bucket(tree, node.index + 1);
+    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
+      const Triple<F8> p =
+          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      const F8 scores = score.evaluate(p);
+      const unsigned wide_enough = bits(scores >= best_score);
+      if (wide_enough == 0) continue;
+      const F8 distance = tagged_distance(posed, p, node.tag);
+      for (unsigned lanes = wide_enough & bits(distance < margin); lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
+        const bool is_better = scores[lane] > best_score ||
+                               (scores[lane] == best_score && best.id != kNone && id < best.id);
+        if (!is_better) continue;
+        best = make_found(id, distance[lane], p, lane);
+        best_score = scores[lane];
+      }
+    }
+  }
+  return best;
+}
+
+template <class V>
+inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,        &evaluate<V>,     &complete<V>,
+                                                  &differentiate<V>, &find_deepest<V>, &find_any<V>,
+                                                  &find_widest<V>};
+
+}  // namespace voxshell::simd::VOXSHELL_ISA

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <stdint.h>
+
+#include "simd/isa.h"
+#include "simd/posed_view.h"
+#include "simd/tree_view.h"
+
+namespace voxshell::simd {
+
+inline constexpr uint32_t kNone = UINT32_MAX;
+
+/// Spheres of one level of the walk, ascending. A tag above 0 says that all points within see
+/// nothing of the field but its plane tag - 1.
+struct NodeList {
+  uint32_t* index;
+  uint32_t* tag;
+  float* bound;  ///< no point within has a smaller distance, metres; may be null
+  uint32_t count;
+};
+
+/// Points of the shell with their distances, ascending by id; room for kLanes more.
+struct PointList {
+  uint32_t* id;
+  float* distance;
+  float *x, *y, *z;  ///< the shell's frame, metres
+  uint32_t count;
+};
+
+/// What is looked for among the contacts of a manifold (thesis, section 5.3): the first is the
+/// deepest, `chosen` the ones already found.
+struct ManifoldSearch {
+  float chosen[3][3];  ///< their points, the shell's frame, metres
+  int count;           ///< 1 to 3
+};
+
+struct FoundPoint {
+  uint32_t id;  ///< or kNone
+  float distance;
+  float point[3];
+};
+
+/// The work of queries on one kind of field, compiled for one instruction set.
+template <class V>
+struct QueryKernels {
+  /// Appends to `out` those children of `nodes` that may hold a point below `margin`. `level` is
+  /// theirs; those of the root, node 0, are level 0. Every sphere counts as larger by `growth`.
+  void (*expand)(const PosedView<V>&, const TreeView&, int level, const NodeList& nodes,
+                 NodeList& out, float margin, float growth);
+  /// Appends the points below `margin` of slots.
+  void (*evaluate)(const PosedView<V>&, const TreeView&, const NodeList& slots, float margin,
+                   PointList& out);
+  /// Writes a contact (id, depth, point, normal) for each point, eight words each.
+  void (*complete)(const PosedView<V>&, const TreeView&, const PointList& points, void* contacts);
+  /// Gradients by central differences over `step` metres to either side, the shell's frame: unlike
+  /// those of complete(), continuous in the pose, and shorter than 1 across a ridge. Room for
+  /// kLanes more.
+  void (*differentiate)(const PosedView<V>&, const PointList& points, float step, float* x,
+                        float* y, float* z);
+  /// The smallest distance below `margin` in each of 2^segment_depth clusters, ties to the smaller
+  /// id; segment_depth must not be above the tree's. `best` holds one entry each, none found.
+  void (*find_deepest)(const PosedView<V>&, const TreeView&, int segment_depth, float margin,
+                       FoundPoint* best);
+  /// Whether any point lies below `margin`.
+  bool (*find_any)(const PosedView<V>&, const TreeView&, float margin);
+  /// The point below `margin` that makes the manifold's area largest, ties to the smaller id.
+  FoundPoint (*find_widest)(const PosedView<V>&, const TreeView&, const ManifoldSearch&,
+                            float margin);
+};
+
+/// The views that there are kernels for.
+#define VOXSHELL_FOR_EACH_VIEW(DO) \
+  DO(GridView)                     \
+  DO(PlaneView)                    \
+  DO(BoxView) DO(SphereView) DO(CapsuleView) DO(CylinderView) DO(ConeView) DO(ConvexView)
+
+template <class V>
+const QueryKernels<V>& query_kernels(Isa isa);
+
+}  // namespace voxshell::simd
