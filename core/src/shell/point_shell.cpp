@@ -290,7 +290,7 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
 
   PointShell shell;
   shell.spacing_ = sampling.spacing;
-  shell.tree_ = PointSphereTree::build(points, order, progress);
+  shell.tree_ = PointSphereTree::build(points, order, progress, settings.threads);
   if (shell.tree_.point_count() == 0) return stopped();
   shell.points_.resize(order.size());
   shell.normals_.resize(order.size());
