@@ -2,10 +2,11 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
-#include "voxshell/bounds.h"
 #include "voxshell/grid_field.h"
 #include "voxshell/result.h"
+#include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
 
@@ -25,7 +26,16 @@ struct BrickGrid {
   }
 };
 
+struct BrickGridPlan {
+  BrickGrid grid;
+  std::vector<char> is_fine;  ///< one a brick: whether it has a node a voxel
+};
+
 /// The grid that settings ask for. Errors: kInvalidArgument, kTooLarge.
-Result<BrickGrid> plan_brick_grid(const Bounds& surface_bounds, const GridFieldSettings& settings);
+Result<BrickGridPlan> plan_brick_grid(const TriangleMesh& mesh, const GridFieldSettings& settings);
+
+/// Bricks that come this near to the surface along each axis are fine, voxels: no coarse one comes
+/// nearer, or has a value nearer to zero.
+inline constexpr double kFineMargin = 0.125;
 
 }  // namespace voxshell

@@ -242,13 +242,14 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
 /// Of the value over the ball, from the bounds of the true distance and by slope.
 template <class F>
 VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
-  // Large cells matter only where the true distance allows them to be met.
+  // Large cells can be met only where the true distance allows it, with values beyond the floor.
   const F d = bound.by_distance;
   const F if_fine = d - grid.fine_error;
   const F if_coarse = d - kBrickCells * grid.fine_error;
-  const F above = maximum(if_coarse, splat<F>(grid.coarse_floor - grid.fine_error));
+  const F floor = splat<F>(grid.coarse_floor);
+  const F above = minimum(if_fine, maximum(if_coarse, floor));
   const F far = select(d > 0.0f, above, if_coarse);
-  return maximum(select(absolute(d) <= grid.coarse_floor, if_fine, far), bound.by_slope);
+  return maximum(select(absolute(d) <= floor, if_fine, far), bound.by_slope);
 }
 
 template <class F>

@@ -48,8 +48,8 @@ struct GridView {
   /// at most kBrickCells voxels apart, differ by at most that times their separation plus this,
   /// metres: bricks that hold different numbers of nodes do not agree on the face between them.
   float jump;
-  /// No point of a brick with cells larger than a voxel is nearer to the surface than this, metres;
-  /// or kNoCoarseFloor.
+  /// In a brick with cells larger than a voxel no point is nearer to the surface than this and no
+  /// value nearer to zero, metres; or kNoCoarseFloor.
   float coarse_floor;
 
   friend bool operator==(const GridView&, const GridView&) = default;

@@ -1,0 +1,9 @@
+#define VOXSHELL_ISA portable
+#include "simd/mesh_distance_body.h"
+
+namespace voxshell::simd {
+
+const MeshDistanceKernels kPortableMeshDistance{portable::find_nearest, portable::find_blocks,
+                                                portable::measure_brick};
+
+}  // namespace voxshell::simd
