@@ -105,6 +105,8 @@ def make_query_table(cases: dict[str, dict[str, Any]]) -> Table:
         if "why_not" in case:
             table.add_row(f"{name}  {case['why_not']}")
             continue
+        if "median_us" not in case:
+            continue
         bar = BARS.get((name, "median_us"))
         ratio = ratio_to_flat(cases, name)
         table.add_row(
@@ -196,6 +198,12 @@ def print_results(results: dict[str, Any], console: Console) -> None:
         for line in describe_stages(cases):
             console.print(line, highlight=False)
     console.print(make_query_table(cases))
+    depth = cases.get("pair_deepest/depth_error", {})
+    if "voxels" in depth:
+        console.print(
+            f"73.6 mm deep, the deepest contact is within {depth['voxels']:.2f} voxels of that of "
+            f"a million points (bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
+        )
     for query in ("contacts", "manifold", "segments"):
         exponent = growth(cases, query)
         if exponent is not None:

@@ -1,5 +1,6 @@
 #include "pose_sets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -7,6 +8,7 @@
 
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
+#include "voxshell/plane_field.h"
 
 namespace voxshell::benchmarks {
 namespace {
@@ -26,9 +28,9 @@ double compute_depth(const Field& field, const PointShell& shell, const Pose& fi
   return depth;
 }
 
-/// Moves a pose along `away`, from where it is too deep, until it is in the range.
-Pose draw_out(const Field& field, const PointShell& shell, Pose field_from_shell, const Vec3& away,
-              DepthRange range) {
+/// Moves a pose along `away`, from where `measure` is above the range, until it is in the range.
+template <class Measure>
+Pose draw_out(Pose field_from_shell, const Vec3& away, DepthRange range, const Measure& measure) {
   constexpr double kFar = 1.0;
   const Vec3 start = field_from_shell.translation;
   double near = 0.0;
@@ -36,12 +38,11 @@ Pose draw_out(const Field& field, const PointShell& shell, Pose field_from_shell
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (near + far);
     field_from_shell.translation = start + middle * away;
-    const double depth = compute_depth(field, shell, field_from_shell, range);
-    if (depth >= range.low && depth <= range.high) return field_from_shell;
-    (depth > range.high ? near : far) = middle;
+    const double value = measure(field_from_shell);
+    if (value >= range.low && value <= range.high) return field_from_shell;
+    (value > range.high ? near : far) = middle;
   }
-  std::cerr << "voxshell_benchmarks: no pose is " << range.low << " to " << range.high
-            << " m deep\n";
+  std::cerr << "voxshell_benchmarks: no pose reaches " << range.low << " to " << range.high << '\n';
   std::exit(1);
 }
 
@@ -64,15 +65,20 @@ Matrix3 rotation_about(const Vec3& axis, double angle) {
 
 }  // namespace
 
-std::vector<Pose> make_resting_poses(Bodies& bodies, const Field& plane, const PointShell& shell,
-                                     DepthRange range, std::size_t count) {
+std::vector<Pose> make_resting_poses(Bodies& bodies, std::size_t count) {
   constexpr double kTau = 6.283185307179586;
   constexpr double kMostTilt = 0.2 * kTau / 360.0;
   constexpr double kAside = 0.05;
+  constexpr DepthRange kContacts{340.0, 370.0};
   const Matrix3 z_from_y_up{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
   const Vec3 up{0.0, 0.0, 1.0};
-  // The lowest point, a little deeper than is wanted, so that the slab's other side is far away.
-  const double lowest = bodies.bunny_mesh().bounds().lower.y;
+  const Field plane = PlaneField{};
+  const PointShell& shell = bodies.bunny().shell();
+  // A little deeper than is wanted, so that a slab's other side is far away.
+  const double start_height = -bodies.bunny_mesh().bounds().lower.y - 0.01;
+  const auto count_contacts = [&](const Pose& pose) {
+    return static_cast<double>(find_contacts_flat(plane, shell, pose).size());
+  };
   Random random(kSeed);
   std::vector<Pose> poses;
   while (poses.size() < count) {
@@ -81,8 +87,8 @@ std::vector<Pose> make_resting_poses(Bodies& bodies, const Field& plane, const P
     const Matrix3 rotation = rotation_about(tilt_axis, random.uniform(0.0, kMostTilt)) *
                              rotation_about(up, random.uniform(0.0, kTau)) * z_from_y_up;
     const Vec3 start{random.uniform(-kAside, kAside), random.uniform(-kAside, kAside),
-                     -lowest - 0.01};
-    poses.push_back(draw_out(plane, shell, {rotation, start}, up, pick_depth(range, random)));
+                     start_height};
+    poses.push_back(draw_out({rotation, start}, up, kContacts, count_contacts));
   }
   return poses;
 }
@@ -98,8 +104,10 @@ std::vector<Pose> make_pair_poses(Bodies& bodies, const Field& bunny, const Poin
       const Vec3f& point = shell.points()[random.below(shell.size())];
       start = bodies.bunny_core() - rotation * static_cast<Vec3>(point);
     }
-    poses.push_back(
-        draw_out(bunny, shell, {rotation, start}, random.direction(), pick_depth(range, random)));
+    const DepthRange depth = pick_depth(range, random);
+    poses.push_back(draw_out({rotation, start}, random.direction(), depth, [&](const Pose& pose) {
+      return compute_depth(bunny, shell, pose, depth);
+    }));
   }
   return poses;
 }

@@ -15,12 +15,12 @@ struct DepthRange {
   double high;
 };
 
-/// Poses, field_from_shell, at which the deepest point of a shell lies within `range`, told by the
-/// flat loop. The same on every run. Ends the program where some depth cannot be reached.
+/// Poses, field_from_shell, found by bisection with the flat loop: those of pairs by the depth of
+/// the deepest point. The same on every run. Ends the program where some depth cannot be reached.
 
-/// The bunny upright above the plane z = 0, turned about the vertical, tilted by up to 0.2 degrees.
-std::vector<Pose> make_resting_poses(Bodies& bodies, const Field& plane, const PointShell& shell,
-                                     DepthRange range, std::size_t count);
+/// The fine shell upright on the plane z = 0, turned about the vertical, tilted by up to 0.2
+/// degrees, as deep as gives about 355 contacts of 34,835: some 1 to 1.5 mm.
+std::vector<Pose> make_resting_poses(Bodies& bodies, std::size_t count);
 
 /// From where one bunny is drawn out of the other.
 enum class DrawnFrom {

@@ -1,12 +1,15 @@
+#include <algorithm>
+#include <cmath>
+
 #include "cases.h"
 #include "pose_sets.h"
 #include "scene.h"
+#include "voxshell/contacts_flat.h"
 #include "voxshell/plane_field.h"
 
 namespace voxshell::benchmarks {
 namespace {
 
-constexpr DepthRange kResting{0.00095, 0.00105};  // some 355 of 34,835 points
 constexpr DepthRange kShallow{0.0005, 0.002};
 constexpr DepthRange kDeep{0.010, 0.030};
 constexpr DepthRange kDeepest{0.0735, 0.0737};
@@ -16,6 +19,32 @@ constexpr double kRandomReach = 0.3;
 const Field& analytic_plane() {
   static const Field plane = PlaneField{};
   return plane;
+}
+
+/// How far the deepest contact of the fine shell is from that of the finest: depths are reported
+/// where there are points.
+void register_depth_error(Bodies& bodies) {
+  constexpr std::size_t kFinestPoints = 1'000'000;
+  const auto run = [&bodies](benchmark::State& state) {
+    const Model& bunny = bodies.bunny();
+    const PointShell& finest = bodies.bunny_shell(kFinestPoints);
+    const std::size_t count = std::min<std::size_t>(bodies.settings().poses, 60);
+    const auto poses =
+        make_pair_poses(bodies, bunny.field(), bunny.shell(), kDeepest, DrawnFrom::kCore, count);
+    const auto deepest = [&](const PointShell& shell, const Pose& pose) {
+      const auto contacts = find_contacts_flat(bunny.field(), shell, pose);
+      return static_cast<double>(std::ranges::max(contacts, {}, &Contact::depth).depth);
+    };
+    double worst = 0.0;
+    for (auto _ : state) {
+      for (const Pose& pose : poses) {
+        worst = std::max(worst, std::abs(deepest(finest, pose) - deepest(bunny.shell(), pose)));
+      }
+      state.SetIterationTime(1.0);
+    }
+    state.counters["voxels"] = worst / bodies.settings().voxel_size();
+  };
+  benchmark::RegisterBenchmark("pair_deepest/depth_error", run)->Iterations(1)->UseManualTime();
 }
 
 }  // namespace
@@ -35,8 +64,7 @@ void register_query_cases(Bodies& bodies) {
     }
   };
   const auto resting_on = [&](const Field& plane, const PointShell& shell) {
-    return Scene{
-        &plane, &shell, make_resting_poses(bodies, plane, shell, kResting, settings.poses), {}};
+    return Scene{&plane, &shell, make_resting_poses(bodies, settings.poses), {}};
   };
   const auto pair = [&](DepthRange range, DrawnFrom drawn_from = DrawnFrom::kCentres) {
     const Model& bunny = bodies.bunny();
@@ -59,6 +87,7 @@ void register_query_cases(Bodies& bodies) {
   add("pair_shallow", [=] { return pair(kShallow); }, {kWarm, kRepeated, kCold});
   add("pair_deep", [=] { return pair(kDeep); }, {kWarm, kRepeated, kCold});
   add("pair_deepest", [=] { return pair(kDeepest, DrawnFrom::kCore); }, {kWarm, kCold});
+  if (!settings.quick) register_depth_error(bodies);
   add("near_miss", [=] { return pair(kNearMiss); }, {kWarm, kRepeated, kCold});
   add("coarse_voxelised_plane",
       [=, &bodies] {

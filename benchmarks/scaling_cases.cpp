@@ -26,8 +26,7 @@ void register_scaling_cases(Bodies& bodies) {
     add("points_" + std::to_string(points), [&bodies, points, poses] {
       const Field& plane = bodies.slab().field();
       const PointShell& shell = bodies.bunny_shell(points);
-      return Scene{
-          &plane, &shell, make_resting_poses(bodies, plane, shell, {0.00095, 0.00105}, poses), {}};
+      return Scene{&plane, &shell, make_resting_poses(bodies, poses), {}};
     });
   }
   for (const int resolution : {50, 100, 300, 1000}) {

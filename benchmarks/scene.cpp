@@ -2,11 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 
 #include "voxshell/contacts_flat.h"
+#include "voxshell/distance.h"
+#include "voxshell/manifold.h"
+#include "voxshell/wrench.h"
 
 namespace voxshell::benchmarks {
 namespace {
+
+constexpr float kFarthest = std::numeric_limits<float>::max();
+constexpr int kSegmentLevel = 4;
+constexpr double kStiffness = 1e8;    // N/m3
+constexpr std::size_t kBudget = 100;  // nodes
 
 constexpr std::array kQueries = {
     SceneQuery{"flat",
@@ -17,20 +27,75 @@ constexpr std::array kQueries = {
                [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
                  return find_contacts(*scene.field, *scene.shell, pose, {}, scratch).size();
                }},
+    SceneQuery{"manifold",
+               [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+                 return find_manifold(*scene.field, *scene.shell, pose, 0.0f, scratch).size();
+               }},
+    SceneQuery{"segments",
+               [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+                 return find_deepest_per_segment(*scene.field, *scene.shell, pose, kSegmentLevel,
+                                                 0.0f, scratch)
+                     .size();
+               }},
+    SceneQuery{
+        "nearest",
+        [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+          return std::size_t{
+              find_nearest(*scene.field, *scene.shell, pose, kFarthest, scratch).has_value()};
+        }},
     SceneQuery{"collides",
                [](const Scene& scene, const Pose& pose, QueryScratch&) {
                  return std::size_t{collides(*scene.field, *scene.shell, pose)};
                }},
+    SceneQuery{"wrench",
+               [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+                 const Wrench wrench =
+                     compute_wrench(*scene.field, *scene.shell, pose, kStiffness, scratch);
+                 return std::size_t{wrench.force != Vec3{}};
+               }},
+    SceneQuery{"budget_100",
+               [](const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+                 return find_contacts_within_budget(*scene.field, *scene.shell, pose, {}, kBudget,
+                                                    scratch)
+                     .contacts.size();
+               }},
 };
+
+/// The first query that differs from what the flat loop says, or nothing.
+std::string_view find_difference_at(const Scene& scene, const Pose& pose, QueryScratch& scratch) {
+  const Field& field = *scene.field;
+  const PointShell& shell = *scene.shell;
+  const auto oracle = find_contacts_flat(field, shell, pose);
+  const auto is_chosen = [&](std::span<const std::uint32_t> indices,
+                             std::span<const Contact> found) {
+    return std::ranges::equal(indices, found, {}, [&](std::uint32_t i) { return oracle[i]; }, {});
+  };
+  if (!std::ranges::equal(oracle, find_contacts(field, shell, pose, {}, scratch))) {
+    return "contacts";
+  }
+  if (collides(field, shell, pose) == oracle.empty()) return "collides";
+  if (!is_chosen(select_manifold(oracle).chosen(),
+                 find_manifold(field, shell, pose, 0.0f, scratch))) {
+    return "manifold";
+  }
+  std::vector<std::uint32_t> deepest;
+  select_deepest_per_segment(oracle, shell.tree(), kSegmentLevel, deepest);
+  if (!is_chosen(deepest,
+                 find_deepest_per_segment(field, shell, pose, kSegmentLevel, 0.0f, scratch))) {
+    return "segments";
+  }
+  const auto nearest = find_nearest(field, shell, pose, kFarthest, scratch);
+  const auto depth = std::ranges::max_element(oracle, {}, &Contact::depth);
+  if (!nearest || (depth != oracle.end() && !(*nearest == *depth))) return "nearest";
+  return {};
+}
 
 std::string find_difference(const Scene& scene) {
   QueryScratch scratch;
   for (std::size_t i = 0; i < scene.poses.size(); ++i) {
-    const auto oracle = find_contacts_flat(*scene.field, *scene.shell, scene.poses[i]);
-    const auto found = find_contacts(*scene.field, *scene.shell, scene.poses[i], {}, scratch);
-    const bool touches = collides(*scene.field, *scene.shell, scene.poses[i]);
-    if (!std::ranges::equal(oracle, found) || touches == oracle.empty()) {
-      return "differs from the flat loop at pose " + std::to_string(i);
+    const std::string_view query = find_difference_at(scene, scene.poses[i], scratch);
+    if (!query.empty()) {
+      return std::string(query) + " differs from the flat loop at pose " + std::to_string(i);
     }
   }
   return {};
