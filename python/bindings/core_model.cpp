@@ -14,6 +14,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "voxshell/model.h"
+#include "voxshell/model_file.h"
 
 namespace nb = nanobind;
 
@@ -46,6 +47,25 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
   return unwrap(std::move(result));
 }
 
+/// Of a file, as the system has it: any bytes.
+std::string read_path(const nb::bytes& path) { return {path.c_str(), path.size()}; }
+
+void save(const Model& model, const nb::bytes& path) {
+  const std::string name = read_path(path);
+  unwrap([&] {
+    const nb::gil_scoped_release released;
+    return save_model(model, name);
+  }());
+}
+
+std::shared_ptr<const Model> load(const nb::bytes& path) {
+  const std::string name = read_path(path);
+  return unwrap([&] {
+    const nb::gil_scoped_release released;
+    return load_model(name);
+  }());
+}
+
 using Coordinates = std::array<double, 3>;
 
 Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -72,6 +92,8 @@ void bind_model(nb::module_& module) {
                           "threads: int, progress: collections.abc.Callable[[str, float], object] "
                           "| None) -> Model"),
                   "0 (padding: below 0) leaves a setting to the core.")
+      .def("save", &save, nb::arg("path"))
+      .def_static("load", &load, nb::arg("path"))
       .def_prop_ro("vertices",
                    [](const Model& m) { return view_rows<double, 3>(m.mesh().vertices()); })
       .def_prop_ro("faces",

@@ -13,6 +13,10 @@ const char* exception_name(ErrorCode code) {
       return "PoseError";
     case ErrorCode::kTooLarge:
       return "MemoryLimitError";
+    case ErrorCode::kInvalidFile:
+      return "ModelFileError";
+    case ErrorCode::kFileAccess:
+      return "FileAccessError";
     case ErrorCode::kCancelled:
       break;
   }
@@ -24,7 +28,10 @@ const char* exception_name(ErrorCode code) {
 void raise(const Error& error) {
   const nanobind::object type =
       nanobind::module_::import_("voxshell.errors").attr(exception_name(error.code));
-  PyErr_SetString(type.ptr(), error.message.c_str());
+  // The name of a file may be of any bytes.
+  const auto message = nanobind::steal(PyUnicode_DecodeUTF8(
+      error.message.data(), static_cast<Py_ssize_t>(error.message.size()), "replace"));
+  if (message) PyErr_SetObject(type.ptr(), message.ptr());
   throw nanobind::python_error();
 }
 

@@ -31,10 +31,12 @@ from voxshell._core import version as __version__
 from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.contact_set import Contacts
 from voxshell.errors import (
+    FileAccessError,
     InputTypeError,
     MemoryLimitError,
     MeshError,
     MissingExtraError,
+    ModelFileError,
     PoseError,
     RecordingError,
     SettingsError,
@@ -74,6 +76,7 @@ __all__ = [
     "Cylinder",
     "DistanceField",
     "Field",
+    "FileAccessError",
     "GImpact",
     "InputTypeError",
     "MassProperties",
@@ -82,6 +85,7 @@ __all__ = [
     "MeshError",
     "MissingExtraError",
     "Model",
+    "ModelFileError",
     "Plane",
     "PointShell",
     "PointSphereTree",

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.errors import PoseError, SettingsError, VoxshellError
+from voxshell.errors import (
+    FileAccessError,
+    InputTypeError,
+    PoseError,
+    SettingsError,
+    VoxshellError,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -94,6 +101,17 @@ def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
 def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
     """A 4x4 array, or None; whether it is a rigid transform is for the core to check."""
     return None if value is None else as_floats(value, name, (4, 4), PoseError)
+
+
+def as_path(value: Any, name: str) -> bytes:
+    """The name of a file as the system has it."""
+    try:
+        path = os.fsencode(value)
+    except (TypeError, ValueError):
+        raise InputTypeError(f"{name} must be a path, not {type(value).__name__}") from None
+    if not path or b"\0" in path:
+        raise FileAccessError(f"{name} must name a file, not {value!r}")
+    return path
 
 
 def describe(shape: tuple[int | None, ...]) -> str:

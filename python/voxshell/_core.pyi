@@ -100,6 +100,11 @@ class Model:
     def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, threads: int, progress: Callable[[str, float], object] | None) -> Model:
         """0 (padding: below 0) leaves a setting to the core."""
 
+    def save(self, path: bytes) -> None: ...
+
+    @staticmethod
+    def load(path: bytes) -> Model: ...
+
     @property
     def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
 

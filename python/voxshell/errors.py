@@ -23,6 +23,14 @@ class MemoryLimitError(VoxshellError, ValueError):
     """A request would exceed the memory limit; the message says which settings would not."""
 
 
+class ModelFileError(VoxshellError, ValueError):
+    """A model file is damaged, or is none, or is of a version that this package does not read."""
+
+
+class FileAccessError(VoxshellError, OSError):
+    """A file cannot be opened, read or written."""
+
+
 class InputTypeError(VoxshellError, TypeError):
     """An argument is of a type that the function does not take."""
 

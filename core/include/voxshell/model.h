@@ -31,6 +31,12 @@ class Model {
                                                     const ModelSettings& settings,
                                                     const Progress& progress = {});
 
+  /// From what a model consists of, each part sound by itself: checks that they belong together.
+  static Result<std::shared_ptr<const Model>> from_parts(TriangleMesh mesh, GridField field,
+                                                         PointShell shell,
+                                                         const ModelSettings& settings);
+
+  const ModelSettings& settings() const { return settings_; }  ///< as they were given
   const TriangleMesh& mesh() const { return mesh_; }
   const Field& field() const { return field_; }
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }
@@ -40,13 +46,14 @@ class Model {
   const MassProperties& surface_mass_properties() const { return surface_; }  ///< at 1 kg
 
  private:
-  Model(TriangleMesh mesh, GridField field, PointShell shell);
+  Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings);
 
   TriangleMesh mesh_;
   Field field_;
   PointShell shell_;
   MassProperties solid_;
   MassProperties surface_;
+  ModelSettings settings_;
 };
 
 }  // namespace voxshell

@@ -45,6 +45,18 @@ class PointShell {
   static Result<PointShell> build(const TriangleMesh& mesh, const PointShellSettings& settings,
                                   const Progress& progress = {});
 
+  /// What the functions below return.
+  struct Parts {
+    std::vector<Vec3f> points;
+    std::vector<Vec3f> normals;
+    std::vector<float> areas;
+    double spacing = 0.0;
+    PointSphereTree tree;
+  };
+
+  /// Checked: as many of each, finite, of unit length, no area below zero.
+  static Result<PointShell> from_parts(Parts parts);
+
   std::size_t size() const { return points_.size(); }
   std::span<const Vec3f> points() const { return points_; }
   std::span<const Vec3f> normals() const { return normals_; }

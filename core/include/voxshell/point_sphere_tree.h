@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxshell/progress.h"
+#include "voxshell/result.h"
 #include "voxshell/vector.h"
 
 namespace voxshell {
@@ -48,6 +49,11 @@ class PointSphereTree {
   static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
                                const Progress& progress = {}, unsigned threads = 0);
 
+  /// From what spheres() and blocks() of the tree of these points returned: as many as they need,
+  /// finite, and each around its points. Error: kInvalidArgument.
+  static Result<PointSphereTree> from_parts(std::span<const Vec3f> points,
+                                            std::vector<Sphere> spheres, std::vector<float> blocks);
+
   std::uint32_t point_count() const { return point_count_; }
   std::uint32_t bucket_count() const { return bucket_count_; }
 
@@ -73,6 +79,11 @@ class PointSphereTree {
     return std::span(spheres_).subspan((cluster_count(level) - 1) / 3, cluster_count(level));
   }
 
+  /// Those of all levels, from the root on.
+  std::span<const Sphere> spheres() const { return spheres_; }
+  /// Those that queries walk; see simd/tree_view.h.
+  std::span<const float> blocks() const { return blocks_; }
+
   std::size_t nbytes() const;
   simd::TreeView view() const;
 
@@ -85,6 +96,15 @@ class PointSphereTree {
     const std::uint64_t point = kBucketPoints * ((bucket_count_ * index) >> depth);
     return point < point_count_ ? static_cast<std::uint32_t>(point) : point_count_;
   }
+
+  /// All that follows from the number of points.
+  explicit PointSphereTree(std::uint32_t point_count);
+  int walk_level_count() const;
+  /// Of the walk's level, from 0 on.
+  int walk_depth(int level) const { return depth_ - 3 * (walk_level_count() - 1 - level); }
+  std::size_t sphere_count() const { return (cluster_count(level_count_ + 1) - 1) / 3; }
+  std::size_t block_count() const;
+  void fill_buckets(std::span<const Vec3f> points);
 
   friend class TreeBuilder;
 

@@ -14,6 +14,8 @@ enum class ErrorCode {
   kInvalidPose,      ///< a pose is not finite or not a rigid transform
   kTooLarge,         ///< the request would exceed the memory limit
   kCancelled,        ///< the progress callback asked to stop
+  kInvalidFile,      ///< a file is damaged, or of another kind or version
+  kFileAccess,       ///< a file cannot be opened, read or written
 };
 
 /// Bad data, told: what, how much, where, and what to do.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include "base/text.h"
 
@@ -104,6 +105,45 @@ Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
   }
   if (!mesh.triangles_.empty()) {
     if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
+  }
+  if (!(mesh.compute_area() > 0.0)) {
+    return invalid_mesh("mesh has no triangle with an area above zero");
+  }
+  return mesh;
+}
+
+Result<TriangleMesh> TriangleMesh::from_parts(std::vector<Vec3> vertices,
+                                              std::vector<Triangle> triangles) {
+  if (triangles.empty()) return invalid_mesh("mesh has no triangles");
+  TriangleMesh mesh;
+  mesh.vertices_ = std::move(vertices);
+  mesh.triangles_ = std::move(triangles);
+  for (std::size_t i = 0; i < mesh.vertices_.size(); ++i) {
+    if (!is_finite(mesh.vertices_[i])) {
+      return invalid_mesh(format_text("vertex %zu of the mesh is not finite", i));
+    }
+    mesh.bounds_.extend(mesh.vertices_[i]);
+  }
+  if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
+  std::vector<bool> is_used(mesh.vertices_.size());
+  for (std::size_t i = 0; i < mesh.triangles_.size(); ++i) {
+    const auto [a, b, c] = mesh.triangles_[i];
+    for (const std::uint32_t index : {a, b, c}) {
+      if (index >= mesh.vertices_.size()) {
+        return invalid_mesh(
+            format_text("triangle %zu of the mesh uses vertex %u, but there are %zu", i, index,
+                        mesh.vertices_.size()));
+      }
+      is_used[index] = true;
+    }
+    if (a == b || b == c || c == a) {
+      return invalid_mesh(format_text("triangle %zu of the mesh has less than three corners", i));
+    }
+  }
+  if (const auto unused = std::find(is_used.begin(), is_used.end(), false);
+      unused != is_used.end()) {
+    return invalid_mesh(format_text("vertex %zu of the mesh is of no triangle",
+                                    static_cast<std::size_t>(unused - is_used.begin())));
   }
   if (!(mesh.compute_area() > 0.0)) {
     return invalid_mesh("mesh has no triangle with an area above zero");

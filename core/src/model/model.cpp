@@ -53,12 +53,13 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
 
 }  // namespace
 
-Model::Model(TriangleMesh mesh, GridField field, PointShell shell)
+Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings)
     : mesh_(std::move(mesh)),
       field_(std::move(field)),
       shell_(std::move(shell)),
       solid_(compute_solid_mass_properties(mesh_)),
-      surface_(compute_surface_mass_properties(mesh_)) {}
+      surface_(compute_surface_mass_properties(mesh_)),
+      settings_(settings) {}
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
@@ -74,17 +75,45 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   }
   if (auto checked = PointShell::check(mesh, shell_settings); !checked) return checked.error();
 
-  const GridFieldSettings field_settings{
-      .voxel_size = *voxel_size,
-      .padding = std::max(settings.padding, 0.0),
-      .threads = settings.threads};
+  const GridFieldSettings field_settings{.voxel_size = *voxel_size,
+                                         .padding = std::max(settings.padding, 0.0),
+                                         .threads = settings.threads};
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 
   return std::shared_ptr<const Model>(
-      new Model(std::move(mesh), *std::move(field), *std::move(shell)));
+      new Model(std::move(mesh), *std::move(field), *std::move(shell), settings));
+}
+
+Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
+                                                       PointShell shell,
+                                                       const ModelSettings& settings) {
+  const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
+  const Bounds& bounds = mesh.bounds();
+  if (field.surface_bounds().lower != bounds.lower ||
+      field.surface_bounds().upper != bounds.upper) {
+    return refuse("the field is of a mesh with other bounds");
+  }
+  Bounds of_points;
+  for (const Vec3f& p : shell.points()) of_points.extend(static_cast<Vec3>(p));
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr double kRounding = 1e-6;  // of float32, several times
+    const double slack =
+        kRounding * std::max(std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]));
+    if (of_points.lower[axis] < bounds.lower[axis] - slack ||
+        of_points.upper[axis] > bounds.upper[axis] + slack) {
+      return refuse("points of the shell lie outside the mesh's bounds");
+    }
+  }
+  std::shared_ptr<const Model> model(
+      new Model(std::move(mesh), std::move(field), std::move(shell), settings));
+  for (const MassProperties& m : {model->solid_, model->surface_}) {
+    const auto& [x, y, z] = m.inertia;
+    if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");
+  }
+  return model;
 }
 
 }  // namespace voxshell

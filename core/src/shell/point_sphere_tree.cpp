@@ -17,24 +17,18 @@ class TreeBuilder {
  public:
   TreeBuilder(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
               const Progress& progress, unsigned threads)
-      : points_(points), order_(order), progress_(progress), threads_(threads) {
-    tree_.point_count_ = static_cast<std::uint32_t>(order.size());
-    constexpr std::uint32_t kPoints = PointSphereTree::kBucketPoints;
-    tree_.bucket_count_ = (tree_.point_count_ + kPoints - 1) / kPoints;
-    const std::uint64_t buckets = tree_.bucket_count_;
-    tree_.serial_ = next_serial();
-    tree_.level_count_ = 1;
-    while (tree_.level_count_ < PointSphereTree::kMaxLevel &&
-           PointSphereTree::cluster_count(tree_.level_count_ + 1) <= buckets) {
-      ++tree_.level_count_;
-    }
-    // Between 3/4 and 3/2 buckets a slot: neither many empty ones nor many that hold two.
-    while (2 * buckets > 3 * (std::uint64_t{1} << tree_.depth_)) ++tree_.depth_;
-  }
+      : points_(points),
+        order_(order),
+        progress_(progress),
+        threads_(threads),
+        tree_(static_cast<std::uint32_t>(order.size())) {}
 
   PointSphereTree build() {
     if (!sort_points() || !enclose_clusters()) return {};
-    fill_buckets();
+    std::vector<Vec3f> sorted;
+    sorted.reserve(order_.size());
+    for (const std::uint32_t id : order_) sorted.push_back(points_[id]);
+    tree_.fill_buckets(sorted);
     return std::move(tree_);
   }
 
@@ -87,10 +81,8 @@ class TreeBuilder {
   }
 
   bool enclose_clusters() {
-    const int walk_levels = std::max(1, (tree_.depth_ + 2) / 3);
-    tree_.spheres_.resize((PointSphereTree::cluster_count(tree_.level_count_ + 1) - 1) / 3);
-    const std::size_t blocks = count_blocks(tree_.depth_, walk_levels);
-    tree_.blocks_.assign(blocks * simd::kBlockFloats, 0.0f);
+    tree_.spheres_.resize(tree_.sphere_count());
+    tree_.blocks_.assign(tree_.block_count() * simd::kBlockFloats, 0.0f);
     std::size_t first_block = 0;
     // The depths of levels (0, 2, 4, ...) and of the walk (..., depth - 3, depth), each once.
     for (int depth = 0; depth <= tree_.depth_; ++depth) {
@@ -126,32 +118,12 @@ class TreeBuilder {
     return true;
   }
 
-  static std::size_t count_blocks(int depth, int levels) {
-    std::size_t blocks = 0;
-    for (int level = 0; level < levels; ++level) {
-      const int at = depth - 3 * level;
-      blocks += ((std::size_t{1} << at) + 7) / 8;
-    }
-    return blocks;
-  }
-
   void put(std::size_t first_block, std::size_t index, const Sphere& sphere) {
     float* block = &tree_.blocks_[(first_block + index / 8) * simd::kBlockFloats];
     block[index % 8] = sphere.centre.x;
     block[8 + index % 8] = sphere.centre.y;
     block[16 + index % 8] = sphere.centre.z;
     block[24 + index % 8] = sphere.radius;
-  }
-
-  void fill_buckets() {
-    tree_.bucket_points_.assign(std::size_t{tree_.bucket_count_} * simd::kBucketFloats,
-                                std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-      float* bucket = &tree_.bucket_points_[i / 8 * simd::kBucketFloats];
-      for (int axis = 0; axis < 3; ++axis) {
-        bucket[8 * static_cast<std::size_t>(axis) + i % 8] = points_[order_[i]][axis];
-      }
-    }
   }
 
   /// Progress of one part of the build.
@@ -177,6 +149,39 @@ PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
   return TreeBuilder(points, order, progress, threads).build();
 }
 
+PointSphereTree::PointSphereTree(std::uint32_t point_count)
+    : serial_(next_serial()),
+      point_count_(point_count),
+      bucket_count_(point_count / kBucketPoints + (point_count % kBucketPoints == 0 ? 0 : 1)),
+      level_count_(1) {
+  while (level_count_ < kMaxLevel && cluster_count(level_count_ + 1) <= bucket_count_) {
+    ++level_count_;
+  }
+  // Between 3/4 and 3/2 buckets a slot: neither many empty ones nor many that hold two.
+  while (2 * std::uint64_t{bucket_count_} > 3 * (std::uint64_t{1} << depth_)) ++depth_;
+}
+
+int PointSphereTree::walk_level_count() const { return std::max(1, (depth_ + 2) / 3); }
+
+std::size_t PointSphereTree::block_count() const {
+  std::size_t blocks = 0;
+  for (int level = 0; level < walk_level_count(); ++level) {
+    blocks += ((std::size_t{1} << walk_depth(level)) + 7) / 8;
+  }
+  return blocks;
+}
+
+void PointSphereTree::fill_buckets(std::span<const Vec3f> points) {
+  bucket_points_.assign(std::size_t{bucket_count_} * simd::kBucketFloats,
+                        std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    float* bucket = &bucket_points_[i / 8 * simd::kBucketFloats];
+    for (int axis = 0; axis < 3; ++axis) {
+      bucket[8 * static_cast<std::size_t>(axis) + i % 8] = points[i][axis];
+    }
+  }
+}
+
 std::size_t PointSphereTree::nbytes() const {
   return spheres_.size() * sizeof(Sphere) +
          (blocks_.size() + bucket_points_.size()) * sizeof(float);
@@ -188,14 +193,13 @@ simd::TreeView PointSphereTree::view() const {
   view.blocks = blocks_.data();
   view.buckets = bucket_points_.data();
   view.depth = depth_;
-  view.level_count = std::max(1, (depth_ + 2) / 3);
+  view.level_count = walk_level_count();
   view.point_count = point_count_;
   view.bucket_count = bucket_count_;
   std::uint32_t block = 0;
   for (int level = 0; level < view.level_count; ++level) {
     view.first_block[level] = block;
-    const int at = depth_ - 3 * (view.level_count - 1 - level);
-    block += ((1u << at) + 7) / 8;
+    block += ((1u << walk_depth(level)) + 7) / 8;
   }
   return view;
 }

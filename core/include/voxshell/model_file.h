@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "voxshell/model.h"
+#include "voxshell/result.h"
+
+namespace voxshell {
+
+/// Writes a model to a file: a header, a table and the model's arrays as they are in memory,
+/// little-endian, with a checksum. The file appears whole or not at all, in place of one that had
+/// its name. The same model gives the same bytes.
+/// Errors: kFileAccess.
+Result<std::monostate> save_model(const Model& model, const std::string& path);
+
+/// Reads what save_model() wrote. Whatever the file holds, a model that comes out is sound: every
+/// index is in range, every number finite. Takes a few milliseconds.
+/// Errors: kFileAccess; kInvalidFile (damaged, or of another kind or version); kTooLarge (more than
+/// `memory_limit` bytes, or than there are).
+Result<std::shared_ptr<const Model>> load_model(const std::string& path,
+                                                std::uint64_t memory_limit = std::uint64_t{4}
+                                                                             << 30);
+
+}  // namespace voxshell

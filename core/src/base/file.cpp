@@ -1,0 +1,156 @@
+#include "base/file.h"
+
+#include <atomic>
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include "base/text.h"
+
+namespace voxshell {
+namespace {
+
+constexpr int kClosed = -1;
+
+Error access_error(const char* what, const std::string& path, const std::string& why) {
+  return {ErrorCode::kFileAccess, format_text("cannot %s %s: %s", what, path.c_str(), why.c_str())};
+}
+
+Error last_error(const char* what, const std::string& path) {
+  return access_error(what, path, std::generic_category().message(errno));
+}
+
+std::string folder_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+Result<std::monostate> check_name(const char* what, const std::string& path) {
+  if (path.find('\0') == std::string::npos) return std::monostate{};
+  return access_error(what, path, "its name holds a null character");
+}
+
+/// Calls again where a signal came in between.
+template <class Call>
+auto retry(const Call& call) {
+  while (true) {
+    const auto result = call();
+    if (result >= 0 || errno != EINTR) return result;
+  }
+}
+
+}  // namespace
+
+Result<InputFile> InputFile::open(const std::string& path) {
+  if (auto checked = check_name("read", path); !checked) return checked.error();
+  // Without waiting for a writer, should it be a pipe.
+  const int descriptor =
+      retry([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
+  if (descriptor < 0) return last_error("read", path);
+  struct stat status{};
+  if (::fstat(descriptor, &status) != 0) {
+    const Error error = last_error("read", path);
+    ::close(descriptor);
+    return error;
+  }
+  if (!S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    return access_error("read", path,
+                        S_ISDIR(status.st_mode) ? "it is a directory" : "it is not a regular file");
+  }
+  return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size));
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, kClosed)), size_(other.size_) {}
+
+InputFile::~InputFile() {
+  if (descriptor_ != kClosed) ::close(descriptor_);
+}
+
+Result<std::monostate> InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const auto count = retry([&] {
+      return ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
+                     static_cast<off_t>(offset + done));
+    });
+    if (count < 0) {
+      return Error{ErrorCode::kFileAccess,
+                   format_text("cannot read the file at byte %llu: %s",
+                               static_cast<unsigned long long>(offset),
+                               std::generic_category().message(errno).c_str())};
+    }
+    if (count == 0) {
+      return Error{ErrorCode::kFileAccess,
+                   format_text("the file became shorter than %llu bytes while it was read",
+                               static_cast<unsigned long long>(size_))};
+    }
+    done += static_cast<std::size_t>(count);
+  }
+  return std::monostate{};
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path) {
+  if (auto checked = check_name("write", path); !checked) return checked.error();
+  // The name of this process and a number tell all writers apart; what a dead process of the same
+  // number left behind is stepped over.
+  static std::atomic<unsigned> counter{0};
+  constexpr int kMostTrials = 10'000;
+  for (int trial = 0; trial < kMostTrials; ++trial) {
+    std::string unfinished = folder_of(path) + "/" + kUnfinishedPrefix +
+                             std::to_string(::getpid()) + "-" +
+                             std::to_string(counter.fetch_add(1)) + kUnfinishedSuffix;
+    const int descriptor = retry(
+        [&] { return ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+    if (descriptor >= 0) return OutputFile(descriptor, std::move(unfinished), path);
+    if (errno != EEXIST) break;
+  }
+  return last_error("write", path);
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, kClosed)),
+      unfinished_path_(std::move(other.unfinished_path_)),
+      path_(std::move(other.path_)) {}
+
+OutputFile::~OutputFile() { close_and_remove(); }
+
+void OutputFile::close_and_remove() {
+  if (descriptor_ == kClosed) return;
+  ::close(std::exchange(descriptor_, kClosed));
+  ::unlink(unfinished_path_.c_str());
+}
+
+Result<std::monostate> OutputFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const auto count = retry([&] { return ::write(descriptor_, bytes.data(), bytes.size()); });
+    if (count < 0) return last_error("write", path_);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return std::monostate{};
+}
+
+Result<std::monostate> OutputFile::commit() {
+  if (::fsync(descriptor_) != 0 || ::rename(unfinished_path_.c_str(), path_.c_str()) != 0) {
+    const Error error = last_error("write", path_);
+    close_and_remove();
+    return error;
+  }
+  ::close(std::exchange(descriptor_, kClosed));
+  // The new name itself must survive a power cut; where a folder cannot be flushed, the file is
+  // still whole.
+  const int folder =
+      retry([&] { return ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+  if (folder >= 0) {
+    ::fsync(folder);
+    ::close(folder);
+  }
+  return std::monostate{};
+}
+
+}  // namespace voxshell

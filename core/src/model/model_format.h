@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "voxshell/point_sphere_tree.h"
+#include "voxshell/triangle_mesh.h"
+#include "voxshell/vector.h"
+
+namespace voxshell::model_format {
+
+// A model file: a header, a table of its sections, and the sections one after the other, each
+// filled up with zeros to a multiple of kAlignment. Their kinds, order and item sizes are those of
+// visit_sections(), so that the counts decide every other number of the table, which are there for
+// other readers and as a check. Any change of what is written needs another kVersion.
+
+/// The first byte is no letter, and the line ends show whether the file went through something
+/// that changes them.
+inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
+inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint64_t kAlignment = 64;
+
+inline constexpr std::uint64_t align(std::uint64_t size) {
+  return (size + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+struct Header {
+  std::array<std::uint8_t, 8> magic;
+  std::uint64_t checksum;  ///< of the file from kChecksumFrom on
+  std::array<std::uint64_t, 2> zeros;
+  std::uint32_t version;
+  std::uint32_t section_count;
+  std::uint64_t file_size;  ///< bytes
+  std::array<std::uint64_t, 2> more_zeros;
+};
+static_assert(sizeof(Header) == kAlignment);
+inline constexpr std::size_t kChecksumFrom = offsetof(Header, version);
+
+struct TableEntry {
+  std::uint32_t kind;
+  std::uint32_t item_size;  ///< bytes
+  std::uint64_t offset;     ///< from the beginning of the file, bytes
+  std::uint64_t count;      ///< of items
+  std::uint64_t zero;
+
+  friend bool operator==(const TableEntry&, const TableEntry&) = default;
+};
+static_assert(sizeof(TableEntry) == 32);
+
+/// What is not an array. Metres.
+struct Record {
+  // What the model was built with.
+  double voxel_size;
+  std::int64_t resolution;
+  double point_spacing;
+  std::uint64_t target_points;
+  double padding;
+  // The grid field.
+  double grid_voxel_size;
+  Vec3 grid_origin;
+  std::array<std::int64_t, 3> grid_bricks;
+  Vec3 grid_surface_lower;
+  Vec3 grid_surface_upper;
+  double grid_error;
+  double grid_jump;
+  double grid_coarse_floor;
+  // The point shell.
+  double shell_spacing;
+};
+static_assert(sizeof(Record) == 22 * 8);
+
+/// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
+template <template <class> class Array>
+struct Sections {
+  Array<Record> record;
+  Array<Vec3> vertices;
+  Array<Triangle> triangles;
+  Array<std::uint32_t> brick_entries;
+  Array<std::uint32_t> brick_bounds;
+  Array<std::int16_t> samples;
+  Array<float> planes;
+  Array<Vec3f> points;
+  Array<Vec3f> normals;
+  Array<float> areas;
+  Array<Sphere> spheres;
+  Array<float> blocks;
+};
+inline constexpr std::uint32_t kSectionCount = 12;
+
+/// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
+/// Returns false where it did.
+template <class AnySections, class Visit>
+bool visit_sections(AnySections& s, const Visit& visit) {
+  return visit(1u, "record", s.record) && visit(2u, "vertices", s.vertices) &&
+         visit(3u, "triangles", s.triangles) && visit(4u, "brick entries", s.brick_entries) &&
+         visit(5u, "brick bounds", s.brick_bounds) && visit(6u, "samples", s.samples) &&
+         visit(7u, "planes", s.planes) && visit(8u, "points", s.points) &&
+         visit(9u, "normals", s.normals) && visit(10u, "areas", s.areas) &&
+         visit(11u, "spheres", s.spheres) && visit(12u, "sphere blocks", s.blocks);
+}
+
+inline constexpr std::uint64_t kTableEnd =
+    align(sizeof(Header) + kSectionCount * sizeof(TableEntry));
+
+// Arrays are written and read as they are.
+static_assert(std::endian::native == std::endian::little);
+static_assert(sizeof(Vec3) == 24 && sizeof(Vec3f) == 12 && sizeof(Triangle) == 12 &&
+              sizeof(Sphere) == 16);
+static_assert(std::is_trivially_copyable_v<Record> && std::is_trivially_copyable_v<Vec3> &&
+              std::is_trivially_copyable_v<Sphere>);
+
+}  // namespace voxshell::model_format

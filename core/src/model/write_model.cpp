@@ -1,0 +1,115 @@
+#include "model/write_model.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "base/checksum.h"
+#include "model/model_format.h"
+
+namespace voxshell {
+namespace {
+
+using namespace model_format;
+
+template <class T>
+using View = std::span<const T>;
+
+Record make_record(const Model& model) {
+  const ModelSettings& settings = model.settings();
+  const GridFieldData& grid = model.grid().data();
+  const PointShell& shell = model.shell();
+  return {.voxel_size = settings.voxel_size,
+          .resolution = settings.resolution,
+          .point_spacing = settings.point_spacing,
+          .target_points = settings.target_points,
+          .padding = settings.padding,
+          .grid_voxel_size = grid.voxel_size,
+          .grid_origin = grid.origin,
+          .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
+          .grid_surface_lower = grid.surface_bounds.lower,
+          .grid_surface_upper = grid.surface_bounds.upper,
+          .grid_error = grid.error,
+          .grid_jump = grid.jump,
+          .grid_coarse_floor = grid.coarse_floor,
+          .shell_spacing = shell.spacing()};
+}
+
+Sections<View> view_sections(const Model& model, const Record& record) {
+  const GridFieldData& grid = model.grid().data();
+  const PointShell& shell = model.shell();
+  return {.record = View<Record>(&record, 1),
+          .vertices = model.mesh().vertices(),
+          .triangles = model.mesh().triangles(),
+          .brick_entries = grid.entries,
+          .brick_bounds = grid.bounds,
+          .samples = grid.samples,
+          .planes = grid.planes,
+          .points = shell.points(),
+          .normals = shell.normals(),
+          .areas = shell.areas(),
+          .spheres = shell.tree().spheres(),
+          .blocks = shell.tree().blocks()};
+}
+
+/// The header, without its checksum, and the table.
+std::vector<std::byte> make_front(const Sections<View>& sections) {
+  Header header{.magic = kMagic,
+                .checksum = 0,
+                .zeros = {},
+                .version = kVersion,
+                .section_count = kSectionCount,
+                .file_size = kTableEnd,
+                .more_zeros = {}};
+  std::vector<TableEntry> table;
+  visit_sections(sections, [&]<class T>(std::uint32_t kind, const char*, View<T> array) {
+    table.push_back({kind, sizeof(T), header.file_size, array.size(), 0});
+    header.file_size += align(array.size_bytes());
+    return true;
+  });
+  std::vector<std::byte> front(kTableEnd);
+  std::memcpy(front.data(), &header, sizeof header);
+  std::memcpy(front.data() + sizeof header, table.data(), table.size() * sizeof(TableEntry));
+  return front;
+}
+
+/// Every call of `append` gets a multiple of kAlignment bytes.
+Result<std::monostate> append_sections(const Sections<View>& sections, const Append& append) {
+  Result<std::monostate> result = std::monostate{};
+  visit_sections(sections, [&]<class T>(std::uint32_t, const char*, View<T> array) {
+    const auto bytes = std::as_bytes(array);
+    const std::size_t whole = bytes.size() / kAlignment * kAlignment;
+    result = append(bytes.first(whole));
+    if (result && whole < bytes.size()) {
+      std::array<std::byte, kAlignment> end{};
+      std::memcpy(end.data(), bytes.data() + whole, bytes.size() - whole);
+      result = append(end);
+    }
+    return result.has_value();
+  });
+  return result;
+}
+
+}  // namespace
+
+Result<std::monostate> write_model(const Model& model, const Append& append) {
+  const Record record = make_record(model);
+  const Sections<View> sections = view_sections(model, record);
+  std::vector<std::byte> front = make_front(sections);
+
+  Checksum checksum;
+  checksum.add(std::span(front).subspan(kChecksumFrom));
+  auto summed = append_sections(sections, [&](std::span<const std::byte> bytes) {
+    checksum.add(bytes);
+    return std::monostate{};
+  });
+  if (!summed) return summed;
+  const std::uint64_t value = checksum.value();
+  std::memcpy(front.data() + offsetof(Header, checksum), &value, sizeof value);
+
+  if (auto written = append(front); !written) return written;
+  return append_sections(sections, append);
+}
+
+}  // namespace voxshell

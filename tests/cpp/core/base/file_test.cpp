@@ -1,0 +1,152 @@
+#include "base/file.h"
+
+#include <array>
+#include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace voxshell {
+namespace {
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+class File : public testing::Test {
+ protected:
+  File() {
+    std::string name = (std::filesystem::temp_directory_path() / "voxshell-file-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~File() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string content(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::ptrdiff_t file_count() const {
+    return std::distance(std::filesystem::directory_iterator(folder_), {});
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(File, AppearsWhenItIsCommitted) {
+  auto file = OutputFile::create(path("a"));
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_TRUE(file->append(bytes_of("hello ")));
+  ASSERT_TRUE(file->append(bytes_of("world")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a"));
+  ASSERT_TRUE(file->commit());
+  EXPECT_EQ(content("a"), "hello world");
+  EXPECT_EQ(file_count(), 1);
+  struct stat status{};
+  ASSERT_EQ(::stat(path("a").c_str(), &status), 0);
+  EXPECT_NE(status.st_mode & S_IRUSR, 0u);
+}
+
+TEST_F(File, LeavesNothingWhereItIsNotCommitted) {
+  std::ofstream(path("a")) << "before";
+  {
+    auto file = OutputFile::create(path("a"));
+    ASSERT_TRUE(file);
+    auto moved = *std::move(file);
+    ASSERT_TRUE(moved.append(bytes_of("after")));
+    EXPECT_EQ(file_count(), 2);
+  }
+  EXPECT_EQ(content("a"), "before");
+  EXPECT_EQ(file_count(), 1);
+}
+
+TEST_F(File, OfManyWritersIsOneOfTheirs) {
+  auto first = OutputFile::create(path("a"));
+  auto second = OutputFile::create(path("a"));
+  ASSERT_TRUE(first && second);
+  ASSERT_TRUE(first->append(bytes_of("first")));
+  ASSERT_TRUE(second->append(bytes_of("second")));
+  ASSERT_TRUE(second->commit());
+  EXPECT_EQ(content("a"), "second");
+  ASSERT_TRUE(first->commit());
+  EXPECT_EQ(content("a"), "first");
+}
+
+TEST_F(File, ThatTheDiskHasNoRoomForIsAnErrorAndLeavesTheOneBefore) {
+  std::ofstream(path("a")) << "before";
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{4096, limit.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  {
+    auto file = OutputFile::create(path("a"));
+    ASSERT_TRUE(file);
+    const auto written = file->append(bytes_of(std::string(10'000, 'x')));
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().code, ErrorCode::kFileAccess);
+    EXPECT_NE(written.error().message.find("File too large"), std::string::npos)
+        << written.error().message;
+  }
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(content("a"), "before");
+  EXPECT_EQ(file_count(), 1);
+}
+
+void expect_unwritable(const std::string& path, const std::string& reason) {
+  auto file = OutputFile::create(path);
+  const auto failed = file ? file->commit() : Result<std::monostate>(file.error());
+  ASSERT_FALSE(failed) << path;
+  EXPECT_EQ(failed.error().code, ErrorCode::kFileAccess);
+  EXPECT_NE(failed.error().message.find(reason), std::string::npos) << failed.error().message;
+}
+
+TEST_F(File, CannotBeWrittenWhereThereIsNoFolderOrIsOne) {
+  expect_unwritable(path("missing/a"), "No such file or directory");
+  std::filesystem::create_directory(folder_ / "folder");
+  expect_unwritable(path("folder"), "Is a directory");
+  std::ofstream(path("text")) << "x";
+  expect_unwritable(path("text/a"), "Not a directory");
+  expect_unwritable(std::string("a\0b", 3), "null character");
+  EXPECT_EQ(file_count(), 2);
+}
+
+TEST_F(File, IsReadFromAnyPlace) {
+  std::ofstream(path("a")) << "0123456789";
+  const auto file = InputFile::open(path("a"));
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->size(), 10u);
+  std::array<char, 4> text{};
+  ASSERT_TRUE(file->read(3, std::as_writable_bytes(std::span(text))));
+  EXPECT_EQ(std::string(text.begin(), text.end()), "3456");
+  const auto beyond = file->read(8, std::as_writable_bytes(std::span(text)));
+  ASSERT_FALSE(beyond);
+  EXPECT_EQ(beyond.error().code, ErrorCode::kFileAccess);
+}
+
+TEST_F(File, CannotBeReadWhereItIsNoRegularFile) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const auto& [name, reason] :
+       {std::pair{path("missing"), "No such file"}, std::pair{path(""), "is a directory"},
+        std::pair{path("pipe"), "not a regular file"},
+        std::pair{std::string("/dev/zero"), "not a regular file"},
+        std::pair{std::string(), "No such file"}}) {
+    const auto file = InputFile::open(name);
+    ASSERT_FALSE(file) << name;
+    EXPECT_EQ(file.error().code, ErrorCode::kFileAccess);
+    EXPECT_NE(file.error().message.find(reason), std::string::npos) << file.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace voxshell
