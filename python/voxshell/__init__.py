@@ -31,6 +31,7 @@ from voxshell._core import version as __version__
 from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.contact_set import Contacts
 from voxshell.errors import (
+    CacheWarning,
     FileAccessError,
     InputTypeError,
     MemoryLimitError,
@@ -66,6 +67,7 @@ _SIMULATION = {
 __all__ = [
     "Body",
     "Box",
+    "CacheWarning",
     "Capsule",
     "Cone",
     "ContactBounds",

@@ -15,6 +15,7 @@ from voxshell._arguments import (
     as_real,
 )
 from voxshell._core import Model as CoreModel
+from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import DistanceField
 from voxshell.mass_properties import MassProperties
@@ -72,12 +73,13 @@ class Model:
         scale: float = 1.0,
         padding: float | None = None,
         threads: int | None = None,
+        cache: bool = True,
         progress: Callable[[str, float], object] | None = None,
     ) -> Model:
         """Builds a model of a closed mesh.
 
         Takes from milliseconds to minutes: the time grows with the number of voxels. Ctrl-C stops
-        it.
+        it. The same model again comes from the disk.
 
         Args:
             mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
@@ -92,6 +94,8 @@ class Model:
             padding: Metres of grid beyond the mesh's bounds; eight voxels, unless this is more.
                 The field continues beyond its grid, less precisely.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
+            cache: Keep the model on the disk, and take it from there where it was built before: see
+                :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.
             progress: Called from this thread about every 50 ms with the name of the stage and the
                 share of it that is done, 0 to 1. If it raises, the build stops and raises that.
 
@@ -103,6 +107,7 @@ class Model:
             MeshError: The mesh cannot be read, is not closed or intersects itself, or has numbers
                 that are not finite.
             SettingsError: A setting is out of range, or contradicts another.
+            SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
             MemoryLimitError: The field or shell would be too large; the message says which setting
                 would do.
             InputTypeError: ``mesh`` is of none of the types above.
@@ -136,13 +141,23 @@ class Model:
             if target_points is None
             else as_integer(target_points, "target_points", 1, _LARGEST_INT),
             "padding": -1.0 if padding is None else _as_padding(padding),
-            "threads": 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS),
         }
+        count = 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS)
         factor = as_positive(scale, "scale")
         with naming_file(mesh):
             vertices, faces = read_mesh(mesh)
-            core = CoreModel.build(vertices * factor, faces, **settings, progress=progress)
-        return cls(core)
+            mesh = Mesh(vertices * factor, faces)
+
+            def build() -> CoreModel:
+                return CoreModel.build(*mesh, **settings, threads=count, progress=progress)
+
+            def waiting() -> None:
+                if progress is not None:
+                    progress("waiting for another process", 0.0)
+
+            if not cache:
+                return cls(build())
+            return cls(open_cache().fetch(compute_key(mesh, settings), build, waiting))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model to a file, which :meth:`load` reads in milliseconds.

@@ -8,6 +8,7 @@ from cyclopts import App
 from rich.console import Console
 
 import voxshell
+from voxshell.cli.cache import cache
 from voxshell.cli.simulate import simulate
 from voxshell.errors import VoxshellError
 
@@ -17,6 +18,7 @@ app = App(
     version=voxshell.__version__,
 )
 app.command(simulate)
+app.command(cache)
 
 
 def main() -> None:
