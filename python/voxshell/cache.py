@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING
 
 from voxshell import _core
 from voxshell.errors import (
-    CacheWarning,
     FileAccessError,
     MemoryLimitError,
     ModelFileError,
@@ -59,6 +58,10 @@ _UNFINISHED = re.compile(r"\.voxshell-\d+-\d+\.tmp")
 _MODEL = re.compile(r"([0-9a-f]{64})\.vxs")
 _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
 _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12}
+
+
+class CacheWarning(UserWarning):
+    """Models cannot be kept on the disk: the message says why. They are kept in memory instead."""
 
 
 @dataclass(frozen=True)

@@ -31,10 +31,6 @@ class FileAccessError(VoxshellError, OSError):
     """A file cannot be opened, read or written."""
 
 
-class CacheWarning(UserWarning):
-    """Models cannot be kept on the disk: the message says why. They are kept in memory instead."""
-
-
 class InputTypeError(VoxshellError, TypeError):
     """An argument is of a type that the function does not take."""
 
