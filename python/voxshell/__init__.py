@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
-from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.cache import CacheWarning
+from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.contact_set import Contacts
 from voxshell.errors import (
     FileAccessError,

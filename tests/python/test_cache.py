@@ -284,7 +284,7 @@ PREPARE = """
 def test_a_full_disk_leaves_models_in_memory_with_one_warning(folder):
     script = """
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
     builds = 0
     def build():
         global builds

@@ -112,7 +112,7 @@ def test_a_full_disk_is_an_error_and_leaves_the_file_before(tmp_path):
         import trimesh, voxshell as vx
         model = vx.Model.from_mesh(trimesh.creation.box(), resolution=4)
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
         try:
             model.save(sys.argv[1])
         except vx.FileAccessError as error:

@@ -70,7 +70,7 @@ struct Record {
   // The point shell.
   double shell_spacing;
 };
-static_assert(sizeof(Record) == 22 * 8);
+static_assert(sizeof(Record) == std::size_t{22} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

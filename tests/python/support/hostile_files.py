@@ -177,7 +177,13 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
     for i in (9, 10, 11):
         for bricks in (0, -1, 2, 2**20, 2**31, 2**63 - 1):
             yield changed("record", 0, 8 * i, "q", bricks)
-    for name, width in (("points", 3), ("normals", 3), ("areas", 1), ("spheres", 4), ("sphere blocks", 1)):
+    for name, width in (
+        ("points", 3),
+        ("normals", 3),
+        ("areas", 1),
+        ("spheres", 4),
+        ("sphere blocks", 1),
+    ):
         last = by_name[name].count - 1
         for column in range(width):
             for value in (nan, infinity, -infinity, -3e38):

@@ -406,6 +406,31 @@ TEST(ModelBytes, WithEntriesBeyondTheArraysAreRefused) {
   }
 }
 
+TEST(ModelBytes, WithPlanesThatAreNoneAreRefused) {
+  const auto box = build(make_box({0.5, 0.5, 0.5}), {.resolution = 60, .target_points = 100});
+  const GridFieldData& data = box->grid().data();
+  const auto planes = static_cast<std::uint32_t>(data.planes.size() / 4);
+  ASSERT_GT(planes, 0u);
+  const FileBytes whole = to_bytes(*box);
+  const auto loaded = from_bytes(whole);
+  ASSERT_TRUE(loaded);
+  expect_equal(*box, **loaded);
+  const auto with = [&](Kind kind, std::size_t index, auto value) {
+    FileBytes bytes = whole;
+    write_at(bytes, item(bytes, kind, index), value);
+    fix_checksum(bytes);
+    return bytes;
+  };
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), 2.0f, -3e38f}) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (i == 3 && value == 2.0f) continue;  // an offset
+      expect_refused(with(kPlanes, i, value), "plane 0 is none");
+    }
+  }
+  EXPECT_TRUE(from_bytes(with(kEntries, 0, (planes - 1) << 7 | 4u)));
+  expect_refused(with(kEntries, 0, planes << 7 | 4u), "brick 0 holds plane");
+}
+
 TEST(ModelBytes, OfCountsThatDisagreeAreRefused) {
   // Each section loses its last items; what follows moves up.
   const model_format::TableEntry last = table_entry(small_file(), kBlocks);
