@@ -61,19 +61,19 @@ def run_program(options: list[str], pattern: str, progress: Progress) -> dict[st
     if not names:
         sys.exit(f"bench: no case matches {pattern!r}")
     task = progress.add_task("measuring", total=len(names))
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as log:
         path = Path(folder) / "results.json"
         command += [f"--benchmark_out={path}", "--benchmark_out_format=json"]
-        with subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        ) as process:
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True) as process:
             assert process.stdout is not None
             for line in process.stdout:
                 words = line.split()
                 if words and words[0] in names:
                     progress.update(task, advance=1, description=words[0].split("/iterations")[0])
         if process.returncode != 0:
-            sys.exit(f"bench: {' '.join(command)} ended with {process.returncode}")
+            log.seek(0)
+            said = log.read().splitlines()[-1:]
+            sys.exit(f"bench: {PROGRAM.name} ended with {process.returncode}: {' '.join(said)}")
         return json.loads(path.read_text())
 
 
@@ -201,8 +201,9 @@ def print_results(results: dict[str, Any], console: Console) -> None:
     depth = cases.get("pair_deepest/depth_error", {})
     if "voxels" in depth:
         console.print(
-            f"73.6 mm deep, the deepest contact is within {depth['voxels']:.2f} voxels of that of "
-            f"a million points (bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
+            f"73.6 mm deep, the deepest contact is off the true depth by {depth['median_voxels']:.2f} "
+            f"voxels, {depth['voxels']:.2f} at worst "
+            f"(bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
         )
     for query in ("contacts", "manifold", "segments"):
         exponent = growth(cases, query)

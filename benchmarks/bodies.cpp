@@ -146,26 +146,29 @@ const Built& Bodies::bunny_at(int resolution) {
 
 Vec3 Bodies::bunny_core() {
   if (!core_) {
-    constexpr int kSteps = 64;
+    constexpr int kSteps = 32;  // of each finer grid about the deepest place so far
     const Bounds& bounds = bunny().bounds();
-    float least = 0.0f;
-    core_ = bounds.centre();
-    std::visit(
-        [&](const auto& field) {
-          for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
-            const Vec3 share{(i % kSteps + 0.5) / kSteps, (i / kSteps % kSteps + 0.5) / kSteps,
-                             (i / kSteps / kSteps + 0.5) / kSteps};
-            const Vec3 extents = bounds.extents();
-            const Vec3 p =
-                bounds.lower + Vec3{share.x * extents.x, share.y * extents.y, share.z * extents.z};
-            const float distance = field.distance(static_cast<Vec3f>(p));
-            if (distance < least) {
-              least = distance;
-              core_ = p;
-            }
+    Vec3 core = bounds.centre();
+    Vec3 extents = bounds.extents();
+    const auto search = [&](const auto& field) {
+      for (int pass = 0; pass < 3; ++pass) {
+        const Vec3 lower = core - 0.5 * extents;
+        float least = field.distance(static_cast<Vec3f>(core));
+        for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+          const Vec3 p = lower + Vec3{(i % kSteps + 0.5) / kSteps * extents.x,
+                                      (i / kSteps % kSteps + 0.5) / kSteps * extents.y,
+                                      (i / kSteps / kSteps + 0.5) / kSteps * extents.z};
+          const float distance = field.distance(static_cast<Vec3f>(p));
+          if (distance < least) {
+            least = distance;
+            core = p;
           }
-        },
-        bunny().field());
+        }
+        extents = 0.125 * extents;
+      }
+    };
+    std::visit(search, bunny().field());
+    core_ = core;
   }
   return *core_;
 }

@@ -51,7 +51,7 @@ class Bodies {
   /// A field of the bunny of another resolution, if it can be built in time.
   const Built& bunny_at(int resolution);
 
-  /// The deepest place of the bunny's inside, to a voxel or so.
+  /// The deepest place of the bunny's inside, as its field has it.
   Vec3 bunny_core();
 
  private:

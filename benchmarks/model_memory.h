@@ -22,9 +22,7 @@ inline ModelMemory compute_memory(const Model& model) {
   const PointShell& shell = model.shell();
   memory.shell =
       shell.points().size_bytes() + shell.normals().size_bytes() + shell.areas().size_bytes();
-  for (int level = 1; level <= shell.tree().level_count(); ++level) {
-    memory.tree += shell.tree().spheres(level).size_bytes();
-  }
+  memory.tree = shell.tree().nbytes();
   memory.mesh = model.mesh().vertices().size_bytes() + model.mesh().triangles().size_bytes();
   return memory;
 }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <limits>
+#include <optional>
 
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
@@ -29,8 +30,10 @@ double compute_depth(const Field& field, const PointShell& shell, const Pose& fi
 }
 
 /// Moves a pose along `away`, from where `measure` is above the range, until it is in the range.
+/// Nothing where `measure` jumps over it.
 template <class Measure>
-Pose draw_out(Pose field_from_shell, const Vec3& away, DepthRange range, const Measure& measure) {
+std::optional<Pose> draw_out(Pose field_from_shell, const Vec3& away, DepthRange range,
+                             const Measure& measure) {
   constexpr double kFar = 1.0;
   const Vec3 start = field_from_shell.translation;
   double near = 0.0;
@@ -42,8 +45,22 @@ Pose draw_out(Pose field_from_shell, const Vec3& away, DepthRange range, const M
     if (value >= range.low && value <= range.high) return field_from_shell;
     (value > range.high ? near : far) = middle;
   }
-  std::cerr << "voxshell_benchmarks: no pose reaches " << range.low << " to " << range.high << '\n';
-  std::exit(1);
+  return std::nullopt;
+}
+
+/// Asks for poses until there are `count`. Ends the program where most cannot be had.
+template <class MakePose>
+std::vector<Pose> collect_poses(std::size_t count, const MakePose& make_pose) {
+  std::vector<Pose> poses;
+  std::size_t tries = 0;
+  while (poses.size() < count) {
+    if (++tries > 3 * count + 10) {
+      std::cerr << "voxshell_benchmarks: too few poses are as deep as is wanted\n";
+      std::exit(1);
+    }
+    if (const std::optional<Pose> pose = make_pose()) poses.push_back(*pose);
+  }
+  return poses;
 }
 
 /// A narrow part of the range, so that depths fill it evenly.
@@ -80,24 +97,21 @@ std::vector<Pose> make_resting_poses(Bodies& bodies, std::size_t count) {
     return static_cast<double>(find_contacts_flat(plane, shell, pose).size());
   };
   Random random(kSeed);
-  std::vector<Pose> poses;
-  while (poses.size() < count) {
+  return collect_poses(count, [&] {
     const double heading = random.uniform(0.0, kTau);
     const Vec3 tilt_axis{std::cos(heading), std::sin(heading), 0.0};
     const Matrix3 rotation = rotation_about(tilt_axis, random.uniform(0.0, kMostTilt)) *
                              rotation_about(up, random.uniform(0.0, kTau)) * z_from_y_up;
     const Vec3 start{random.uniform(-kAside, kAside), random.uniform(-kAside, kAside),
                      start_height};
-    poses.push_back(draw_out({rotation, start}, up, kContacts, count_contacts));
-  }
-  return poses;
+    return draw_out({rotation, start}, up, kContacts, count_contacts);
+  });
 }
 
 std::vector<Pose> make_pair_poses(Bodies& bodies, const Field& bunny, const PointShell& shell,
                                   DepthRange range, DrawnFrom drawn_from, std::size_t count) {
   Random random(kSeed + 1);
-  std::vector<Pose> poses;
-  while (poses.size() < count) {
+  return collect_poses(count, [&] {
     const Matrix3 rotation = random.rotation();
     Vec3 start{};
     if (drawn_from == DrawnFrom::kCore) {
@@ -105,11 +119,9 @@ std::vector<Pose> make_pair_poses(Bodies& bodies, const Field& bunny, const Poin
       start = bodies.bunny_core() - rotation * static_cast<Vec3>(point);
     }
     const DepthRange depth = pick_depth(range, random);
-    poses.push_back(draw_out({rotation, start}, random.direction(), depth, [&](const Pose& pose) {
-      return compute_depth(bunny, shell, pose, depth);
-    }));
-  }
-  return poses;
+    return draw_out({rotation, start}, random.direction(), depth,
+                    [&](const Pose& pose) { return compute_depth(bunny, shell, pose, depth); });
+  });
 }
 
 std::vector<Pose> make_random_poses(double reach, std::size_t count) {
