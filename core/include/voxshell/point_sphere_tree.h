@@ -46,8 +46,10 @@ class PointSphereTree {
 
   /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic, for any
   /// number of threads (0: one a core). A tree without points where `progress` asked to stop.
+  /// `normals` of the points, if given, make queries against planes faster.
   static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
-                               const Progress& progress = {}, unsigned threads = 0);
+                               const Progress& progress = {}, unsigned threads = 0,
+                               std::span<const Vec3f> normals = {});
 
   /// From what spheres() and blocks() of the tree of these points returned: as many as they need,
   /// finite, and each around its points. Error: kInvalidArgument.

@@ -11,6 +11,24 @@
 namespace voxshell {
 namespace {
 
+bool is_same(const Pose& a, const Pose& b) {
+  return a.rotation.row_x == b.rotation.row_x && a.rotation.row_y == b.rotation.row_y &&
+         a.rotation.row_z == b.rotation.row_z && a.translation == b.translation;
+}
+
+/// Whether the last query asked the very same and its answer is still there. Planes are told apart
+/// in float64, which their views are not.
+template <class V>
+bool is_answered(const QueryScratch::State::Survivors& last, const V& field,
+                 const simd::TreeView& tree, const Pose& field_from_shell,
+                 const ContactOptions& options) {
+  if constexpr (std::is_same_v<V, simd::PlaneView>) return false;
+  const V* known = std::get_if<V>(&last.field);
+  return last.are_contacts_kept && known != nullptr && *known == field &&
+         last.tree == tree.serial && last.margin == options.margin &&
+         last.max_points == options.max_points && is_same(last.last_asked, field_from_shell);
+}
+
 /// No point of a sphere moves by more than this between two poses, metres.
 double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
   const auto centre = static_cast<Vec3>(sphere.centre);
@@ -64,7 +82,13 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
     kernels.expand(posed, tree, level, nodes, next, margin, grown);
     std::swap(nodes, next);
   }
-  survivors = {field, tree.serial, field_from_shell, margin, growth, field_from_shell, nodes};
+  survivors = {.field = field,
+               .tree = tree.serial,
+               .field_from_shell = field_from_shell,
+               .margin = margin,
+               .growth = growth,
+               .last_asked = field_from_shell,
+               .slots = nodes};
   return survivors.slots;
 }
 
@@ -86,12 +110,13 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
                                        const Pose& field_from_shell, const ContactOptions& options,
                                        QueryScratch& scratch) {
   QueryScratch::State& state = scratch.state();
-  state.reserve(shell);
   const simd::TreeView tree = view_tree(shell);
   std::visit(
       [&](const auto& typed) {
-        const auto posed = make_posed(typed, shell, field_from_shell);
         const auto view = typed.view();
+        if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
+        state.reserve(shell);
+        const auto posed = make_posed(typed, shell, field_from_shell);
         const auto& kernels =
             simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
         const simd::NodeList& slots =
@@ -100,6 +125,8 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
         kernels.evaluate(posed, tree, slots, options.margin, points);
         kernels.complete(posed, tree, points, state.contact_data());
         state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
+        state.survivors.are_contacts_kept = true;
+        state.survivors.max_points = options.max_points;
       },
       field);
   return scratch.contacts();

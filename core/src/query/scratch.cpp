@@ -12,6 +12,7 @@ std::span<const Contact> QueryScratch::contacts() const {
 }
 
 void QueryScratch::State::reserve(const PointShell& shell) {
+  survivors.are_contacts_kept = false;
   constexpr std::size_t kSpare = 8;  // kernels write eight at a time
   const std::size_t points = shell.size() + kSpare;
   if (points > point_capacity) {

@@ -59,6 +59,8 @@ struct QueryScratch::State {
     float margin = 0.0f;
     double growth = 0.0;  ///< they serve all poses that move no point by more than this, metres
     Pose last_asked;
+    bool are_contacts_kept = false;  ///< those of last_asked are where they were written
+    std::size_t max_points = 0;      ///< of those
     simd::NodeList slots{};
   } survivors;
 };

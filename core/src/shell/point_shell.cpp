@@ -283,14 +283,19 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   if (stage.stopped()) return stopped();
 
   std::vector<Vec3f> points;
+  std::vector<Vec3f> normals;
   points.reserve(sampling.points.size());
-  for (const ShellPoint& p : sampling.points) points.push_back(p.point);
+  normals.reserve(sampling.points.size());
+  for (const ShellPoint& p : sampling.points) {
+    points.push_back(p.point);
+    normals.push_back(p.normal);
+  }
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
 
   PointShell shell;
   shell.spacing_ = sampling.spacing;
-  shell.tree_ = PointSphereTree::build(points, order, progress, settings.threads);
+  shell.tree_ = PointSphereTree::build(points, order, progress, settings.threads, normals);
   if (shell.tree_.point_count() == 0) return stopped();
   shell.points_.resize(order.size());
   shell.normals_.resize(order.size());

@@ -1,7 +1,7 @@
 #include "voxshell/point_sphere_tree.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
@@ -15,9 +15,10 @@ namespace voxshell {
 /// Builds on binary clusters: cluster i of 2^depth.
 class TreeBuilder {
  public:
-  TreeBuilder(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
-              const Progress& progress, unsigned threads)
+  TreeBuilder(std::span<const Vec3f> points, std::span<const Vec3f> normals,
+              std::vector<std::uint32_t>& order, const Progress& progress, unsigned threads)
       : points_(points),
+        normals_(normals),
         order_(order),
         progress_(progress),
         threads_(threads),
@@ -82,7 +83,7 @@ class TreeBuilder {
 
   bool enclose_clusters() {
     tree_.spheres_.resize(tree_.sphere_count());
-    tree_.blocks_.assign(tree_.block_count() * simd::kBlockFloats, 0.0f);
+    tree_.blocks_.assign(tree_.block_count() * simd::kClusterBlockFloats, 0.0f);
     std::size_t first_block = 0;
     // The depths of levels (0, 2, 4, ...) and of the walk (..., depth - 3, depth), each once.
     for (int depth = 0; depth <= tree_.depth_; ++depth) {
@@ -98,15 +99,17 @@ class TreeBuilder {
         const std::size_t end = task + 1 == tasks ? padded : clusters * (task + 1) / tasks;
         for (std::size_t i = clusters * task / tasks; i < end; ++i) {
           Sphere sphere{{}, simd::kNoSphere};
+          Slab slab;
           if (i < clusters) {
             const PointRange range = tree_.points_between(depth, i);
             if (range.size() > 0) {
               sphere = compute_enclosing_sphere(
                   points_, std::span(order_).subspan(range.begin, range.size()));
+              if (is_walked) slab = compute_slab(range, sphere);
             }
           }
           if (is_level && i < clusters) tree_.spheres_[first_sphere + i] = sphere;
-          if (is_walked) put(first_block, i, sphere);
+          if (is_walked) put(first_block, i, sphere, slab);
         }
       };
       const double share = 0.7 / (tree_.depth_ + 1);
@@ -118,12 +121,41 @@ class TreeBuilder {
     return true;
   }
 
-  void put(std::size_t first_block, std::size_t index, const Sphere& sphere) {
-    float* block = &tree_.blocks_[(first_block + index / 8) * simd::kBlockFloats];
+  /// The points about a plane through their sphere's centre.
+  struct Slab {
+    Vec3f normal{};
+    float half_thickness = 0.0f;
+  };
+
+  Slab compute_slab(const PointRange& range, const Sphere& sphere) const {
+    if (normals_.empty()) return {{}, sphere.radius};
+    Vec3 sum{};
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      sum += static_cast<Vec3>(normals_[order_[i]]);
+    }
+    const auto normal = static_cast<Vec3f>(normalized(sum));
+    double half_thickness = 0.0;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const Vec3 off_centre =
+          static_cast<Vec3>(points_[order_[i]]) - static_cast<Vec3>(sphere.centre);
+      half_thickness =
+          std::max(half_thickness, std::abs(dot(static_cast<Vec3>(normal), off_centre)));
+    }
+    constexpr double kRoundUp = 1.0 + 1e-6;
+    return {normal, static_cast<float>(half_thickness * kRoundUp)};
+  }
+
+  void put(std::size_t first_block, std::size_t index, const Sphere& sphere, const Slab& slab) {
+    float* block = &tree_.blocks_[(first_block + index / 8) * simd::kClusterBlockFloats];
     block[index % 8] = sphere.centre.x;
     block[8 + index % 8] = sphere.centre.y;
     block[16 + index % 8] = sphere.centre.z;
     block[24 + index % 8] = sphere.radius;
+    block += simd::kSlabFloats;
+    block[index % 8] = slab.normal.x;
+    block[8 + index % 8] = slab.normal.y;
+    block[16 + index % 8] = slab.normal.z;
+    block[24 + index % 8] = slab.half_thickness;
   }
 
   /// Progress of one part of the build.
@@ -137,6 +169,7 @@ class TreeBuilder {
   static constexpr const char* kStage = "point-sphere tree";
 
   std::span<const Vec3f> points_;
+  std::span<const Vec3f> normals_;  ///< may be empty
   std::vector<std::uint32_t>& order_;
   const Progress& progress_;
   unsigned threads_;
@@ -145,8 +178,8 @@ class TreeBuilder {
 
 PointSphereTree PointSphereTree::build(std::span<const Vec3f> points,
                                        std::vector<std::uint32_t>& order, const Progress& progress,
-                                       unsigned threads) {
-  return TreeBuilder(points, order, progress, threads).build();
+                                       unsigned threads, std::span<const Vec3f> normals) {
+  return TreeBuilder(points, normals, order, progress, threads).build();
 }
 
 PointSphereTree::PointSphereTree(std::uint32_t point_count)

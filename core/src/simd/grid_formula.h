@@ -62,32 +62,11 @@ VOXSHELL_INLINE F lerp(F a, F b, F t) {
   return a + t * (b - a);
 }
 
-/// Lanes whose brick holds a plane get some cell or other.
+/// The first sample of the cell at `cell` and the four pairs along x that make up its corners.
 template <class F>
-VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place,
-                                      Integer<F> entry, MaskOf<F> is_plane) {
+VOXSHELL_INLINE void load_corners(const GridView& grid, Integer<F> first, Integer<F> row,
+                                  Integer<F> layer, GridCell<F>& cell) {
   using I = Integer<F>;
-  const I zero = I{};
-  const I level = entry & 3;
-  const I coarse = 3 - level;  // log2 of a cell's size in voxels
-  const F per_voxel = power_of_two(zero - coarse);
-  const I per_side = (zero + 1) << level;
-  const auto locate_on_axis = [&](F within, F& t) {
-    const F position = within * per_voxel;
-    I cell = to_int(position);
-    cell = select(cell < per_side, cell, per_side - 1);
-    t = position - to_float(cell);
-    return cell;
-  };
-  GridCell<F> cell;
-  const I x = locate_on_axis(place.within.x, cell.t.x);
-  const I y = locate_on_axis(place.within.y, cell.t.y);
-  const I z = locate_on_axis(place.within.z, cell.t.z);
-  const I row = per_side + 1;
-  const I layer = row * row;
-  const I payload = as_payload(entry);
-  I first = payload * kSampleAlignment + x + row * y + layer * z;
-  first = select(is_plane, zero, first);
   const I pairs[4] = {gather_pair(grid.samples, first), gather_pair(grid.samples, first + row),
                       gather_pair(grid.samples, first + layer),
                       gather_pair(grid.samples, first + layer + row)};
@@ -95,7 +74,44 @@ VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& 
     cell.c[2 * i] = to_float((pairs[i] << 16) >> 16);
     cell.c[2 * i + 1] = to_float(pairs[i] >> 16);
   }
+}
+
+/// Lanes whose brick holds a plane get some cell or other.
+template <class F>
+VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place,
+                                      Integer<F> entry, MaskOf<F> is_plane) {
+  using I = Integer<F>;
+  const I zero = I{};
+  const auto find_cell = [&](F position, I per_side, F& t) {
+    I cell = to_int(position);
+    cell = select(cell < per_side, cell, per_side - 1);
+    t = position - to_float(cell);
+    return cell;
+  };
+  GridCell<F> cell;
   cell.scale = grid.quantum * power_of_two((entry >> kFieldShift) & kFieldMask);
+  const I offset = as_payload(entry) * kSampleAlignment;
+  if (all((entry & (3 | kPlaneBit)) == 3)) {
+    const I eight = zero + kBrickCells;
+    const I x = find_cell(place.within.x, eight, cell.t.x);
+    const I y = find_cell(place.within.y, eight, cell.t.y);
+    const I z = find_cell(place.within.z, eight, cell.t.z);
+    constexpr int kRow = kBrickCells + 1;
+    load_corners(grid, offset + x + kRow * y + kRow * kRow * z, zero + kRow, zero + kRow * kRow,
+                 cell);
+    cell.size = splat<F>(1.0f);
+    return cell;
+  }
+  const I level = entry & 3;
+  const I coarse = 3 - level;  // log2 of a cell's size in voxels
+  const F per_voxel = power_of_two(zero - coarse);
+  const I per_side = (zero + 1) << level;
+  const I x = find_cell(place.within.x * per_voxel, per_side, cell.t.x);
+  const I y = find_cell(place.within.y * per_voxel, per_side, cell.t.y);
+  const I z = find_cell(place.within.z * per_voxel, per_side, cell.t.z);
+  const I row = per_side + 1;
+  const I layer = row * row;
+  load_corners(grid, select(is_plane, zero, offset + x + row * y + layer * z), row, layer, cell);
   cell.size = power_of_two(coarse);
   return cell;
 }

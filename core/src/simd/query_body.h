@@ -9,8 +9,10 @@ namespace voxshell::simd::VOXSHELL_ISA {
 
 /// Eight siblings of a tree.
 struct Block {
+  const float* data;
   Triple<F8> centres;
-  F8 radii;
+  F8 radii;        ///< grown
+  float growth;    ///< by which the radii are
   unsigned lanes;  ///< those that are clusters
 };
 
@@ -29,16 +31,56 @@ VOXSHELL_INLINE Triple<F8> load_triple(const float* from) {
   return {load<F8>(from), load<F8>(from + 8), load<F8>(from + 16)};
 }
 
+VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index, float growth) {
+  const float* data =
+      tree.blocks + static_cast<uint64_t>(tree.first_block[level] + index) * kClusterBlockFloats;
+  const F8 radii = load<F8>(data + 24);
+  return {data, load_triple(data), radii + growth, growth, bits(radii >= 0.0f)};
+}
+
+/// How far points may lie from their sphere's centre against a unit normal: what the slab's
+/// thickness and, as far as it is tilted, its width allow.
+VOXSHELL_INLINE F8 bound_extent(const Block& block, const Triple<float>& normal) {
+  const float* slab = block.data + kSlabFloats;
+  const Triple<F8> across = load_triple(slab);
+  const F8 along =
+      across.x * splat<F8>(normal.x) + across.y * splat<F8>(normal.y) + across.z * splat<F8>(normal.z);
+  constexpr float kRounding = 1e-6f;
+  const F8 tilt =
+      square_root(maximum(1.0f - along * along, splat<F8>(0.0f)) + splat<F8>(kRounding));
+  const F8 extent = absolute(along) * load<F8>(slab + 24) + tilt * block.radii + block.growth;
+  return minimum(extent, block.radii);
+}
+
 template <class V>
-VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Triple<F8>& centres, F8 radii,
+VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Block& block, uint32_t /*tag*/,
+                                 float margin) {
+  const F8 bound =
+      evaluate_lower_bound(posed.field, to_field(posed, block.centres), block.radii) - posed.slack;
+  return {bound, I8{}, lanes_below(bound, margin) & block.lanes};
+}
+
+VOXSHELL_INLINE Balls test_balls(const PosedView<PlaneView>& posed, const Block& block,
                                  uint32_t /*tag*/, float margin) {
-  const F8 bound = evaluate_lower_bound(posed.field, to_field(posed, centres), radii) - posed.slack;
-  return {bound, I8{}, lanes_below(bound, margin)};
+  const float(&n)[3] = posed.field.normal;
+  const F8 bound = evaluate_distance(posed.field, block.centres) -
+                   bound_extent(block, {n[0], n[1], n[2]}) - posed.slack;
+  return {bound, I8{}, lanes_below(bound, margin) & block.lanes};
+}
+
+VOXSHELL_INLINE const float* plane_of(const GridView& grid, uint32_t tag) {
+  return grid.planes + 4 * (tag - 1);
 }
 
 VOXSHELL_INLINE F8 distance_to_plane(const GridView& grid, uint32_t tag, const Triple<F8>& p) {
-  const float* plane = grid.planes + 4 * (tag - 1);
+  const float* plane = plane_of(grid, tag);
   return plane[0] * p.x + plane[1] * p.y + plane[2] * p.z - plane[3];
+}
+
+VOXSHELL_INLINE F8 bound_extent(const PosedView<GridView>& posed, const Block& block,
+                                uint32_t tag) {
+  const float* plane = plane_of(posed.field, tag);
+  return bound_extent(block, to_shell(posed, Triple<float>{plane[0], plane[1], plane[2]}));
 }
 
 /// Balls that lie, as float32 places their points, within bricks of one plane.
@@ -59,13 +101,14 @@ VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
   return fits & (as_payload(value.entry) + 1);
 }
 
-VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Triple<F8>& centres,
-                                 F8 radii, uint32_t tag, float margin) {
+VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& block, uint32_t tag,
+                                 float margin) {
   const GridView& grid = posed.field;
-  const Triple<F8> p = to_field(posed, centres);
+  const Triple<F8> p = to_field(posed, block.centres);
   if (tag != 0) {
-    const F8 bound = distance_to_plane(grid, tag, p) - radii - posed.slack;
-    return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin)};
+    const F8 bound =
+        distance_to_plane(grid, tag, p) - bound_extent(posed, block, tag) - posed.slack;
+    return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin) & block.lanes};
   }
   const auto place = locate(grid, p);
   // First by what is known of the whole brick.
@@ -73,14 +116,19 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Triple<
   const I8 beyond = is_beyond(place.outside);
   if (any(beyond)) least = select(beyond, maximum(least, length(place.outside)), least);
   const F8 coarse =
-      combine<F8>(grid, {least - radii, splat<F8>(-kNoLipschitzConstant)}) - posed.slack;
-  const unsigned lanes = lanes_below(coarse, margin);
+      combine<F8>(grid, {least - block.radii, splat<F8>(-kNoLipschitzConstant)}) - posed.slack;
+  const unsigned lanes = lanes_below(coarse, margin) & block.lanes;
   if (lanes == 0) return {coarse, I8{}, 0};
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  const F8 bound =
-      maximum(coarse, combine(grid, bound_ball(grid, place, value, radii)) - posed.slack);
-  return {bound, find_tags(grid, place, value, radii, posed.slack),
-          lanes & lanes_below(bound, margin)};
+  F8 bound =
+      maximum(coarse, combine(grid, bound_ball(grid, place, value, block.radii)) - posed.slack);
+  const I8 tags = find_tags(grid, place, value, block.radii, posed.slack);
+  if (const unsigned tagged = bits(tags != 0) & lanes; tagged != 0) {
+    const auto first = static_cast<uint32_t>(tags[__builtin_ctz(tagged)]);
+    const F8 by_plane = value.distance - bound_extent(posed, block, first) - posed.slack;
+    bound = select(tags == static_cast<int32_t>(first), maximum(bound, by_plane), bound);
+  }
+  return {bound, tags, lanes & lanes_below(bound, margin)};
 }
 
 template <class V>
@@ -92,13 +140,6 @@ VOXSHELL_INLINE F8 tagged_distance(const PosedView<GridView>& posed, const Tripl
                                    uint32_t tag) {
   if (tag == 0) return posed_distance(posed, p);
   return distance_to_plane(posed.field, tag, to_field(posed, p));
-}
-
-VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index) {
-  const float* block =
-      tree.blocks + static_cast<uint64_t>(tree.first_block[level] + index) * kBlockFloats;
-  const F8 radii = load<F8>(block + 24);
-  return {load_triple(block), radii, bits(radii >= 0.0f)};
 }
 
 VOXSHELL_INLINE uint32_t first_bucket(const TreeView& tree, uint32_t slot) {
@@ -115,10 +156,9 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
             NodeList& out, float margin, float growth) {
   uint32_t count = out.count;
   for (uint32_t i = 0; i < nodes.count; ++i) {
-    const Block block = load_block(tree, level, nodes.index[i]);
-    const Balls balls =
-        test_balls(posed, block.centres, block.radii + growth, nodes.tag[i], margin);
-    const unsigned lanes = balls.lanes & block.lanes;
+    const Block block = load_block(tree, level, nodes.index[i], growth);
+    const Balls balls = test_balls(posed, block, nodes.tag[i], margin);
+    const unsigned lanes = balls.lanes;
     if (lanes == 0) continue;
     const I8 children = kLaneIndex + static_cast<int32_t>(nodes.index[i] * kLanes);
     compress(out.index + count, children, lanes);
@@ -268,10 +308,10 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, int segment_d
     const Waiting node = walk.take();
     if (node.level > 0 && node.rank > limit(node.level - 1, node.index)) continue;
     if (node.level < tree.level_count) {
-      const Block block = load_block(tree, node.level, node.index);
-      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      const Block block = load_block(tree, node.level, node.index, 0.0f);
+      const Balls balls = test_balls(posed, block, node.tag, margin);
       walk.begin_siblings();
-      for (unsigned lanes = balls.lanes & block.lanes; lanes != 0; lanes &= lanes - 1) {
+      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
         if (balls.bound[lane] > limit(node.level, child)) continue;
@@ -306,10 +346,10 @@ bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
   while (!walk.is_done()) {
     const Waiting node = walk.take();
     if (node.level < tree.level_count) {
-      const Block block = load_block(tree, node.level, node.index);
-      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      const Block block = load_block(tree, node.level, node.index, 0.0f);
+      const Balls balls = test_balls(posed, block, node.tag, margin);
       walk.begin_siblings();
-      for (unsigned lanes = balls.lanes & block.lanes; lanes != 0; lanes &= lanes - 1) {
+      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         walk.push({balls.bound[lane], node.index * kLanes + static_cast<uint32_t>(lane),
                    static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
@@ -411,11 +451,11 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree,
     const Waiting node = walk.take();
     if (node.level > 0 && -node.rank < best_score) continue;
     if (node.level < tree.level_count) {
-      const Block block = load_block(tree, node.level, node.index);
+      const Block block = load_block(tree, node.level, node.index, 0.0f);
       const F8 most = score.evaluate_upper_bound(block.centres, block.radii);
       const unsigned wide_enough = bits(most >= best_score) & block.lanes;
       if (wide_enough == 0) continue;
-      const Balls balls = test_balls(posed, block.centres, block.radii, node.tag, margin);
+      const Balls balls = test_balls(posed, block, node.tag, margin);
       walk.begin_siblings();
       for (unsigned lanes = balls.lanes & wide_enough; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);

@@ -4,9 +4,12 @@
 
 namespace voxshell::simd {
 
-/// Spheres lie in blocks of eight siblings: eight x, eight y, eight z, eight radii. Where there is
-/// no cluster, the radius is kNoSphere: its sphere is out of every field's reach.
-inline constexpr int kBlockFloats = 32;
+/// Clusters lie in blocks of eight siblings. Of their spheres: eight x, eight y, eight z, eight
+/// radii; where there is no cluster, the radius is kNoSphere. Then of the slabs about their mean
+/// normals: eight x, eight y, eight z of the normals, which may be zero, and eight half-thicknesses:
+/// no point is farther than that from the plane through the sphere's centre.
+inline constexpr int kClusterBlockFloats = 64;
+inline constexpr int kSlabFloats = 32;  ///< where the slabs begin
 inline constexpr float kNoSphere = -1e30f;
 
 /// Points lie in buckets of eight: eight x, eight y, eight z. Where there is no point, they are not

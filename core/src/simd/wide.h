@@ -154,6 +154,8 @@ template <class Mask>
 VOXSHELL_INLINE bool any(Mask mask) {
   return bits(mask) != 0;
 }
+VOXSHELL_INLINE bool all(bool mask) { return mask; }
+VOXSHELL_INLINE bool all(I8 mask) { return bits(mask) == 255u; }
 
 VOXSHELL_INLINE int32_t gather(const uint32_t* base, int32_t index) {
   return static_cast<int32_t>(base[index]);
