@@ -44,12 +44,8 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
   BudgetedContacts result{{}, true, -kInfinity};
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    Frontier frontier{state.nodes[0].empty_list(), 0};
+    Frontier frontier{state.nodes[0].start_list(), 0};
     simd::NodeList next = state.nodes[1].empty_list();
-    frontier.nodes.index[0] = 0;
-    frontier.nodes.tag[0] = 0;
-    frontier.nodes.bound[0] = -kInfinity;
-    frontier.nodes.count = 1;
     std::size_t spent = 0;
     const std::size_t for_spheres = (budget + 1) / 2;
     while (frontier.level < tree.level_count && frontier.nodes.count > 0 &&

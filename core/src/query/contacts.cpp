@@ -71,12 +71,9 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
   const auto& kernels = simd::query_kernels<V>(simd::active_isa());
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
-  simd::NodeList nodes = state.nodes[0].empty_list();
+  simd::NodeList nodes = state.nodes[0].start_list();
   simd::NodeList next = state.nodes[1].empty_list();
   nodes.bound = next.bound = nullptr;
-  nodes.index[0] = 0;
-  nodes.tag[0] = 0;
-  nodes.count = 1;
   for (int level = 0; level < tree.level_count && nodes.count > 0; ++level) {
     next.count = 0;
     kernels.expand(posed, tree, level, nodes, next, margin, grown);

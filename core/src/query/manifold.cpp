@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <utility>
 
 #include "query/posed.h"
 #include "query/scratch.h"
@@ -89,6 +90,28 @@ void select_deepest_per_segment(std::span<const Contact> contacts, const PointSp
 
 namespace {
 
+simd::Seeds find_root(QueryScratch::State& state) {
+  state.survivors = {};  // their buffers are used here
+  return {state.nodes[0].start_list(), 0};
+}
+
+/// What is left of the tree when there are enough spheres to choose from.
+template <class V>
+simd::Seeds find_seeds(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
+                       QueryScratch::State& state) {
+  simd::Seeds seeds = find_root(state);
+  simd::NodeList next = state.nodes[1].empty_list();
+  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+  while (seeds.level < tree.level_count && seeds.nodes.count > 0 &&
+         seeds.nodes.count <= simd::kMostSeeds / 8) {
+    next.count = 0;
+    kernels.expand(posed, tree, seeds.level, seeds.nodes, next, margin, 0.0f);
+    std::swap(seeds.nodes, next);
+    ++seeds.level;
+  }
+  return seeds;
+}
+
 void append(simd::PointList& points, const simd::FoundPoint& found) {
   points.id[points.count] = found.id;
   points.distance[points.count] = found.distance;
@@ -112,12 +135,15 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
     simd::PointList points = state.empty_points();
     simd::FoundPoint found{simd::kNone, 0.0f, {}};
     simd::ManifoldSearch search{};
-    kernels.find_deepest(posed, tree, 0, margin, &found);
+    // One search begins at the root; several share what lies near the surface.
+    const simd::Seeds seeds =
+        max_points == 1 ? find_root(state) : find_seeds(posed, tree, margin, state);
+    kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
     while (found.id != simd::kNone) {
       append(points, found);
       if (points.count == max_points) break;
       std::copy_n(found.point, 3, search.chosen[search.count++]);
-      found = kernels.find_widest(posed, tree, search, margin);
+      found = kernels.find_widest(posed, tree, seeds, search, margin);
     }
     kernels.complete(posed, tree, points, state.contact_data());
     state.contact_count = points.count;
@@ -155,7 +181,7 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
   std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    kernels.find_deepest(posed, tree, depth, margin, best);
+    kernels.find_deepest(posed, tree, find_seeds(posed, tree, margin, state), depth, margin, best);
     simd::PointList points = state.empty_points();
     for (std::size_t i = 0; i < segments; ++i) {
       if (best[i].id != simd::kNone) append(points, best[i]);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <variant>
 
@@ -21,6 +22,13 @@ struct QueryScratch::State {
     Buffer<float> bound;
 
     simd::NodeList empty_list() const { return {index.get(), tag.get(), bound.get(), 0}; }
+    /// The root alone.
+    simd::NodeList start_list() const {
+      index[0] = 0;
+      tag[0] = 0;
+      bound[0] = -std::numeric_limits<float>::infinity();
+      return {index.get(), tag.get(), bound.get(), 1};
+    }
   };
 
   /// Makes room for any query about a shell.

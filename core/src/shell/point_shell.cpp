@@ -282,14 +282,20 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   stage.report(1.0);
   if (stage.stopped()) return stopped();
 
-  std::vector<Vec3f> points;
-  std::vector<Vec3f> normals;
-  points.reserve(sampling.points.size());
-  normals.reserve(sampling.points.size());
-  for (const ShellPoint& p : sampling.points) {
-    points.push_back(p.point);
-    normals.push_back(p.normal);
-  }
+  std::vector<Vec3f> points(sampling.points.size());
+  std::vector<Vec3f> normals(sampling.points.size());
+  constexpr std::size_t kPointsATask = 1 << 14;
+  const std::size_t tasks = (points.size() + kPointsATask - 1) / kPointsATask;
+  const auto for_points = [&](const auto& visit) {
+    parallel_for(tasks, settings.threads, "point shell", {}, [&](std::size_t task) {
+      const std::size_t end = std::min(points.size(), (task + 1) * kPointsATask);
+      for (std::size_t i = task * kPointsATask; i < end; ++i) visit(i);
+    });
+  };
+  for_points([&](std::size_t i) {
+    points[i] = sampling.points[i].point;
+    normals[i] = static_cast<Vec3f>(normal_of(mesh, sampling.points[i].triangle));
+  });
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
 
@@ -300,18 +306,11 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   shell.points_.resize(order.size());
   shell.normals_.resize(order.size());
   shell.areas_.resize(order.size());
-  constexpr std::size_t kPointsATask = 1 << 14;
-  const auto gather = [&](std::size_t task) {
-    const std::size_t end = std::min(order.size(), (task + 1) * kPointsATask);
-    for (std::size_t i = task * kPointsATask; i < end; ++i) {
-      const ShellPoint& p = sampling.points[order[i]];
-      shell.points_[i] = p.point;
-      shell.normals_[i] = static_cast<Vec3f>(normal_of(mesh, p.triangle));
-      shell.areas_[i] = static_cast<float>(p.area);
-    }
-  };
-  const std::size_t tasks = (order.size() + kPointsATask - 1) / kPointsATask;
-  parallel_for(tasks, settings.threads, "point shell", {}, gather);
+  for_points([&](std::size_t i) {
+    shell.points_[i] = points[order[i]];
+    shell.normals_[i] = normals[order[i]];
+    shell.areas_[i] = static_cast<float>(sampling.points[order[i]].area);
+  });
   return shell;
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,8 +17,26 @@ namespace {
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 Sphere read_sphere(std::span<const float> blocks, std::size_t block, std::size_t place) {
-  const auto numbers = blocks.subspan(block * simd::kBlockFloats + place);
+  const auto numbers = blocks.subspan(block * simd::kClusterBlockFloats + place);
   return {{numbers[0], numbers[8], numbers[16]}, numbers[24]};
+}
+
+/// Whether the slab at a place of a block, about the sphere's centre, is around the points.
+bool slab_encloses(std::span<const float> blocks, std::size_t block, std::size_t place,
+                   const Sphere& sphere, std::span<const Vec3f> points) {
+  const auto numbers =
+      blocks.subspan(block * simd::kClusterBlockFloats + simd::kSlabFloats + place);
+  const Vec3f normal{numbers[0], numbers[8], numbers[16]};
+  const auto half_thickness = static_cast<double>(numbers[24]);
+  constexpr float kRounding = 1e-6f;
+  if (!is_finite(normal) || !std::isfinite(half_thickness)) return false;
+  if (!(std::abs(length(normal) - 1.0f) <= kRounding) && normal != Vec3f{}) return false;
+  double farthest = 0.0;
+  for (const Vec3f& p : points) {
+    const Vec3 off_centre = static_cast<Vec3>(p) - static_cast<Vec3>(sphere.centre);
+    farthest = std::max(farthest, std::abs(dot(static_cast<Vec3>(normal), off_centre)));
+  }
+  return farthest <= half_thickness;
 }
 
 bool encloses(const Sphere& sphere, std::span<const Vec3f> points) {
@@ -48,11 +67,11 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
   }
   PointSphereTree tree(static_cast<std::uint32_t>(points.size()));
   if (spheres.size() != tree.sphere_count() ||
-      blocks.size() != tree.block_count() * simd::kBlockFloats) {
+      blocks.size() != tree.block_count() * simd::kClusterBlockFloats) {
     return invalid(
         format_text("a tree of %zu points has %zu spheres and %zu numbers in blocks, "
                     "not %zu and %zu",
-                    points.size(), tree.sphere_count(), tree.block_count() * simd::kBlockFloats,
+                    points.size(), tree.sphere_count(), tree.block_count() * simd::kClusterBlockFloats,
                     spheres.size(), blocks.size()));
   }
   tree.spheres_ = std::move(spheres);
@@ -79,7 +98,9 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
       const auto below =
           i < clusters ? points_in(tree.walk_depth(level), i) : std::span<const Vec3f>{};
       if (below.empty() ? sphere.radius != simd::kNoSphere || !is_finite(sphere.centre)
-                        : !encloses(sphere, below)) {
+                        : !encloses(sphere, below) ||
+                              !slab_encloses(tree.blocks_, first_block + i / 8, i % 8, sphere,
+                                             below)) {
         return invalid(
             format_text("sphere %zu on level %d of the walk is not around its points", i, level));
       }

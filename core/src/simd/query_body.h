@@ -43,8 +43,8 @@ VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index
 VOXSHELL_INLINE F8 bound_extent(const Block& block, const Triple<float>& normal) {
   const float* slab = block.data + kSlabFloats;
   const Triple<F8> across = load_triple(slab);
-  const F8 along =
-      across.x * splat<F8>(normal.x) + across.y * splat<F8>(normal.y) + across.z * splat<F8>(normal.z);
+  const F8 along = across.x * splat<F8>(normal.x) + across.y * splat<F8>(normal.y) +
+                   across.z * splat<F8>(normal.z);
   constexpr float kRounding = 1e-6f;
   const F8 tilt =
       square_root(maximum(1.0f - along * along, splat<F8>(0.0f)) + splat<F8>(kRounding));
@@ -62,7 +62,7 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Block& block, 
 
 VOXSHELL_INLINE Balls test_balls(const PosedView<PlaneView>& posed, const Block& block,
                                  uint32_t /*tag*/, float margin) {
-  const float(&n)[3] = posed.field.normal;
+  const float (&n)[3] = posed.field.normal;
   const F8 bound = evaluate_distance(posed.field, block.centres) -
                    bound_extent(block, {n[0], n[1], n[2]}) - posed.slack;
   return {bound, I8{}, lanes_below(bound, margin) & block.lanes};
@@ -265,13 +265,13 @@ struct Waiting {
   int32_t level;  ///< of its children
 };
 
-/// A walk that takes the most promising of siblings first.
+/// A walk below one sphere that takes the most promising of siblings first.
 class BestFirst {
  public:
-  BestFirst() { stack_[0] = {-kNoLipschitzConstant, 0, 0, 0}; }
+  explicit BestFirst(const Waiting& top) { stack_[0] = top; }
 
   bool is_done() const { return count_ == 0; }
-  const Waiting& take() { return stack_[--count_]; }
+  Waiting take() { return stack_[--count_]; }
 
   /// Of siblings pushed one after another, take() returns the smallest rank first.
   void begin_siblings() { first_sibling_ = count_; }
@@ -289,13 +289,31 @@ class BestFirst {
   int first_sibling_ = 0;
 };
 
+/// Calls `search` with each seed, the one of the smallest rank first: what it finds lets others be
+/// passed by.
+template <class Search>
+VOXSHELL_INLINE void for_each_seed(const Seeds& seeds, const float* ranks, const Search& search) {
+  if (seeds.nodes.count == 0) return;
+  uint32_t first = 0;
+  for (uint32_t i = 1; i < seeds.nodes.count; ++i) {
+    if (ranks[i] < ranks[first]) first = i;
+  }
+  const auto start = [&](uint32_t i) {
+    search(Waiting{ranks[i], seeds.nodes.index[i], seeds.nodes.tag[i], seeds.level});
+  };
+  start(first);
+  for (uint32_t i = 0; i < seeds.nodes.count; ++i) {
+    if (i != first) start(i);
+  }
+}
+
 VOXSHELL_INLINE FoundPoint make_found(uint32_t id, float distance, const Triple<F8>& p, int lane) {
   return {id, distance, {p.x[lane], p.y[lane], p.z[lane]}};
 }
 
 template <class V>
-void find_deepest(const PosedView<V>& posed, const TreeView& tree, int segment_depth, float margin,
-                  FoundPoint* best) {
+void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& seeds,
+                  int segment_depth, float margin, FoundPoint* best) {
   // The best so far of the one segment that a sphere lies in; larger spheres may hold any.
   const auto limit = [&](int level, uint32_t index) {
     const int finer = depth_of(tree, level) - segment_depth;
@@ -303,29 +321,13 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, int segment_d
     const FoundPoint& found = best[index >> finer];
     return found.id == kNone ? margin : found.distance;
   };
-  BestFirst walk;
-  while (!walk.is_done()) {
-    const Waiting node = walk.take();
-    if (node.level > 0 && node.rank > limit(node.level - 1, node.index)) continue;
-    if (node.level < tree.level_count) {
-      const Block block = load_block(tree, node.level, node.index, 0.0f);
-      const Balls balls = test_balls(posed, block, node.tag, margin);
-      walk.begin_siblings();
-      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
-        const int lane = __builtin_ctz(lanes);
-        const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
-        if (balls.bound[lane] > limit(node.level, child)) continue;
-        walk.push(
-            {balls.bound[lane], child, static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
-      }
-      continue;
-    }
-    FoundPoint& found = best[node.index >> (tree.depth - segment_depth)];
-    const uint32_t end = first_bucket(tree, node.index + 1);
-    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
+  const auto look_into_slot = [&](uint32_t slot, uint32_t tag) {
+    FoundPoint& found = best[slot >> (tree.depth - segment_depth)];
+    const uint32_t end = first_bucket(tree, slot + 1);
+    for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
       const Triple<F8> p =
           load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
-      const F8 distance = tagged_distance(posed, p, node.tag);
+      const F8 distance = tagged_distance(posed, p, tag);
       const float most = found.id == kNone ? margin : found.distance;
       for (unsigned lanes = bits(distance <= most); lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -337,12 +339,33 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, int segment_d
         if (is_deeper) found = make_found(id, d, p, lane);
       }
     }
-  }
+  };
+  for_each_seed(seeds, seeds.nodes.bound, [&](const Waiting& seed) {
+    BestFirst walk(seed);
+    while (!walk.is_done()) {
+      const Waiting node = walk.take();
+      if (node.level > 0 && node.rank > limit(node.level - 1, node.index)) continue;
+      if (node.level == tree.level_count) {
+        look_into_slot(node.index, node.tag);
+        continue;
+      }
+      const Block block = load_block(tree, node.level, node.index, 0.0f);
+      const Balls balls = test_balls(posed, block, node.tag, margin);
+      walk.begin_siblings();
+      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
+        if (balls.bound[lane] > limit(node.level, child)) continue;
+        walk.push(
+            {balls.bound[lane], child, static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
+      }
+    }
+  });
 }
 
 template <class V>
 bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
-  BestFirst walk;
+  BestFirst walk({-kNoLipschitzConstant, 0, 0, 0});
   while (!walk.is_done()) {
     const Waiting node = walk.take();
     if (node.level < tree.level_count) {
@@ -440,17 +463,67 @@ class ManifoldScore {
   float steepness_ = 0.0f;
 };
 
+/// Minus the largest scores that seeds may hold, one each.
+inline void rank_seeds(const TreeView& tree, const Seeds& seeds, const ManifoldScore& score,
+                       float* ranks) {
+  if (seeds.level == 0) {
+    ranks[0] = -kNoLipschitzConstant;
+    return;
+  }
+  for (uint32_t i = 0; i < seeds.nodes.count; i += kLanes) {
+    Triple<F8> centres{};
+    F8 radii{};
+    for (uint32_t lane = 0; lane < kLanes && i + lane < seeds.nodes.count; ++lane) {
+      const uint32_t index = seeds.nodes.index[i + lane];
+      const Block block = load_block(tree, seeds.level - 1, index / kLanes, 0.0f);
+      const float* sphere = block.data + index % kLanes;
+      centres.x[lane] = sphere[0];
+      centres.y[lane] = sphere[8];
+      centres.z[lane] = sphere[16];
+      radii[lane] = sphere[24];
+    }
+    store(ranks + i, -score.evaluate_upper_bound(centres, radii));
+  }
+}
+
 template <class V>
-FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree,
+FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Seeds& seeds,
                        const ManifoldSearch& search, float margin) {
   const ManifoldScore score(search);
   FoundPoint best{kNone, 0.0f, {}};
   float best_score = 0.0f;
-  BestFirst walk;
-  while (!walk.is_done()) {
-    const Waiting node = walk.take();
-    if (node.level > 0 && -node.rank < best_score) continue;
-    if (node.level < tree.level_count) {
+  const auto look_into_slot = [&](uint32_t slot, uint32_t tag) {
+    const uint32_t end = first_bucket(tree, slot + 1);
+    for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
+      const Triple<F8> p =
+          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      const F8 scores = score.evaluate(p);
+      const unsigned wide_enough = bits(scores >= best_score);
+      if (wide_enough == 0) continue;
+      const F8 distance = tagged_distance(posed, p, tag);
+      for (unsigned lanes = wide_enough & bits(distance < margin); lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
+        const bool is_better = scores[lane] > best_score ||
+                               (scores[lane] == best_score && best.id != kNone && id < best.id);
+        if (!is_better) continue;
+        best = make_found(id, distance[lane], p, lane);
+        best_score = scores[lane];
+      }
+    }
+  };
+  float ranks[kMostSeeds + kLanes];
+  rank_seeds(tree, seeds, score, ranks);
+  for_each_seed(seeds, ranks, [&](const Waiting& seed) {
+    if (-seed.rank < best_score) return;
+    BestFirst walk(seed);
+    while (!walk.is_done()) {
+      const Waiting node = walk.take();
+      if (-node.rank < best_score) continue;
+      if (node.level == tree.level_count) {
+        look_into_slot(node.index, node.tag);
+        continue;
+      }
       const Block block = load_block(tree, node.level, node.index, 0.0f);
       const F8 most = score.evaluate_upper_bound(block.centres, block.radii);
       const unsigned wide_enough = bits(most >= best_score) & block.lanes;
@@ -462,27 +535,8 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree,
         walk.push({-most[lane], node.index * kLanes + static_cast<uint32_t>(lane),
                    static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
       }
-      continue;
     }
-    const uint32_t end = first_bucket(tree, node.index + 1);
-    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
-      const Triple<F8> p =
-          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
-      const F8 scores = score.evaluate(p);
-      const unsigned wide_enough = bits(scores >= best_score);
-      if (wide_enough == 0) continue;
-      const F8 distance = tagged_distance(posed, p, node.tag);
-      for (unsigned lanes = wide_enough & bits(distance < margin); lanes != 0; lanes &= lanes - 1) {
-        const int lane = __builtin_ctz(lanes);
-        const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
-        const bool is_better = scores[lane] > best_score ||
-                               (scores[lane] == best_score && best.id != kNone && id < best.id);
-        if (!is_better) continue;
-        best = make_found(id, distance[lane], p, lane);
-        best_score = scores[lane];
-      }
-    }
-  }
+  });
   return best;
 }
 

@@ -27,6 +27,14 @@ struct PointList {
   uint32_t count;
 };
 
+/// Where searches begin: what is left of the tree after some levels of the walk, at most kMostSeeds
+/// spheres. `level` is that of their children; the root's is 0.
+struct Seeds {
+  NodeList nodes;
+  int level;
+};
+inline constexpr uint32_t kMostSeeds = 512;
+
 /// What is looked for among the contacts of a manifold (thesis, section 5.3): the first is the
 /// deepest, `chosen` the ones already found.
 struct ManifoldSearch {
@@ -59,13 +67,13 @@ struct QueryKernels {
                         float* y, float* z);
   /// The smallest distance below `margin` in each of 2^segment_depth clusters, ties to the smaller
   /// id; segment_depth must not be above the tree's. `best` holds one entry each, none found.
-  void (*find_deepest)(const PosedView<V>&, const TreeView&, int segment_depth, float margin,
-                       FoundPoint* best);
+  void (*find_deepest)(const PosedView<V>&, const TreeView&, const Seeds&, int segment_depth,
+                       float margin, FoundPoint* best);
   /// Whether any point lies below `margin`.
   bool (*find_any)(const PosedView<V>&, const TreeView&, float margin);
   /// The point below `margin` that makes the manifold's area largest, ties to the smaller id.
-  FoundPoint (*find_widest)(const PosedView<V>&, const TreeView&, const ManifoldSearch&,
-                            float margin);
+  FoundPoint (*find_widest)(const PosedView<V>&, const TreeView&, const Seeds&,
+                            const ManifoldSearch&, float margin);
 };
 
 /// The views that there are kernels for.

@@ -6,8 +6,8 @@ namespace voxshell::simd {
 
 /// Clusters lie in blocks of eight siblings. Of their spheres: eight x, eight y, eight z, eight
 /// radii; where there is no cluster, the radius is kNoSphere. Then of the slabs about their mean
-/// normals: eight x, eight y, eight z of the normals, which may be zero, and eight half-thicknesses:
-/// no point is farther than that from the plane through the sphere's centre.
+/// normals: eight x, eight y, eight z of the normals, which may be zero, and eight
+/// half-thicknesses: no point is farther than that from the plane through the sphere's centre.
 inline constexpr int kClusterBlockFloats = 64;
 inline constexpr int kSlabFloats = 32;  ///< where the slabs begin
 inline constexpr float kNoSphere = -1e30f;
