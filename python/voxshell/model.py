@@ -91,8 +91,8 @@ class Model:
                 field's voxel size if this is not given and
             target_points: neither is how many points are wanted, which is reached within 1 %.
             scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
-            padding: Metres of grid beyond the mesh's bounds; eight voxels, unless this is more.
-                The field continues beyond its grid, less precisely.
+            padding: Metres of grid beyond the mesh's bounds, by default 16 voxels; at least eight
+                are kept. The field continues beyond its grid, less precisely.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             cache: Keep the model on the disk, and take it from there where it was built before: see
                 :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.

@@ -17,7 +17,7 @@ struct ModelSettings {
   int resolution = 0;             ///< voxels along the mesh's longest side; neither: 100
   double point_spacing = 0.0;     ///< metres; neither this nor a target: the voxel size
   std::size_t target_points = 0;  ///< reached within 1 %
-  double padding = -1.0;          ///< metres of grid beyond the mesh; negative: eight voxels
+  double padding = -1.0;          ///< metres of grid beyond the mesh; negative: 16 voxels
   unsigned threads = 0;           ///< 0: one a core
 };
 

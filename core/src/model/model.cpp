@@ -75,9 +75,12 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   }
   if (auto checked = PointShell::check(mesh, shell_settings); !checked) return checked.error();
 
-  const GridFieldSettings field_settings{.voxel_size = *voxel_size,
-                                         .padding = std::max(settings.padding, 0.0),
-                                         .threads = settings.threads};
+  // Two bricks: over a flat face clusters of some size then lie in bricks of its plane alone.
+  constexpr double kDefaultPaddingVoxels = 16.0;
+  const double padding =
+      settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding;
+  const GridFieldSettings field_settings{
+      .voxel_size = *voxel_size, .padding = padding, .threads = settings.threads};
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();
   auto shell = PointShell::build(mesh, shell_settings, progress);

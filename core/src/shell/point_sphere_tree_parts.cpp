@@ -71,8 +71,8 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
     return invalid(
         format_text("a tree of %zu points has %zu spheres and %zu numbers in blocks, "
                     "not %zu and %zu",
-                    points.size(), tree.sphere_count(), tree.block_count() * simd::kClusterBlockFloats,
-                    spheres.size(), blocks.size()));
+                    points.size(), tree.sphere_count(),
+                    tree.block_count() * simd::kClusterBlockFloats, spheres.size(), blocks.size()));
   }
   tree.spheres_ = std::move(spheres);
   tree.blocks_ = std::move(blocks);
@@ -97,10 +97,10 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
       const Sphere sphere = read_sphere(tree.blocks_, first_block + i / 8, i % 8);
       const auto below =
           i < clusters ? points_in(tree.walk_depth(level), i) : std::span<const Vec3f>{};
-      if (below.empty() ? sphere.radius != simd::kNoSphere || !is_finite(sphere.centre)
-                        : !encloses(sphere, below) ||
-                              !slab_encloses(tree.blocks_, first_block + i / 8, i % 8, sphere,
-                                             below)) {
+      if (below.empty()
+              ? sphere.radius != simd::kNoSphere || !is_finite(sphere.centre)
+              : !encloses(sphere, below) ||
+                    !slab_encloses(tree.blocks_, first_block + i / 8, i % 8, sphere, below)) {
         return invalid(
             format_text("sphere %zu on level %d of the walk is not around its points", i, level));
       }

@@ -40,10 +40,10 @@ TEST(Model, HasAHundredVoxelsAndOnePointAVoxelUnlessToldOtherwise) {
   const auto model = build(make_box({0.5, 0.25, 0.1}), {});
   EXPECT_DOUBLE_EQ(model->grid().voxel_size(), 0.01);
   EXPECT_EQ(model->shell().spacing(), model->grid().voxel_size());
-  // A brick of padding on each side.
-  EXPECT_NEAR(model->grid().origin().x, -0.5 - 0.08, 1e-12);
-  EXPECT_GE(model->grid().shape()[0], 117);
-  EXPECT_LE(model->grid().shape()[0], 125);
+  // Two bricks of padding on each side.
+  EXPECT_NEAR(model->grid().origin().x, -0.5 - 0.16, 1e-12);
+  EXPECT_GE(model->grid().shape()[0], 133);
+  EXPECT_LE(model->grid().shape()[0], 141);
 }
 
 TEST(Model, TakesVoxelSizeOrResolutionAndSpacingOrTarget) {
@@ -94,7 +94,7 @@ TEST(Model, RefusesSettingsThatMakeNoSense) {
                  ErrorCode::kInvalidArgument, "padding");
   }
   // A negative padding means the default.
-  EXPECT_NEAR(build(soup, {.voxel_size = 0.1, .padding = -7.0})->grid().origin().x, -1.3, 1e-12);
+  EXPECT_NEAR(build(soup, {.voxel_size = 0.1, .padding = -7.0})->grid().origin().x, -2.1, 1e-12);
 }
 
 TEST(Model, RefusesMeshesThatEncloseNothing) {

@@ -161,7 +161,8 @@ TEST(PointSphereTree, SpheresOfTheWalkEncloseTheirPoints) {
       const std::uint64_t clusters = std::uint64_t{1} << depth;
       std::uint64_t empty = 0;
       for (std::uint64_t i = 0; i < std::max<std::uint64_t>(clusters, 8); ++i) {
-        const float* block = view.blocks + (view.first_block[level] + i / 8) * simd::kClusterBlockFloats;
+        const float* block =
+            view.blocks + (view.first_block[level] + i / 8) * simd::kClusterBlockFloats;
         const Vec3f centre{block[i % 8], block[8 + i % 8], block[16 + i % 8]};
         const float radius = block[24 + i % 8];
         const auto first = [&](std::uint64_t c) {
