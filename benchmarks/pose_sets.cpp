@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 #include <limits>
 #include <optional>
 
@@ -48,16 +46,11 @@ std::optional<Pose> draw_out(Pose field_from_shell, const Vec3& away, DepthRange
   return std::nullopt;
 }
 
-/// Asks for poses until there are `count`. Ends the program where most cannot be had.
+/// Asks for poses until there are `count`, or too many could not be had.
 template <class MakePose>
 std::vector<Pose> collect_poses(std::size_t count, const MakePose& make_pose) {
   std::vector<Pose> poses;
-  std::size_t tries = 0;
-  while (poses.size() < count) {
-    if (++tries > 3 * count + 10) {
-      std::cerr << "voxshell_benchmarks: too few poses are as deep as is wanted\n";
-      std::exit(1);
-    }
+  for (std::size_t tries = 0; poses.size() < count && tries < 3 * count + 10; ++tries) {
     if (const std::optional<Pose> pose = make_pose()) poses.push_back(*pose);
   }
   return poses;

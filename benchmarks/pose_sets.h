@@ -16,7 +16,8 @@ struct DepthRange {
 };
 
 /// Poses, field_from_shell, found by bisection with the flat loop: those of pairs by the depth of
-/// the deepest point. The same on every run. Ends the program where some depth cannot be reached.
+/// the deepest point. The same on every run; fewer than asked for, or none,
+/// where a depth cannot be reached in this field.
 
 /// The fine shell upright on the plane z = 0, turned about the vertical, tilted by up to 0.2
 /// degrees, as deep as gives about 355 contacts of 34,835: some 1 to 1.5 mm.

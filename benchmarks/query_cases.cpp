@@ -62,6 +62,10 @@ void register_depth_error(Bodies& bodies) {
     const std::size_t count = std::min<std::size_t>(bodies.settings().poses, 60);
     const auto poses =
         make_pair_poses(bodies, bunny.field(), bunny.shell(), kDeepest, DrawnFrom::kCore, count);
+    if (poses.empty()) {
+      state.SkipWithError("no pose is as deep as is wanted");
+      return;
+    }
     const TrueDepth true_depth(bodies);
     std::vector<double> errors;
     for (auto _ : state) {

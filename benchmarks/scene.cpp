@@ -125,6 +125,9 @@ const SceneQuery& scene_query(std::string_view name) {
 const Scene& LazyScene::get() {
   if (!scene_) {
     scene_ = make_();
+    if (scene_->why_not.empty() && scene_->poses.empty()) {
+      scene_->why_not = "no pose is as deep as is wanted";
+    }
     if (scene_->why_not.empty()) scene_->why_not = find_difference(*scene_);
   }
   return *scene_;
