@@ -118,6 +118,17 @@ struct ModelAlgorithm::PosedPair {
     return field_side().world_from_geometry().inverse() * shell_side().world_from_geometry();
   }
 
+  /// Makes the other body the shell where it may lie inside the one that is. For pairs without
+  /// contact.
+  bool swap_roles_if_enclosed() {
+    if (!is_enclosed(field_side().participant(), shell_side().participant(),
+                     field_from_shell().inverse())) {
+      return false;
+    }
+    shell_is_a = !shell_is_a;
+    return true;
+  }
+
   WorldContact to_world(const Contact& contact) const {
     const Pose& world_from_shell = shell_side().world_from_geometry();
     const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
@@ -153,20 +164,24 @@ void ModelAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) {
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {
-  const PosedPair pair(*a, *b);
+  PosedPair pair(*a, *b);
   // A contact test without a threshold takes the step's algorithms for the children of compounds;
   // its result is of a class of its own.
   const bool simulates =
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   NarrowPhaseTimings* timings = simulates ? settings_.timings : nullptr;
-  const double margin =
-      simulates ? rest_margin(pair) : static_cast<double>(result->m_closestPointDistanceThreshold);
-
+  double margin = 0.0;
   std::span<const Contact> found;
-  {
-    const Stopwatch watch(timings, &NarrowPhaseTimings::query);
+  const auto ask = [&] {
+    margin = simulates ? rest_margin(pair)
+                       : static_cast<double>(result->m_closestPointDistanceThreshold);
     found = find_contacts(pair.field(), pair.shell(), pair.field_from_shell(),
                           {.margin = static_cast<float>(margin)}, scratch_);
+  };
+  {
+    const Stopwatch watch(timings, &NarrowPhaseTimings::query);
+    ask();
+    if (found.empty() && pair.swap_roles_if_enclosed()) ask();
   }
   contacts_.assign(found.begin(), found.end());
   if (!simulates) {
@@ -176,6 +191,11 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   {
     const Stopwatch watch(timings, &NarrowPhaseTimings::reduction);
     drop_fast_approaches(pair, margin, static_cast<double>(info.m_timeStep));
+  }
+  if (shell_was_a_ != pair.shell_is_a) {
+    // Ids and segments now are another body's: nothing of the last step carries over.
+    release_manifolds();
+    shell_was_a_ = pair.shell_is_a;
   }
   if (contacts_.empty()) {
     // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to

@@ -54,6 +54,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   const ContactSettings& settings_;
   Purpose purpose_;
   QueryScratch scratch_;
+  bool shell_was_a_ = true;              ///< whose ids and segments active_ is by
   std::vector<Contact> contacts_;        ///< of this step, without those that are still too fast
   std::vector<std::uint32_t> deepest_;   ///< indices into contacts_, one a segment
   std::vector<SegmentManifold> active_;  ///< ascending by segment; the manifolds with points

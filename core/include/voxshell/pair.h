@@ -2,6 +2,7 @@
 
 #include "voxshell/field.h"
 #include "voxshell/point_shell.h"
+#include "voxshell/pose.h"
 #include "voxshell/result.h"
 
 namespace voxshell {
@@ -16,12 +17,19 @@ enum class PairBody { kA, kB };
 
 /// Which body's points are tested against the other's field.
 enum class ShellChoice {
-  kAutomatic,  ///< the body with fewer points (thesis, section 5.3); a where they are equal
+  /// The body with fewer points (thesis, section 5.3), a where they are equal; the other where that
+  /// one encloses it: see is_enclosed().
+  kAutomatic,
   kA,
   kB,
 };
 
 /// Error kInvalidArgument where the chosen body, or neither of them, has a shell.
 Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice);
+
+/// Where kAutomatic found no contact of `outer`'s points: whether the roles are to be swapped,
+/// because `inner` may lie wholly inside `outer`, as a point of its shell does. One evaluation of a
+/// field; false where either body has no shell.
+bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner);
 
 }  // namespace voxshell

@@ -2,6 +2,7 @@
 #include <limits>
 #include <numeric>
 
+#include "query/deepest.h"
 #include "query/posed.h"
 #include "query/scratch.h"
 #include "voxshell/contacts.h"
@@ -85,7 +86,7 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
     simd::PointList points = state.empty_points();
     kernels.evaluate(posed, tree, frontier.nodes, options.margin, points);
     kernels.complete(posed, tree, points, state.contact_data());
-    state.contact_count = points.count;
+    state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
   });
   result.contacts = scratch.contacts();
   return result;

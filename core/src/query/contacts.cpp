@@ -1,10 +1,10 @@
 #include "voxshell/contacts.h"
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
 
+#include "query/deepest.h"
 #include "query/posed.h"
 #include "query/scratch.h"
 
@@ -87,18 +87,6 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
                .last_asked = field_from_shell,
                .slots = nodes};
   return survivors.slots;
-}
-
-/// Ascending by id before and after.
-std::size_t keep_deepest(Contact* contacts, std::size_t count, std::size_t max_points) {
-  if (count <= max_points) return count;
-  std::nth_element(contacts, contacts + max_points, contacts + count,
-                   [](const Contact& a, const Contact& b) {
-                     return a.depth != b.depth ? a.depth > b.depth : a.id < b.id;
-                   });
-  std::sort(contacts, contacts + max_points,
-            [](const Contact& a, const Contact& b) { return a.id < b.id; });
-  return max_points;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "voxshell/contacts_flat.h"
 
+#include <algorithm>
+
 #include "query/posed.h"
 
 namespace voxshell {
@@ -22,6 +24,14 @@ std::vector<Contact> find_contacts_flat(const Field& field, const PointShell& sh
       contacts.push_back({id, -distance, points[id], normal});
     }
   });
+  if (contacts.size() > options.max_points) {
+    // Stable, so that of equally deep contacts those with smaller ids come first.
+    std::stable_sort(contacts.begin(), contacts.end(),
+                     [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
+    contacts.resize(options.max_points);
+    std::sort(contacts.begin(), contacts.end(),
+              [](const Contact& a, const Contact& b) { return a.id < b.id; });
+  }
   return contacts;
 }
 

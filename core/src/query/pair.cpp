@@ -1,5 +1,7 @@
 #include "voxshell/pair.h"
 
+#include <variant>
+
 namespace voxshell {
 
 Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice) {
@@ -22,6 +24,13 @@ Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellC
   if (a.shell == nullptr) return PairBody::kB;
   if (b.shell == nullptr) return PairBody::kA;
   return b.shell->size() < a.shell->size() ? PairBody::kB : PairBody::kA;
+}
+
+bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner) {
+  if (inner.shell == nullptr || outer.shell == nullptr) return false;
+  const auto point = static_cast<Vec3>(inner.shell->points()[0]);
+  const auto place = static_cast<Vec3f>(outer_from_inner.transform_point(point));
+  return std::visit([&](const auto& typed) { return typed.distance(place) < 0.0f; }, *outer.field);
 }
 
 }  // namespace voxshell

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "support/meshes.h"
 #include "support/pairs.h"
+#include "support/random.h"
 
 namespace voxshell {
 namespace {
@@ -48,6 +50,35 @@ TEST(ChooseShell, RefusesABodyWithoutShell) {
   expect_refused(choose_shell({&field}, {&field, &shell}, ShellChoice::kA), "body a has no");
   expect_refused(choose_shell({&field, &shell}, {&field}, ShellChoice::kB), "body b has no");
   expect_refused(choose_shell({&field}, {&field}, ShellChoice::kAutomatic), "neither body");
+}
+
+TEST(Enclosed, IsAShellInsideTheOthersField) {
+  const Field ball = SphereField{0.2};
+  const Field box = BoxField{{1, 1, 1}};
+  const PointShell on_ball = make_shell(make_icosphere(0.2, 2), 0.02);
+  const PointShell on_box = make_shell(make_box({1, 1, 1}), 0.25);
+  const Participant inner{&ball, &on_ball};
+  const Participant outer{&box, &on_box};
+  Random random(140);
+  for (int i = 0; i < 100; ++i) {
+    const Pose inside{random.rotation(), random.in_cube(0.79)};
+    EXPECT_TRUE(is_enclosed(inner, outer, inside));
+    EXPECT_FALSE(is_enclosed(outer, inner, inside.inverse()));
+    const Pose outside{random.rotation(), 2.2 * random.direction()};
+    EXPECT_FALSE(is_enclosed(inner, outer, outside));
+  }
+  // On the surface is not inside.
+  const Pose shifted{{}, Vec3{1, 0, 0} - static_cast<Vec3>(on_ball.points()[0])};
+  EXPECT_FALSE(is_enclosed(inner, outer, shifted));
+}
+
+TEST(Enclosed, NeedsTwoShells) {
+  const Field ball = SphereField{0.2};
+  const Field box = BoxField{{1, 1, 1}};
+  const PointShell shell = make_shell(make_icosphere(0.2, 1), 0.1);
+  EXPECT_FALSE(is_enclosed({&ball}, {&box, &shell}, {}));
+  EXPECT_FALSE(is_enclosed({&ball, &shell}, {&box}, {}));
+  EXPECT_TRUE(is_enclosed({&ball, &shell}, {&box, &shell}, {}));
 }
 
 }  // namespace
