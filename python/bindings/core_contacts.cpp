@@ -1,205 +1,125 @@
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <memory>
-#include <numeric>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/shared_ptr.h>
-
-#include "arrays.h"
+#include "contact_set.h"
 #include "core_module.h"
-#include "errors.h"
+#include "query_scratch.h"
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
-#include "voxshell/manifold.h"
-#include "voxshell/pair.h"
 
 namespace nb = nanobind;
 
 namespace voxshell::python {
 namespace {
 
-using SharedField = std::shared_ptr<const Field>;
-using SharedShell = std::shared_ptr<const PointShell>;
-/// None is the identity.
-using OptionalPose = std::optional<PoseArray>;
-
-Pose read_pose(const OptionalPose& pose, const char* name) {
-  if (!pose) return {};
-  std::array<double, 16> matrix{};
-  std::copy_n(pose->data(), matrix.size(), matrix.begin());
-  return unwrap(Pose::from_matrix(matrix), name);
-}
-
-/// One body's shell against the other's field.
-struct Query {
-  PairBody shell_body;
-  SharedField field;
-  SharedShell shell;
-  Pose world_from_shell;
-  Pose field_from_shell;
-};
-
-Query prepare(const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
-              const SharedShell& shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
-              ShellChoice choice) {
-  const Pose world_from_a = read_pose(a_pose, "a_pose");
-  const Pose world_from_b = read_pose(b_pose, "b_pose");
-  const PairBody shell_body =
-      unwrap(choose_shell({field_a.get(), shell_a.get()}, {field_b.get(), shell_b.get()}, choice));
-  if (shell_body == PairBody::kA) {
-    return {shell_body, field_b, shell_a, world_from_a, world_from_b.inverse() * world_from_a};
-  }
-  return {shell_body, field_a, shell_b, world_from_b, world_from_a.inverse() * world_from_b};
-}
-
-/// Contacts in the world frame. The arrays are parallel; `contacts` are the core's own, from which
-/// subsets are chosen.
-struct ContactSet {
-  PairBody shell_body;
-  SharedShell shell;
-  Pose world_from_shell;
-  int level;
-  std::vector<Contact> contacts;
-  std::vector<Vec3> points_a;
-  std::vector<Vec3> points_b;
-  std::vector<Vec3> normals;
-  std::vector<double> depths;
-  std::vector<std::int64_t> ids;
-  std::vector<std::int64_t> segments;
-};
-
-ContactSet make_contact_set(PairBody shell_body, SharedShell shell, const Pose& world_from_shell,
-                            int level, std::vector<Contact> contacts) {
-  ContactSet set{shell_body,
-                 std::move(shell),
-                 world_from_shell,
-                 level,
-                 std::move(contacts),
-                 {},
-                 {},
-                 {},
-                 {},
-                 {},
-                 {}};
-  const std::size_t count = set.contacts.size();
-  set.points_a.reserve(count);
-  set.points_b.reserve(count);
-  set.normals.reserve(count);
-  set.depths.reserve(count);
-  set.ids.reserve(count);
-  set.segments.reserve(count);
-  const bool shell_is_a = shell_body == PairBody::kA;
-  for (const Contact& contact : set.contacts) {
-    const auto depth = static_cast<double>(contact.depth);
-    const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
-    const Vec3 outwards = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
-    // The field's outward normal leads from the shell's point to the field's surface. The contact's
-    // normal is on b and points towards a; subtracting from zero leaves no negative zeros.
-    const Vec3 on_field = on_shell + depth * outwards;
-    set.points_a.push_back(shell_is_a ? on_shell : on_field);
-    set.points_b.push_back(shell_is_a ? on_field : on_shell);
-    set.normals.push_back(shell_is_a ? outwards + Vec3{} : Vec3{} - outwards);
-    set.depths.push_back(depth);
-    set.ids.push_back(contact.id);
-    set.segments.push_back(set.shell->tree().segment(contact.id, level));
-  }
-  return set;
-}
-
 enum class Search { kTree, kFlat };
+
+/// Asks about one shell after another and gathers what they find.
+template <Search kSearch>
+class Asking {
+ public:
+  Asking(const Bodies& bodies, const PairPose& pose, const ContactOptions& options,
+         std::optional<std::size_t> budget, SharedScratch* scratch)
+      : bodies_(bodies), pose_(pose), options_(options), budget_(budget), scratch_(scratch) {}
+
+  void ask(PairBody shell_body) {
+    const Field& field = *bodies_.field_of(other(shell_body));
+    const PointShell& shell = *bodies_.shell_of(shell_body);
+    const Pose field_from_shell = pose_.field_from_shell(shell_body);
+    if constexpr (kSearch == Search::kFlat) {
+      append(contacts, shell_body, find_contacts_flat(field, shell, field_from_shell, options_));
+      return;
+    }
+    const LockedScratch scratch(scratch_, shell_body);
+    if (!budget_) {
+      append(contacts, shell_body,
+             find_contacts(field, shell, field_from_shell, options_, *scratch));
+      return;
+    }
+    const BudgetedContacts found =
+        find_contacts_within_budget(field, shell, field_from_shell, options_, *budget_, *scratch);
+    append(contacts, shell_body, found.contacts);
+    is_exact = is_exact && found.is_exact;
+    depth_bound = std::max(depth_bound, static_cast<double>(found.depth_bound));
+  }
+
+  std::vector<ShellContact> contacts;
+  bool is_exact = true;
+  double depth_bound = -std::numeric_limits<double>::infinity();
+
+ private:
+  const Bodies& bodies_;
+  const PairPose& pose_;
+  const ContactOptions& options_;
+  std::optional<std::size_t> budget_;
+  SharedScratch* scratch_;
+};
 
 template <Search kSearch>
 ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
                     const SharedField& field_b, const SharedShell& shell_b,
-                    const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice choice,
-                    float margin, int level) {
-  Query query = prepare(field_a, shell_a, field_b, shell_b, a_pose, b_pose, choice);
+                    const OptionalPose& a_pose, const OptionalPose& b_pose, Shells shells,
+                    float margin, int level, std::optional<std::size_t> max_points,
+                    std::optional<std::size_t> budget, SharedScratch* scratch) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
-  std::vector<Contact> found;
-  if constexpr (kSearch == Search::kTree) {
-    QueryScratch scratch;
-    const auto contacts = find_contacts(*query.field, *query.shell, query.field_from_shell,
-                                        {.margin = margin}, scratch);
-    found.assign(contacts.begin(), contacts.end());
-  } else {
-    found =
-        find_contacts_flat(*query.field, *query.shell, query.field_from_shell, {.margin = margin});
+  const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
+  Asking<kSearch> asking(bodies, pose, options, budget, scratch);
+  for (const PairBody shell_body : roles.shell_bodies) asking.ask(shell_body);
+  if (shells == Shells::kAutomatic) shells = shells_of(roles.shell_bodies[0]);
+  const PairBody inner = other(roles.shell_bodies[0]);
+  if (roles.may_swap && options.max_points > 0 && asking.contacts.empty() &&
+      is_enclosed(bodies, pose, inner)) {
+    asking.ask(inner);
+    shells = shells_of(inner);
   }
-  return make_contact_set(query.shell_body, std::move(query.shell), query.world_from_shell, level,
-                          std::move(found));
+  keep_deepest(asking.contacts, options.max_points);
+  ContactSet set = make_contact_set({bodies, pose, level, shells}, std::move(asking.contacts));
+  set.is_exact = asking.is_exact;
+  set.depth_bound = asking.depth_bound;
+  return set;
 }
 
 bool collide(const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
              const SharedShell& shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
-             ShellChoice choice, float margin) {
-  const Query query = prepare(field_a, shell_a, field_b, shell_b, a_pose, b_pose, choice);
+             Shells shells, float margin) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
-  return collides(*query.field, *query.shell, query.field_from_shell, margin);
-}
-
-ContactSet subset(const ContactSet& set, std::span<const Contact> from,
-                  std::span<const std::uint32_t> indices) {
-  std::vector<Contact> chosen;
-  chosen.reserve(indices.size());
-  for (const std::uint32_t index : indices) chosen.push_back(from[index]);
-  return make_contact_set(set.shell_body, set.shell, set.world_from_shell, set.level,
-                          std::move(chosen));
-}
-
-ContactSet manifold(const ContactSet& set, std::size_t max_points) {
-  return subset(set, set.contacts, select_manifold(set.contacts, max_points).chosen());
-}
-
-ContactSet deepest_per_segment(const ContactSet& set) {
-  // The core expects ids to ascend, which those of a manifold do not.
-  std::vector<Contact> ascending = set.contacts;
-  std::sort(ascending.begin(), ascending.end(),
-            [](const Contact& a, const Contact& b) { return a.id < b.id; });
-  std::vector<std::uint32_t> deepest;
-  select_deepest_per_segment(ascending, set.shell->tree(), set.level, deepest);
-  return subset(set, ascending, deepest);
+  const auto touches = [&](PairBody shell_body) {
+    return collides(*bodies.field_of(other(shell_body)), *bodies.shell_of(shell_body),
+                    pose.field_from_shell(shell_body), margin);
+  };
+  if (std::any_of(roles.shell_bodies.begin(), roles.shell_bodies.end(), touches)) return true;
+  const PairBody inner = other(roles.shell_bodies[0]);
+  return roles.may_swap && is_enclosed(bodies, pose, inner) && touches(inner);
 }
 
 template <class Function>
 void def_contacts(nb::module_& module, const char* name, Function function, const char* doc) {
   module.def(name, function, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
              nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
-             nb::arg("choice"), nb::arg("margin"), nb::arg("level"), doc);
+             nb::arg("shells"), nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(),
+             nb::arg("budget").none(), nb::arg("scratch").none(), doc);
 }
 
 }  // namespace
 
 void bind_contacts(nb::module_& module) {
-  nb::enum_<ShellChoice>(module, "ShellChoice")
-      .value("AUTOMATIC", ShellChoice::kAutomatic)
-      .value("A", ShellChoice::kA)
-      .value("B", ShellChoice::kB);
-
-  nb::class_<ContactSet>(module, "ContactSet", "Contacts of a pair, world frame.")
-      .def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
-      .def_prop_ro("points_a",
-                   [](const ContactSet& s) { return view_rows<double, 3>(std::span(s.points_a)); })
-      .def_prop_ro("points_b",
-                   [](const ContactSet& s) { return view_rows<double, 3>(std::span(s.points_b)); })
-      .def_prop_ro("normals",
-                   [](const ContactSet& s) { return view_rows<double, 3>(std::span(s.normals)); })
-      .def_prop_ro("depths", [](const ContactSet& s) { return view(std::span(s.depths)); })
-      .def_prop_ro("ids", [](const ContactSet& s) { return view(std::span(s.ids)); })
-      .def_prop_ro("segments", [](const ContactSet& s) { return view(std::span(s.segments)); })
-      .def_prop_ro("shell_is_a", [](const ContactSet& s) { return s.shell_body == PairBody::kA; })
-      .def("manifold", &manifold, nb::arg("max_points"), "At most 4 of them, in the order chosen.")
-      .def("deepest_per_segment", &deepest_per_segment, "Ascending by id.");
-
+  nb::class_<SharedScratch>(module, "QueryScratch", "Threads that share one take turns.")
+      .def(nb::init<>());
   def_contacts(module, "contacts", &contacts<Search::kTree>, "By the point-sphere tree.");
   def_contacts(module, "contacts_flat", &contacts<Search::kFlat>, "By the flat loop.");
   module.def("collide", &collide, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
              nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
-             nb::arg("choice"), nb::arg("margin"));
+             nb::arg("shells"), nb::arg("margin"));
 }
 
 }  // namespace voxshell::python

@@ -7,5 +7,9 @@ NB_MODULE(_core, module) {
   bind_field(module);
   bind_shell(module);
   bind_model(module);
+  bind_contact_set(module);
   bind_contacts(module);
+  bind_distance(module);
+  bind_wrench(module);
+  bind_batch(module);
 }

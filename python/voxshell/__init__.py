@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
+from voxshell.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.cache import CacheWarning
 from voxshell.contact_bounds import ContactBounds, contact_bounds
 from voxshell.contact_set import Contacts
@@ -47,7 +48,8 @@ from voxshell.field import DistanceField, Field
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh
 from voxshell.model import Model
-from voxshell.queries import collide, contacts
+from voxshell.queries import Distance, Wrench, collide, contacts, distance, wrench
+from voxshell.query_scratch import QueryScratch
 from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plane, Sphere
 from voxshell.shell import PointShell, PointSphereTree
 
@@ -70,12 +72,14 @@ __all__ = [
     "CacheWarning",
     "Capsule",
     "Cone",
+    "ContactBatch",
     "ContactBounds",
     "Contacts",
     "ConvexDecomposition",
     "ConvexHull",
     "ConvexPolyhedron",
     "Cylinder",
+    "Distance",
     "DistanceField",
     "Field",
     "FileAccessError",
@@ -92,16 +96,22 @@ __all__ = [
     "PointShell",
     "PointSphereTree",
     "PoseError",
+    "QueryScratch",
     "RecordingError",
     "SettingsError",
     "Sphere",
     "VoxshellError",
     "World",
+    "Wrench",
     "__version__",
     "collide",
+    "collide_batch",
     "contact_bounds",
     "contacts",
+    "contacts_batch",
+    "distance",
     "testing",
+    "wrench",
 ]
 
 

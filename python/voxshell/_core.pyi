@@ -131,17 +131,17 @@ class Model:
     def surface_mass_properties(self) -> tuple[list[float], list[list[float]]]:
         """Centre of mass and inertia tensor about it, at 1 kg."""
 
-class ShellChoice(enum.Enum):
+class Shells(enum.Enum):
     AUTOMATIC = 0
 
     A = 1
 
     B = 2
 
+    BOTH = 3
+
 class ContactSet:
     """Contacts of a pair, world frame."""
-
-    def __len__(self) -> int: ...
 
     @property
     def points_a(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
@@ -162,18 +162,81 @@ class ContactSet:
     def segments(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
 
     @property
-    def shell_is_a(self) -> bool: ...
+    def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
+        """0: a's point, 1: b's."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def shells_asked(self) -> Shells: ...
+
+    @property
+    def exact(self) -> bool: ...
+
+    @property
+    def depth_bound(self) -> float: ...
 
     def manifold(self, max_points: int) -> ContactSet:
         """At most 4 of them, in the order chosen."""
 
     def deepest_per_segment(self) -> ContactSet:
-        """Ascending by id."""
+        """A's, then b's, each ascending by id."""
 
-def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float, level: int) -> ContactSet:
+class QueryScratch:
+    """Threads that share one take turns."""
+
+    def __init__(self) -> None: ...
+
+def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the point-sphere tree."""
 
-def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float, level: int) -> ContactSet:
+def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the flat loop."""
 
-def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, choice: ShellChoice, margin: float) -> bool: ...
+def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float) -> bool: ...
+
+def distance(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
+    """
+    Distance, point on a, point on b, normal, whether a's shell is nearest; or None.
+    """
+
+def wrench(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
+    """Force and torque on a about its origin, world frame; of one shell."""
+
+class ContactBatch:
+    """Contacts of many poses of a pair."""
+
+    @property
+    def points_a(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def points_b(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def normals(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
+
+    @property
+    def depths(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def ids(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def segments(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
+        """0: a's point, 1: b's."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def offsets(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]: ...
+
+    def at(self, arg: int, /) -> ContactSet: ...
+
+def contacts_batch(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
+    """(k, 4, 4) poses; one that is to stand for all is (1, 4, 4)."""
+
+def collide_batch(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
+    """(k,) bool."""

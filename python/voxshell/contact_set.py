@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
+from voxshell import _core
 from voxshell._arguments import as_integer
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from voxshell._core import ContactSet
+
+_SHELLS: dict[_core.Shells, Literal["a", "b", "both"]] = {
+    _core.Shells.A: "a",
+    _core.Shells.B: "b",
+    _core.Shells.BOTH: "both",
+}
+_NAMES = np.array(["a", "b"])
+
+
+def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
+    """Names for the core's numbers, read-only."""
+    names = _NAMES[shells]
+    names.flags.writeable = False
+    return names
 
 
 class Contacts:
@@ -61,7 +77,7 @@ class Contacts:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Which points of the shell these are, (n,) int64: rows of ``model.shell.points``."""
+        """Which points of their shell these are, (n,) int64: rows of ``model.shell.points``."""
         return self._core.ids
 
     @property
@@ -70,9 +86,27 @@ class Contacts:
         return self._core.segments
 
     @property
-    def shell(self) -> Literal["a", "b"]:
-        """Whose shell the points are of."""
-        return "a" if self._core.shell_is_a else "b"
+    def shell(self) -> Literal["a", "b", "both"]:
+        """Whose points were tested: "a", "b" or "both"."""
+        return _SHELLS[self._core.shells_asked]
+
+    @property
+    def shells(self) -> NDArray[np.str_]:
+        """Whose shell each point is of, (n,) of "a" and "b"; each shell counts its own ids."""
+        return name_shells(self._core.shells)
+
+    @property
+    def exact(self) -> bool:
+        """True if nothing can have been missed, as it always is without a budget.
+
+        (``max_points`` leaves contacts out, but misses none.)
+        """
+        return self._core.exact
+
+    @property
+    def depth_bound(self) -> float:
+        """Metres: no contact that was missed is deeper. Minus infinity where this is exact."""
+        return self._core.depth_bound
 
     def manifold(self, max_points: int = 4) -> Contacts:
         """A few contacts that stand for all: the deepest, then those that span the largest area.
@@ -100,8 +134,8 @@ class Contacts:
         """The deepest contact of each segment at the query's level.
 
         Returns:
-            One contact a segment that has any, ascending by id. Of equally deep ones, the smaller
-            id.
+            One contact a segment that has any, ascending by id; of both shells, a's segments
+            before b's. Of equally deep ones, the smaller id.
 
         Example:
             >>> import trimesh
@@ -115,6 +149,11 @@ class Contacts:
         return Contacts(self._core.deepest_per_segment())
 
     def __repr__(self) -> str:
-        if len(self) == 0:
-            return f"Contacts(0 of {self.shell}'s points)"
-        return f"Contacts({len(self)} of {self.shell}'s points, deepest {self.depths.max():.3g} m)"
+        if self.shell == "both":
+            of_b = np.count_nonzero(self._core.shells)
+            text = f"{len(self) - of_b} of a's and {of_b} of b's points"
+        else:
+            text = f"{len(self)} of {self.shell}'s points"
+        if len(self) > 0:
+            text += f", deepest {self.depths.max():.3g} m"
+        return f"Contacts({text})" if self.exact else f"Contacts({text}, perhaps not all)"

@@ -1,34 +1,39 @@
-"""Questions about two bodies: where do they touch, do they touch at all."""
+"""Questions about two bodies: where they touch, whether, how near they are, how hard they push."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, TypeAlias
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_integer, as_pose, as_real
+from voxshell._arguments import as_pose, as_real
+from voxshell._pairs import (
+    Collidable,
+    OneShell,
+    Shell,
+    as_budget,
+    as_level,
+    as_margin,
+    as_max_points,
+    as_scratch,
+    as_shells,
+    parts,
+)
 from voxshell.contact_set import Contacts
-from voxshell.errors import InputTypeError, SettingsError
-from voxshell.field import Field
-from voxshell.model import Model
+from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from typing import Any, Literal
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
-Collidable: TypeAlias = Model | Field
-"""What queries take: a model, or a field without a shell such as a plane, box or sphere."""
+    from voxshell.query_scratch import QueryScratch
 
-Shell: TypeAlias = Literal["auto", "a", "b"]
-"""Whose points are tested against the other's field."""
-
-_CHOICES = {
-    "auto": _core.ShellChoice.AUTOMATIC,
-    "a": _core.ShellChoice.A,
-    "b": _core.ShellChoice.B,
-}
+__all__ = ["Collidable", "Distance", "Shell", "Wrench", "collide", "contacts", "distance", "wrench"]
 
 
 def contacts(
@@ -40,6 +45,9 @@ def contacts(
     shell: Shell = "auto",
     margin: float = 0.0,
     level: int | None = None,
+    max_points: int | None = None,
+    budget: int | None = None,
+    scratch: QueryScratch | None = None,
 ) -> Contacts:
     """Finds where two bodies touch.
 
@@ -54,25 +62,33 @@ def contacts(
         a_pose: (4, 4) float64, ``world_from_a``: rotation orthonormal to 1e-6, translation in
             metres. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a" or "b": the body whose points are tested, which must be a model. "auto": the one
-            with fewer points, a if they have equally many.
+        shell: "a" or "b": the body whose points are tested, which must be a model. "both": first
+            a's, then b's; finds spikes that pass between the points of the other. "auto": the one
+            with fewer points, a if they have equally many; but where its points are all outside
+            of the other body and enclose it, the other.
         margin: Metres. Above 0, points that near to the surface count as well, with negative
             depths; below 0, only points that deep.
         level: Level of the point-sphere tree, 1 to 12, by which contacts are told apart in
             :attr:`Contacts.segments` and :meth:`Contacts.deepest_per_segment`. None is level 1,
             which is one segment.
+        max_points: Where there are more contacts, only so many: the deepest; of equally deep ones
+            those that come first.
+        budget: How many nodes of the tree to look at for each shell that is asked (a node is eight
+            spheres or eight points, of about equal cost), 1 at least. Where that is too few, some
+            contacts may be missing: see :attr:`Contacts.exact` and :attr:`Contacts.depth_bound`.
+        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
 
     Returns:
-        The contacts in the world frame, ascending by id. The normals are unit length, on body b,
-        pointing towards body a, whichever of them is the shell. In single precision are the
-        relative pose (worked out in double precision before), distances and normals; with points
-        1 m from their origin this is good to about 1e-7 m.
+        The contacts in the world frame, ascending by id; of both shells, a's before b's. The
+        normals are unit length, on body b, pointing towards body a, whichever of them is the
+        shell. In single precision are the relative pose (worked out in double precision before),
+        distances and normals; with points 1 m from their origin this is good to about 1e-7 m.
 
     Raises:
         PoseError: A pose is not a 4x4 rigid transform of finite numbers.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite; ``level`` is out of range.
-        InputTypeError: ``a`` or ``b`` is not a body.
+            is not finite; ``level``, ``max_points`` or ``budget`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
 
     Example:
         A ball of radius 0.1 m whose centre is 0.099 m above the ground:
@@ -99,8 +115,19 @@ def contacts(
         >>> contacts = vx.contacts(ball, ball, world_from_ball, np.eye(4), margin=0.001)
         >>> len(contacts)
         0
+
+        Both balls' points, the deepest three; and what little work can find:
+
+        >>> world_from_ball[:3, 3] = (0, 0, 0.19)
+        >>> vx.contacts(ball, ball, world_from_ball, shell="both", max_points=3).shells
+        array(['a', 'b', 'b'], dtype='<U1')
+        >>> few = vx.contacts(ball, ball, world_from_ball, budget=1)
+        >>> few.exact, few.depth_bound > 0.009
+        (False, True)
     """
-    return find(_core.contacts, a, b, a_pose, b_pose, shell, margin, level)
+    return find(
+        _core.contacts, a, b, a_pose, b_pose, shell, margin, level, max_points, budget, scratch
+    )
 
 
 def collide(
@@ -119,7 +146,7 @@ def collide(
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a", "b" or "auto", as for :func:`contacts`.
+        shell: "a", "b", "both" or "auto", as for :func:`contacts`.
         margin: Metres; above 0, bodies that near touch as well.
 
     Returns:
@@ -145,13 +172,190 @@ def collide(
         True
     """
     return _core.collide(
-        *_parts(a, "a"),
-        *_parts(b, "b"),
+        *parts(a, "a"),
+        *parts(b, "b"),
         as_pose(a_pose, "a_pose"),
         as_pose(b_pose, "b_pose"),
-        _as_choice(shell),
-        _as_margin(margin),
+        as_shells(shell),
+        as_margin(margin),
     )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Distance:
+    """How near two bodies are, or how deep in one another; from :func:`voxshell.distance`.
+
+    ``point_a - point_b == distance * normal``, but for rounding.
+
+    Attributes:
+        distance: Metres; negative: minus the deepest penetration. Infinite where nothing is nearer
+            than was asked for: then the arrays hold NaN.
+        point_a: Where it is measured on a, (3,) float64, metres, world frame.
+        point_b: On b, likewise.
+        normal: Unit normal, (3,) float64, world frame: on b, pointing towards a.
+        shell: Whose shell one of the points is of; the other lies on the other's surface. None
+            where nothing is that near.
+    """
+
+    distance: float
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    shell: Literal["a", "b"] | None
+
+
+def distance(
+    a: Collidable,
+    b: Collidable,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
+    *,
+    shell: Shell = "auto",
+    max_distance: float = math.inf,
+    scratch: QueryScratch | None = None,
+) -> Distance:
+    """Finds how near two bodies are, and where.
+
+    That is the smallest distance of any point of the shell from the other body's surface, so
+    apart it is never less than the meshes' true distance (but for the error of a model's field),
+    and more by at most sqrt(3) spacings of the shell. Where bodies overlap it is negative: the
+    deepest of the :func:`contacts`, bit for bit.
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
+        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        shell: "a", "b" or "auto", as for :func:`contacts`; "both": the nearer, or the deeper.
+        max_distance: Metres, or infinity: what is not nearer than this is not looked for, which
+            saves time.
+        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+
+    Returns:
+        The distance and where it is measured. Where nothing is nearer than ``max_distance``, the
+        distance is infinite, and the points and the normal are NaN. Of equally near points, the
+        one with the smaller id.
+
+    Raises:
+        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
+            ``max_distance`` is NaN or minus infinity.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+
+    Example:
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> world_from_ball = np.eye(4)
+        >>> world_from_ball[2, 3] = 0.35
+        >>> nearest = vx.distance(ball, vx.Plane(), world_from_ball)
+        >>> round(nearest.distance, 6)
+        0.25
+        >>> nearest.point_b.round(6) + 0.0  # the place on the ground below the ball
+        array([0., 0., 0.])
+        >>> vx.distance(ball, vx.Plane(), world_from_ball, max_distance=0.2).distance
+        inf
+        >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of it in the ground
+        -0.1
+    """
+    found = _core.distance(
+        *parts(a, "a"),
+        *parts(b, "b"),
+        as_pose(a_pose, "a_pose"),
+        as_pose(b_pose, "b_pose"),
+        as_shells(shell),
+        _as_max_distance(max_distance),
+        as_scratch(scratch),
+    )
+    if found is None:
+        return Distance(math.inf, *(np.full(3, math.nan) for _ in range(3)), shell=None)
+    value, point_a, point_b, normal, shell_is_a = found
+    return Distance(
+        value,
+        np.array(point_a),
+        np.array(point_b),
+        np.array(normal),
+        shell="a" if shell_is_a else "b",
+    )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Wrench:
+    """Force and torque on a body; from :func:`voxshell.wrench`.
+
+    Attributes:
+        force: (3,) float64, newtons, world frame.
+        torque: (3,) float64, newton metres, world frame, about body a's origin.
+    """
+
+    force: NDArray[np.float64]
+    torque: NDArray[np.float64]
+
+
+def wrench(
+    a: Collidable,
+    b: Collidable,
+    a_pose: ArrayLike | None,
+    b_pose: ArrayLike | None,
+    stiffness: float,
+    *,
+    shell: OneShell = "auto",
+    scratch: QueryScratch | None = None,
+) -> Wrench:
+    """Works out the force and torque by which b pushes a out, as a layer of springs would.
+
+    Every penetrating point of the shell is pushed with stiffness times the area that it stands
+    for times its depth along the field's gradient. This is continuous in the poses: it starts
+    from zero at the first touch and has no jumps, as haptic rendering needs. ("auto" jumps where
+    it changes roles, when a body with more points slips wholly into the other; ``shell="a"`` and
+    ``"b"`` never do.)
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
+        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        stiffness: Newtons per cubic metre: pressure per metre of depth. At least 0.
+        shell: "a", "b" or "auto", as for :func:`contacts`. There is no "both": each surface would
+            be counted twice.
+        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+
+    Returns:
+        What acts on a. On b acts the reversed force, and the reversed torque once it is moved to
+        b's origin.
+
+    Raises:
+        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
+            ``stiffness`` is negative or not finite.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+
+    Example:
+        A cube of 1 m, 1 mm deep in the ground, on springs of 1e6 N/m3:
+
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> cube = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+        >>> world_from_cube = np.eye(4)
+        >>> world_from_cube[2, 3] = 0.499
+        >>> wrench = vx.wrench(cube, vx.Plane(), world_from_cube, None, stiffness=1e6)
+        >>> bool(abs(wrench.force[2] - 1e6 * 1.0 * 0.001) < 100)
+        True
+        >>> bool(np.abs(wrench.torque).max() < 1e-3)
+        True
+    """
+    force, torque = _core.wrench(
+        *parts(a, "a"),
+        *parts(b, "b"),
+        as_pose(a_pose, "a_pose"),
+        as_pose(b_pose, "b_pose"),
+        as_shells(shell, allowed=("auto", "a", "b")),
+        _as_stiffness(stiffness),
+        as_scratch(scratch),
+    )
+    return Wrench(np.array(force), np.array(torque))
 
 
 def find(
@@ -163,40 +367,35 @@ def find(
     shell: Shell,
     margin: float,
     level: int | None,
+    max_points: int | None,
+    budget: int | None,
+    scratch: QueryScratch | None,
 ) -> Contacts:
     """Checks the arguments of :func:`contacts` and asks one of the core's searches."""
-    deepest = _core.PointSphereTree.deepest_level
     return Contacts(
         search(
-            *_parts(a, "a"),
-            *_parts(b, "b"),
+            *parts(a, "a"),
+            *parts(b, "b"),
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
-            _as_choice(shell),
-            _as_margin(margin),
-            1 if level is None else as_integer(level, "level", 1, deepest),
+            as_shells(shell),
+            as_margin(margin),
+            as_level(level),
+            as_max_points(max_points),
+            as_budget(budget),
+            as_scratch(scratch),
         )
     )
 
 
-def _parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | None]:
-    """The field and the shell that the core wants of a body."""
-    if isinstance(body, Model):
-        return body.field._core, body.shell._core
-    if isinstance(body, Field):
-        return body._core, None
-    raise InputTypeError(f"{name} must be a Model, Plane, Box or Sphere, not {type(body).__name__}")
+def _as_max_distance(value: Any) -> float:
+    if isinstance(value, (float, np.floating)) and value == math.inf:
+        return math.inf
+    return as_margin(value, "max_distance")
 
 
-def _as_choice(shell: Shell) -> _core.ShellChoice:
-    try:
-        return _CHOICES[shell]
-    except (KeyError, TypeError):
-        raise SettingsError(f"shell must be 'auto', 'a' or 'b', not {shell!r}") from None
-
-
-def _as_margin(value: float) -> float:
-    margin = as_real(value, "margin")
-    if abs(margin) > float(np.finfo(np.float32).max):
-        raise SettingsError(f"margin must fit single precision, not {margin:g} m")
-    return margin
+def _as_stiffness(value: Any) -> float:
+    stiffness = as_real(value, "stiffness")
+    if stiffness < 0.0:
+        raise SettingsError(f"stiffness must be at least 0, not {stiffness:g}")
+    return stiffness

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from voxshell.contact_set import Contacts
     from voxshell.queries import Collidable, Shell
+    from voxshell.query_scratch import QueryScratch
 
 
 def contacts_flat(
@@ -22,11 +23,15 @@ def contacts_flat(
     shell: Shell = "auto",
     margin: float = 0.0,
     level: int | None = None,
+    max_points: int | None = None,
+    budget: int | None = None,
+    scratch: QueryScratch | None = None,
 ) -> Contacts:
     """Finds contacts by evaluating every point of the shell in order, without its tree.
 
     The oracle of :func:`voxshell.contacts`, which returns the same bits, only sooner. Arguments,
-    results and errors are the same.
+    results and errors are the same; but it always finds everything, whatever the ``budget``, and
+    has no use for a ``scratch``.
 
     Example:
         >>> import numpy as np
@@ -38,4 +43,6 @@ def contacts_flat(
         >>> np.array_equal(found.ids, oracle.ids) and np.array_equal(found.depths, oracle.depths)
         True
     """
-    return queries.find(_core.contacts_flat, a, b, a_pose, b_pose, shell, margin, level)
+    return queries.find(
+        _core.contacts_flat, a, b, a_pose, b_pose, shell, margin, level, max_points, budget, scratch
+    )

@@ -31,9 +31,11 @@ def parts(ball: vx.Model) -> dict:
         "shell_b": None,
         "a_pose": None,
         "b_pose": None,
-        "choice": _core.ShellChoice.AUTOMATIC,
-        "margin": 0.0,
+        "shells": _core.Shells.AUTOMATIC,
     }
+
+
+SEARCH = {"margin": 0.0, "level": 1, "max_points": None, "budget": None, "scratch": None}
 
 
 @pytest.mark.parametrize("method", ["sample", "gradient"])
@@ -65,11 +67,19 @@ def test_shapes(make, wrong):
             make(*arguments)
 
 
-@pytest.mark.parametrize("query", [_core.contacts, _core.contacts_flat, _core.collide])
-def test_queries(parts: dict, query):
-    level = {} if query is _core.collide else {"level": 1}
-    assert query(**parts, **level)
-    assert query(**{**parts, "a_pose": np.eye(4), "b_pose": np.eye(4)}, **level)
+@pytest.mark.parametrize(
+    ("query", "own"),
+    [
+        (_core.contacts, SEARCH),
+        (_core.contacts_flat, SEARCH),
+        (_core.collide, {"margin": 0.0}),
+        (_core.distance, {"max_distance": 1.0, "scratch": None}),
+        (_core.wrench, {"stiffness": 1.0, "scratch": None}),
+    ],
+)
+def test_queries(parts: dict, query, own: dict):
+    assert query(**parts, **own)
+    assert query(**{**parts, "a_pose": np.eye(4), "b_pose": np.eye(4)}, **own)
     for name, wrong in {
         "field_a": [None, 1, parts["shell_a"]],
         "shell_a": [1, parts["field_a"]],
@@ -77,12 +87,53 @@ def test_queries(parts: dict, query):
         "shell_b": [parts["field_b"]],
         "a_pose": ["pose", np.eye(3), np.zeros(16), np.eye(4, dtype=complex)],
         "b_pose": [1.0, np.zeros((4, 4, 1))],
-        "choice": [None, "a", 7],
+        "shells": [None, "a", 7],
         "margin": [None, "0"],
+        "level": [None, 1.5],
+        "max_points": ["all", -1],
+        "budget": [0.5, -1],
+        "scratch": [1, parts["shell_a"]],
+        "max_distance": [None, "0"],
+        "stiffness": [None, "0"],
+    }.items():
+        if name not in {**parts, **own}:
+            continue
+        for value in wrong:
+            with pytest.raises(TypeError):
+                query(**{**parts, **own, name: value})
+
+
+@pytest.mark.parametrize(
+    ("query", "own"),
+    [(_core.contacts_batch, {"level": 1, "max_points": None}), (_core.collide_batch, {})],
+)
+def test_batches(parts: dict, query, own: dict):
+    bodies = {name: parts[name] for name in ("field_a", "shell_a", "field_b", "shell_b", "shells")}
+    arguments = {
+        **bodies,
+        "a_poses": np.eye(4)[None],
+        "b_poses": None,
+        "a_is_one": False,
+        "b_is_one": True,
+        "margin": 0.0,
+        "threads": 1,
+        "progress": None,
+        **own,
+    }
+    assert len(query(**arguments)) == 1
+    for name, wrong in {
+        "field_a": [None],
+        "a_poses": ["pose", np.eye(4), np.zeros((2, 4, 3)), np.eye(4, dtype=complex)[None]],
+        "b_poses": [1.0, np.eye(4)],
+        "a_is_one": [None, "yes"],
+        "threads": [None, -1, "1"],
+        "shells": ["a"],
     }.items():
         for value in wrong:
             with pytest.raises(TypeError):
-                query(**{**parts, name: value}, **level)
+                query(**{**arguments, name: value})
+    with pytest.raises(IndexError):
+        _core.contacts_batch(**arguments, **({} if own else {"level": 1, "max_points": None})).at(1)
 
 
 def test_building():
@@ -111,14 +162,20 @@ def test_building():
                 _core.Model.build(vertices, faces, **{**settings, name: "x"})
     with pytest.raises(TypeError):
         _core.Model.build(vertices, faces)
-    for kind in (_core.Model, _core.Field, _core.PointShell, _core.ContactSet):
+    for kind in (
+        _core.Model,
+        _core.Field,
+        _core.PointShell,
+        _core.ContactSet,
+        _core.ContactBatch,
+    ):
         with pytest.raises(TypeError, match="no constructor"):
             kind()
 
 
 def test_trees_and_contact_sets(parts: dict):
     tree = parts["shell_a"].tree
-    for call in (tree.spheres, tree.segments, _core.contacts(**parts, level=1).manifold):
+    for call in (tree.spheres, tree.segments, _core.contacts(**parts, **SEARCH).manifold):
         call(1)
         for wrong in (None, "1", 1.5):
             with pytest.raises(TypeError):

@@ -10,7 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-QUERIES = (vx.contacts, vx.collide, vx.testing.contacts_flat)
+
+def wrench(a, b, a_pose=None, b_pose=None, **options) -> vx.Wrench:
+    return vx.wrench(a, b, a_pose, b_pose, 1.0, **options)
+
+
+SEARCHES = (vx.contacts, vx.testing.contacts_flat)
+WITH_MARGIN = (*SEARCHES, vx.collide, vx.contacts_batch, vx.collide_batch)
+QUERIES = (*SEARCHES, vx.collide, vx.distance, wrench)
+BATCHES = (vx.contacts_batch, vx.collide_batch)
 
 
 def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
@@ -161,8 +169,9 @@ def test_auto_takes_the_shell_with_fewer_points(ball: vx.Model, cube: vx.Model):
     assert len(ball.shell) != len(cube.shell)
     smaller = "a" if len(ball.shell) < len(cube.shell) else "b"
     larger = "b" if smaller == "a" else "a"
-    assert vx.contacts(ball, cube).shell == smaller
-    assert vx.contacts(cube, ball).shell == larger
+    for height in (0.55, 2.0):
+        assert vx.contacts(ball, cube, moved(z=height)).shell == smaller
+        assert vx.contacts(cube, ball, None, moved(z=height)).shell == larger
     assert vx.contacts(ball, ball).shell == "a"
 
 
@@ -213,6 +222,224 @@ def test_threads_share_a_model(ball: vx.Model, cube: vx.Model):
             failures.extend(i for i in range(len(poses)) if got[i] != expected[i])
 
     threads = [threading.Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failures == []
+
+
+# ---- one body inside the other -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def box() -> vx.Model:
+    """Of 1 m, with far fewer points than the ball."""
+    return vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=300)
+
+
+def test_automatic_roles_find_a_body_inside_one_with_fewer_points(ball: vx.Model, box: vx.Model):
+    poses = np.stack(
+        [moved(x, 0.1, -0.2) @ turned((1, 2, 3), x) for x in np.linspace(-0.3, 0.3, 9)]
+    )
+    world = moved(1.0, 2.0, 3.0) @ turned((0, 1, 1), 0.5)
+    for pose in poses:
+        for ball_is, box_is, arguments in (
+            ("a", "b", (ball, box, world @ pose, world)),
+            ("b", "a", (box, ball, world, world @ pose)),
+        ):
+
+            def query(function, *, arguments=arguments, **options):
+                return function(*arguments, **options)
+
+            assert not query(vx.collide, shell=box_is)
+            assert query(vx.collide)
+            assert query(vx.collide, shell="both")
+            contacts = query(vx.contacts)
+            assert contacts.shell == ball_is
+            assert len(contacts) == len(ball.shell)
+            expected = query(vx.contacts, shell=ball_is)
+            np.testing.assert_array_equal(contacts.points_a, expected.points_a)
+            flat = query(vx.testing.contacts_flat)
+            np.testing.assert_array_equal(contacts.points_a, flat.points_a)
+            nearest = query(vx.distance)
+            assert nearest.shell == ball_is
+            assert -nearest.distance == contacts.depths.max()
+            assert query(vx.distance, max_distance=0.0).distance == nearest.distance
+            one, other = query(wrench), query(wrench, shell=ball_is)
+            np.testing.assert_array_equal(one.force, other.force)
+            np.testing.assert_array_equal(one.torque, other.torque)
+            assert np.linalg.norm(one.force) > 0.0
+            assert len(query(vx.contacts, budget=1_000)) > 0
+            assert len(query(vx.contacts, max_points=3)) == 3
+    np.testing.assert_array_equal(vx.collide_batch(ball, box, poses), True)
+    batch = vx.contacts_batch(box, ball, np.eye(4), poses)
+    assert [contacts.shell for contacts in batch] == ["b"] * 9
+    np.testing.assert_array_equal(np.diff(batch.offsets), len(ball.shell))
+
+
+def test_a_batch_changes_roles_pose_by_pose(ball: vx.Model, box: vx.Model):
+    # From outside through a face into the middle: none, the box's points, then the ball's.
+    poses = np.stack([moved(0.0, 0.0, z) for z in np.linspace(0.7, 0.0, 200)])
+    batch = vx.contacts_batch(box, ball, None, poses)
+    shells = [contacts.shell for contacts in batch]
+    assert {"a", "b"} == set(shells)
+    for contacts, pose in zip(batch, poses, strict=True):
+        alone = vx.contacts(box, ball, None, pose)
+        assert contacts.shell == alone.shell
+        np.testing.assert_array_equal(contacts.points_a, alone.points_a)
+        np.testing.assert_array_equal(contacts.shells, np.full(len(contacts), contacts.shell))
+
+
+def test_no_budget_hides_what_is_deeper_than_its_bound(ball: vx.Model, box: vx.Model):
+    for x in np.linspace(0.0, 0.7, 30):
+        pose = moved(x, 0.03, 0.01)
+        everything = vx.contacts(ball, box, pose)
+        for budget in (1, 2, 5, 20, 100):
+            found = vx.contacts(ball, box, pose, budget=budget)
+            missed = everything.depths
+            if found.shell == everything.shell:
+                missed = missed[np.isin(everything.ids, found.ids, invert=True)]
+            assert missed.max(initial=-np.inf) <= found.depth_bound
+
+
+# ---- both shells, few points, budgets, scratches ------------------------------------------------
+
+
+def test_both_shells_are_a_then_b(ball: vx.Model, cube: vx.Model):
+    pose, other = moved(0.05, 0.02, 0.58) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
+    both = vx.contacts(ball, cube, pose, other, shell="both", level=3, margin=0.001)
+    assert both.shell == "both"
+    assert both.exact
+    assert both.depth_bound == -np.inf
+    start = 0
+    for shell in ("a", "b"):
+        one = vx.contacts(ball, cube, pose, other, shell=shell, level=3, margin=0.001)
+        assert len(one) > 3
+        rows = slice(start, start + len(one))
+        np.testing.assert_array_equal(both.shells[rows], np.full(len(one), shell))
+        np.testing.assert_array_equal(one.shells, both.shells[rows])
+        for name in ("points_a", "points_b", "normals", "depths", "ids", "segments"):
+            np.testing.assert_array_equal(getattr(both, name)[rows], getattr(one, name))
+        start += len(one)
+    assert len(both) == start
+    flat = vx.testing.contacts_flat(ball, cube, pose, other, shell="both", level=3, margin=0.001)
+    np.testing.assert_array_equal(flat.points_b, both.points_b)
+    np.testing.assert_array_equal(flat.shells, both.shells)
+
+
+def test_a_manifold_of_both_shells_spans_the_area(cube: vx.Model):
+    # What faces the upper cube is another side of the lower one, in its own frame.
+    pose = moved(3.0, -2.0, 0.999) @ turned((0, 0, 1), 0.5)
+    other = moved(3.0, -2.0, 0.0) @ turned((0, 0, 1), 0.5) @ turned((1, 0, 0), np.pi / 2)
+    both = vx.contacts(cube, cube, pose, other, shell="both", level=3)
+    manifold = both.manifold()
+    assert manifold.shell == "both"
+    assert len(manifold) == 4
+    assert manifold.depths[0] == both.depths.max()
+    corners = ((manifold.points_a - pose[:3, 3]) @ pose[:3, :3])[:, :2]
+    # Of the square of 1 m2; the four triangles of four points cover their hull twice.
+    a, b, c, d = corners
+    doubled = [
+        np.linalg.det([q - p, r - p]) for p, q, r in ((a, b, c), (a, b, d), (a, c, d), (b, c, d))
+    ]
+    assert np.abs(doubled).sum() / 4.0 > 0.75
+    deepest = both.deepest_per_segment()
+    assert set(deepest.shells) == {"a", "b"}
+    keys = list(zip(deepest.shells, deepest.segments, strict=True))
+    assert keys == sorted(set(zip(both.shells, both.segments, strict=True)))
+    for shell, segment, depth in zip(deepest.shells, deepest.segments, deepest.depths, strict=True):
+        members = (both.shells == shell) & (both.segments == segment)
+        assert depth == both.depths[members].max()
+
+
+def test_both_shells_find_a_spike_between_the_points_of_the_other():
+    spike = trimesh.creation.cone(radius=0.002, height=0.1)
+    needle = vx.Model.from_mesh(spike, resolution=100, point_spacing=0.01)
+    slab = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.02)), voxel_size=0.01)
+    pose = moved(0.0051, 0.0049, -0.02) @ turned((1, 0, 0), 0.0)
+    found = {shell: vx.collide(slab, needle, None, pose, shell=shell) for shell in ("a", "b")}
+    assert found == {"a": False, "b": True}
+    assert vx.collide(slab, needle, None, pose, shell="both")
+    assert set(vx.contacts(slab, needle, None, pose, shell="both").shells) == {"b"}
+
+
+@pytest.mark.parametrize("shell", ["a", "b", "both"])
+@pytest.mark.parametrize("max_points", [0, 1, 7, 10_000])
+def test_few_points_are_the_deepest(ball: vx.Model, cube: vx.Model, shell: str, max_points: int):
+    pose = moved(0.05, 0.02, 0.5)
+    everything = vx.contacts(ball, cube, pose, shell=shell)
+    assert 7 < len(everything) < 10_000
+    few = vx.contacts(ball, cube, pose, shell=shell, max_points=max_points)
+    oracle = np.sort(np.argsort(-everything.depths, kind="stable")[:max_points])
+    assert few.exact
+    for name in ("points_a", "normals", "depths", "ids", "shells"):
+        np.testing.assert_array_equal(getattr(few, name), getattr(everything, name)[oracle])
+    flat = vx.testing.contacts_flat(ball, cube, pose, shell=shell, max_points=max_points)
+    np.testing.assert_array_equal(flat.points_a, few.points_a)
+
+
+@pytest.mark.parametrize("shell", ["a", "b", "both"])
+def test_a_budget_says_what_it_may_have_missed(ball: vx.Model, cube: vx.Model, shell: str):
+    inexact = 0
+    for height in (0.45, 0.55, 0.599, 0.7):
+        pose = moved(0.05, 0.02, height)
+        everything = vx.contacts(ball, cube, pose, shell=shell)
+        keys = list(zip(everything.shells.tolist(), everything.ids.tolist(), strict=True))
+        rows_of = {key: row for row, key in enumerate(keys)}
+        for budget in (1, 3, 10, 30, 100, 1_000, 2**62):
+            found = vx.contacts(ball, cube, pose, shell=shell, budget=budget)
+            seen = zip(found.shells.tolist(), found.ids.tolist(), strict=True)
+            rows = [rows_of[key] for key in seen]
+            missed = np.setdiff1d(np.arange(len(everything)), rows)
+            np.testing.assert_array_equal(found.depths, everything.depths[rows])
+            assert everything.depths[missed].max(initial=-np.inf) <= found.depth_bound
+            if found.exact:
+                assert len(missed) == 0
+                assert found.depth_bound == -np.inf
+            else:
+                inexact += 1
+                assert "perhaps not all" in repr(found)
+        assert found.exact
+    assert inexact >= 8
+
+
+def test_a_scratch_changes_no_answer(ball: vx.Model, cube: vx.Model):
+    scratch = vx.QueryScratch()
+    contacts = 0
+    for i in range(60):
+        pose = moved(0.05, 0.02, 0.62 - 0.001 * i) @ turned((1, 2, 3), 0.01 * i)
+        for shell in ("auto", "a", "b", "both"):
+            new = vx.contacts(ball, cube, pose, shell=shell)
+            old = vx.contacts(ball, cube, pose, shell=shell, scratch=scratch)
+            np.testing.assert_array_equal(new.points_b, old.points_b)
+            contacts += len(new)
+        few = vx.contacts(ball, cube, pose, budget=20, scratch=scratch)
+        np.testing.assert_array_equal(vx.contacts(ball, cube, pose, budget=20).ids, few.ids)
+        assert (
+            vx.distance(ball, cube, pose, scratch=scratch).distance
+            == vx.distance(ball, cube, pose).distance
+        )
+        np.testing.assert_array_equal(
+            wrench(ball, cube, pose, scratch=scratch).force, wrench(ball, cube, pose).force
+        )
+    assert contacts > 1_000
+
+
+def test_threads_that_share_a_scratch_get_their_own_answers(ball: vx.Model, cube: vx.Model):
+    scratch = vx.QueryScratch()
+    poses = [moved(0.01 * i, 0.0, 0.58) for i in range(20)]
+    expected = [vx.contacts(ball, cube, pose).depths.tobytes() for pose in poses]
+    failures = []
+
+    def work(step: int) -> None:
+        for k in range(200):
+            i = (k * step) % len(poses)
+            contacts = vx.contacts(ball, cube, poses[i], scratch=scratch)
+            if contacts.depths.tobytes() != expected[i]:
+                failures.append(i)
+
+    threads = [threading.Thread(target=work, args=(step,)) for step in (1, 3, 7, 9, 11, 13)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -275,7 +502,7 @@ def test_any_array_as_a_pose_is_an_error_or_a_pose(ball, array):
     np.testing.assert_allclose(array[:3, :3] @ array[:3, :3].T, np.eye(3), atol=1e-5)
 
 
-@pytest.mark.parametrize("query", QUERIES)
+@pytest.mark.parametrize("query", [*QUERIES, *BATCHES])
 def test_a_wrong_body_is_refused_by_name(ball: vx.Model, query):
     with pytest.raises(vx.InputTypeError, match="a must be a Model, Plane, Box or Sphere, not int"):
         query(1, ball)
@@ -287,7 +514,7 @@ def test_a_wrong_body_is_refused_by_name(ball: vx.Model, query):
         query(ball)
 
 
-@pytest.mark.parametrize("query", QUERIES)
+@pytest.mark.parametrize("query", [*QUERIES, *BATCHES])
 def test_a_pair_without_the_shell_asked_for_is_refused(ball: vx.Model, query):
     with pytest.raises(vx.SettingsError, match="neither body has a point shell"):
         query(vx.Plane(), vx.Sphere(1.0))
@@ -295,24 +522,54 @@ def test_a_pair_without_the_shell_asked_for_is_refused(ball: vx.Model, query):
         query(ball, vx.Plane(), shell="b")
     with pytest.raises(vx.SettingsError, match="body a has no point shell"):
         query(vx.Plane(), ball, shell="a")
+    if query is not wrench:
+        with pytest.raises(vx.SettingsError, match="body b has no point shell"):
+            query(ball, vx.Plane(), shell="both")
 
 
-@pytest.mark.parametrize("query", QUERIES)
-@pytest.mark.parametrize("shell", ["c", "", None, 0, ["a"], "A"])
+@pytest.mark.parametrize("query", [*QUERIES, *BATCHES])
+@pytest.mark.parametrize("shell", ["c", "", None, 0, ["a"], "A", ("a", "b")])
 def test_a_wrong_shell_is_refused(ball: vx.Model, query, shell):
-    with pytest.raises(vx.SettingsError, match="'auto', 'a' or 'b'"):
+    choices = "'auto', 'a' or 'b'" if query is wrench else "'auto', 'a', 'b' or 'both'"
+    with pytest.raises(vx.SettingsError, match=choices):
         query(ball, ball, shell=shell)
 
 
-@pytest.mark.parametrize("query", QUERIES)
+def test_a_wrench_of_both_shells_is_refused(ball: vx.Model):
+    with pytest.raises(vx.SettingsError, match="'auto', 'a' or 'b', not 'both'"):
+        wrench(ball, ball, shell="both")
+
+
+@pytest.mark.parametrize("query", WITH_MARGIN)
 @pytest.mark.parametrize("margin", [np.nan, np.inf, -np.inf, 1e300, "1", None, [0.1, 0.2], 1j])
 def test_a_wrong_margin_is_refused(ball: vx.Model, query, margin):
     with pytest.raises(vx.SettingsError, match="margin"):
         query(ball, vx.Plane(), margin=margin)
 
 
-@pytest.mark.parametrize("query", [vx.contacts, vx.testing.contacts_flat])
+@pytest.mark.parametrize("query", [*SEARCHES, vx.contacts_batch])
 @pytest.mark.parametrize("level", [0, -1, 13, 2**70, 1.0, "1"])
 def test_a_wrong_level_is_refused(ball: vx.Model, query, level):
     with pytest.raises(vx.SettingsError, match="level"):
         query(ball, vx.Plane(), level=level)
+
+
+@pytest.mark.parametrize("query", [*SEARCHES, vx.contacts_batch])
+@pytest.mark.parametrize("max_points", [-1, 2**70, 1.0, "1", [1]])
+def test_a_wrong_number_of_points_is_refused(ball: vx.Model, query, max_points):
+    with pytest.raises(vx.SettingsError, match="max_points"):
+        query(ball, vx.Plane(), max_points=max_points)
+
+
+@pytest.mark.parametrize("query", SEARCHES)
+@pytest.mark.parametrize("budget", [0, -1, 2**70, 1.0, "1"])
+def test_a_wrong_budget_is_refused(ball: vx.Model, query, budget):
+    with pytest.raises(vx.SettingsError, match="budget"):
+        query(ball, vx.Plane(), budget=budget)
+
+
+@pytest.mark.parametrize("query", [*SEARCHES, vx.distance, wrench])
+def test_a_wrong_scratch_is_refused(ball: vx.Model, query):
+    for scratch in (1, "scratch", [], vx.QueryScratch):
+        with pytest.raises(vx.InputTypeError, match="scratch must be a QueryScratch"):
+            query(ball, vx.Plane(), scratch=scratch)

@@ -205,9 +205,6 @@ def test_a_body_inside_another_with_more_points_is_in_contact():
         assert vx.collide(box, ball, b_pose=pose)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="automatic roles test the outer body's points, which are all outside"
-)
 def test_a_body_inside_another_with_fewer_points_is_in_contact():
     ball, box = fine_ball_in_coarse_box()
     for pose in inner_poses():

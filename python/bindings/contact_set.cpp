@@ -1,0 +1,132 @@
+#include "contact_set.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "contact_arrays.h"
+#include "core_module.h"
+#include "voxshell/manifold.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+
+void ContactArrays::reserve(std::size_t count) {
+  points_a.reserve(count);
+  points_b.reserve(count);
+  normals.reserve(count);
+  depths.reserve(count);
+  ids.reserve(count);
+  segments.reserve(count);
+  shells.reserve(count);
+}
+
+void ContactArrays::append(const ShellContact& of_shell, const Bodies& bodies, const PairPose& pose,
+                           int level) {
+  const auto& [shell_body, contact] = of_shell;
+  const WorldContact world = to_world(contact, shell_body, pose);
+  points_a.push_back(world.point_a);
+  points_b.push_back(world.point_b);
+  normals.push_back(world.normal);
+  depths.push_back(static_cast<double>(contact.depth));
+  ids.push_back(contact.id);
+  segments.push_back(bodies.shell_of(shell_body)->tree().segment(contact.id, level));
+  shells.push_back(shell_body == PairBody::kA ? 0 : 1);
+}
+
+ContactSet make_contact_set(ContactScene scene, std::vector<ShellContact> contacts) {
+  ContactSet set{.scene = std::move(scene), .contacts = std::move(contacts), .arrays = {}};
+  set.arrays.reserve(set.contacts.size());
+  for (const ShellContact& contact : set.contacts) {
+    set.arrays.append(contact, set.scene.bodies, set.scene.pose, set.scene.level);
+  }
+  return set;
+}
+
+void keep_deepest(std::vector<ShellContact>& contacts, std::size_t max_points) {
+  if (contacts.size() <= max_points) return;
+  std::vector<std::size_t> order(contacts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return contacts[i].contact.depth > contacts[j].contact.depth;
+  });
+  order.resize(max_points);
+  std::sort(order.begin(), order.end());
+  std::vector<ShellContact> kept;
+  kept.reserve(max_points);
+  for (const std::size_t i : order) kept.push_back(contacts[i]);
+  contacts = std::move(kept);
+}
+
+namespace {
+
+ContactSet subset(const ContactSet& set, std::vector<ShellContact> chosen) {
+  ContactSet result = make_contact_set(set.scene, std::move(chosen));
+  result.is_exact = set.is_exact;
+  result.depth_bound = set.depth_bound;
+  return result;
+}
+
+/// The contacts of all shells in one frame: the shell's where there is one, a's where there are
+/// two.
+std::vector<Contact> in_one_frame(const ContactSet& set) {
+  std::vector<Contact> contacts;
+  contacts.reserve(set.contacts.size());
+  const bool is_merged = set.scene.shells == Shells::kBoth;
+  const Pose a_from_b = set.scene.pose.field_from_shell(PairBody::kB);
+  for (const auto& [shell_body, contact] : set.contacts) {
+    contacts.push_back(contact);
+    if (!is_merged || shell_body == PairBody::kA) continue;
+    Vec3f& point = contacts.back().point;
+    point = static_cast<Vec3f>(a_from_b.transform_point(static_cast<Vec3>(point)));
+  }
+  return contacts;
+}
+
+ContactSet manifold(const ContactSet& set, std::size_t max_points) {
+  std::vector<ShellContact> chosen;
+  const ManifoldPoints points = select_manifold(in_one_frame(set), max_points);
+  for (const std::uint32_t index : points.chosen()) chosen.push_back(set.contacts[index]);
+  return subset(set, std::move(chosen));
+}
+
+ContactSet deepest_per_segment(const ContactSet& set) {
+  std::vector<ShellContact> chosen;
+  for (const PairBody shell_body : {PairBody::kA, PairBody::kB}) {
+    std::vector<Contact> of_shell;
+    for (const ShellContact& c : set.contacts) {
+      if (c.shell_body == shell_body) of_shell.push_back(c.contact);
+    }
+    if (of_shell.empty()) continue;
+    // The core expects ids to ascend, which those of a manifold do not.
+    std::sort(of_shell.begin(), of_shell.end(),
+              [](const Contact& a, const Contact& b) { return a.id < b.id; });
+    std::vector<std::uint32_t> deepest;
+    select_deepest_per_segment(of_shell, set.scene.bodies.shell_of(shell_body)->tree(),
+                               set.scene.level, deepest);
+    for (const std::uint32_t i : deepest) chosen.push_back({shell_body, of_shell[i]});
+  }
+  return subset(set, std::move(chosen));
+}
+
+}  // namespace
+
+void bind_contact_set(nb::module_& module) {
+  nb::enum_<Shells>(module, "Shells")
+      .value("AUTOMATIC", Shells::kAutomatic)
+      .value("A", Shells::kA)
+      .value("B", Shells::kB)
+      .value("BOTH", Shells::kBoth);
+
+  nb::class_<ContactSet> set(module, "ContactSet", "Contacts of a pair, world frame.");
+  def_contact_arrays(set);
+  set.def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
+      .def_prop_ro("shells_asked", [](const ContactSet& s) { return s.scene.shells; })
+      .def_ro("exact", &ContactSet::is_exact)
+      .def_ro("depth_bound", &ContactSet::depth_bound)
+      .def("manifold", &manifold, nb::arg("max_points"), "At most 4 of them, in the order chosen.")
+      .def("deepest_per_segment", &deepest_per_segment, "A's, then b's, each ascending by id.");
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "posed_pair.h"
+
+namespace voxshell::python {
+
+/// A contact of either body's shell.
+struct ShellContact {
+  PairBody shell_body;
+  Contact contact;
+};
+
+/// Contacts in the world frame as parallel arrays.
+struct ContactArrays {
+  std::vector<Vec3> points_a;
+  std::vector<Vec3> points_b;
+  std::vector<Vec3> normals;
+  std::vector<double> depths;
+  std::vector<std::int64_t> ids;
+  std::vector<std::int64_t> segments;
+  std::vector<std::uint8_t> shells;  ///< 0: a's, 1: b's
+
+  void reserve(std::size_t count);
+  void append(const ShellContact& contact, const Bodies& bodies, const PairPose& pose, int level);
+};
+
+/// What the contacts of one pose have in common.
+struct ContactScene {
+  Bodies bodies;
+  PairPose pose;
+  int level;
+  Shells shells;  ///< whose points were asked about; never kAutomatic
+};
+
+/// Contacts of one pose. The core's own are kept, for subsets to be chosen from.
+struct ContactSet {
+  ContactScene scene;
+  bool is_exact = true;
+  double depth_bound = -std::numeric_limits<double>::infinity();
+  std::vector<ShellContact> contacts;
+  ContactArrays arrays;
+};
+
+ContactSet make_contact_set(ContactScene scene, std::vector<ShellContact> contacts);
+
+inline Shells shells_of(PairBody body) { return body == PairBody::kA ? Shells::kA : Shells::kB; }
+
+inline void append(std::vector<ShellContact>& to, PairBody shell_body,
+                   std::span<const Contact> contacts) {
+  to.reserve(to.size() + contacts.size());
+  for (const Contact& contact : contacts) to.push_back({shell_body, contact});
+}
+
+/// Of several shells' contacts, each ascending by id, the deepest; of equally deep ones the first.
+void keep_deepest(std::vector<ShellContact>& contacts, std::size_t max_points);
+
+}  // namespace voxshell::python

@@ -1,0 +1,278 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "build_watch.h"
+#include "contact_arrays.h"
+#include "contact_set.h"
+#include "core_module.h"
+#include "errors.h"
+#include "voxshell/batch.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+using PosesArray = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using OptionalPoses = std::optional<PosesArray>;
+
+/// One pose, or none, stands for every one of `count`.
+std::vector<Pose> read_poses(const OptionalPoses& array, bool is_one, std::size_t count,
+                             const char* name) {
+  if (!array) return std::vector<Pose>(count);
+  if (is_one) return std::vector<Pose>(count, read_matrix(array->data(), name));
+  std::vector<Pose> poses;
+  poses.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    poses.push_back(
+        read_matrix(array->data() + 16 * i, std::string(name) + "[" + std::to_string(i) + "]"));
+  }
+  return poses;
+}
+
+struct PosePairs {
+  std::vector<Pose> world_from_a;
+  std::vector<Pose> world_from_b;
+
+  std::size_t size() const { return world_from_a.size(); }
+  PairPose operator[](std::size_t i) const { return {world_from_a[i], world_from_b[i]}; }
+  std::vector<Pose> field_from_shell(PairBody shell_body) const {
+    std::vector<Pose> poses;
+    poses.reserve(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      poses.push_back((*this)[i].field_from_shell(shell_body));
+    }
+    return poses;
+  }
+};
+
+PosePairs read_pose_pairs(const OptionalPoses& a_poses, const OptionalPoses& b_poses, bool a_is_one,
+                          bool b_is_one) {
+  std::size_t count = 1;
+  if (a_poses && !a_is_one) count = a_poses->shape(0);
+  if (b_poses && !b_is_one) count = b_poses->shape(0);
+  return {read_poses(a_poses, a_is_one, count, "a_poses"),
+          read_poses(b_poses, b_is_one, count, "b_poses")};
+}
+
+/// The poses that found nothing, of bodies that may lie inside the ones asked about.
+template <class IsEmpty>
+std::vector<std::size_t> find_enclosed(const Bodies& bodies, const PosePairs& poses, PairBody inner,
+                                       const IsEmpty& is_empty) {
+  std::vector<std::size_t> enclosed;
+  if (bodies.shell_of(inner) == nullptr) return enclosed;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (is_empty(i) && is_enclosed(bodies, poses[i], inner)) enclosed.push_back(i);
+  }
+  return enclosed;
+}
+
+std::vector<Pose> pick(const std::vector<Pose>& poses, const std::vector<std::size_t>& indices) {
+  std::vector<Pose> picked;
+  picked.reserve(indices.size());
+  for (const std::size_t i : indices) picked.push_back(poses[i]);
+  return picked;
+}
+
+/// Contacts of many poses, one after another.
+struct ContactBatchSet {
+  Bodies bodies;
+  int level;
+  PosePairs poses;
+  std::vector<Shells> shells;         ///< one a pose
+  std::vector<std::int64_t> offsets;  ///< one more
+  std::vector<ShellContact> contacts;
+  ContactArrays arrays;
+
+  ContactSet at(std::size_t i) const {
+    const auto begin = contacts.begin();
+    return make_contact_set({bodies, poses[i], level, shells[i]},
+                            {begin + offsets[i], begin + offsets[i + 1]});
+  }
+};
+
+/// One shell's contacts for all poses, or for those in `of_poses`.
+struct Part {
+  PairBody shell_body;
+  ContactBatch found;
+
+  std::span<const Contact> at(std::size_t i) const {
+    return std::span(found.contacts)
+        .subspan(found.offsets[i], found.offsets[i + 1] - found.offsets[i]);
+  }
+};
+
+/// `parts` are of all poses, `swapped` of those that `enclosed` lists.
+ContactBatchSet merge(const Bodies& bodies, PosePairs poses, int level, std::size_t max_points,
+                      Shells shells, const std::vector<Part>& parts,
+                      const std::vector<std::size_t>& enclosed, const Part& swapped) {
+  ContactBatchSet set{.bodies = bodies,
+                      .level = level,
+                      .poses = std::move(poses),
+                      .shells = {},
+                      .offsets = {0},
+                      .contacts = {},
+                      .arrays = {}};
+  std::size_t most = swapped.found.contacts.size();
+  for (const Part& part : parts) most += part.found.contacts.size();
+  set.contacts.reserve(most);
+  set.arrays.reserve(most);
+  std::vector<ShellContact> here;
+  std::size_t next_enclosed = 0;
+  for (std::size_t i = 0; i < set.poses.size(); ++i) {
+    here.clear();
+    for (const Part& part : parts) append(here, part.shell_body, part.at(i));
+    const bool is_swapped = next_enclosed < enclosed.size() && enclosed[next_enclosed] == i;
+    if (is_swapped) append(here, swapped.shell_body, swapped.at(next_enclosed++));
+    keep_deepest(here, max_points);
+    const PairPose pose = set.poses[i];
+    for (const ShellContact& contact : here) set.arrays.append(contact, bodies, pose, level);
+    set.contacts.insert(set.contacts.end(), here.begin(), here.end());
+    set.offsets.push_back(static_cast<std::int64_t>(set.contacts.size()));
+    set.shells.push_back(is_swapped ? shells_of(swapped.shell_body) : shells);
+  }
+  return set;
+}
+
+/// Reports a stage of the core's by another name.
+Progress report_as(BuildWatch& watch, std::string_view name) {
+  return [&watch, name](std::string_view, double fraction) { return watch.report(name, fraction); };
+}
+
+std::string_view name_stage(std::size_t roles, PairBody shell_body) {
+  if (roles == 1) return "contacts";
+  return shell_body == PairBody::kA ? "contacts of a's points" : "contacts of b's points";
+}
+
+constexpr std::string_view kEnclosed = "enclosed bodies";
+
+Result<ContactBatchSet> ask_contacts(const Bodies& bodies, PosePairs poses, const Roles& roles,
+                                     const ContactOptions& options, int level, unsigned threads,
+                                     BuildWatch& watch) {
+  const auto ask = [&](PairBody body, const std::vector<Pose>& of_poses, std::string_view name) {
+    return find_contacts_batch(*bodies.field_of(other(body)), *bodies.shell_of(body), of_poses,
+                               options, threads, report_as(watch, name));
+  };
+  std::vector<Part> parts;
+  for (const PairBody body : roles.shell_bodies) {
+    auto found =
+        ask(body, poses.field_from_shell(body), name_stage(roles.shell_bodies.size(), body));
+    if (!found) return found.error();
+    parts.push_back({body, *std::move(found)});
+  }
+  std::vector<std::size_t> enclosed;
+  Part swapped{other(parts[0].shell_body), {}};
+  if (roles.may_swap && options.max_points > 0) {
+    enclosed = find_enclosed(bodies, poses, swapped.shell_body,
+                             [&](std::size_t i) { return parts[0].at(i).empty(); });
+  }
+  if (!enclosed.empty()) {
+    auto found = ask(swapped.shell_body, pick(poses.field_from_shell(swapped.shell_body), enclosed),
+                     kEnclosed);
+    if (!found) return found.error();
+    swapped.found = *std::move(found);
+  }
+  const Shells shells = parts.size() == 2 ? Shells::kBoth : shells_of(parts[0].shell_body);
+  return merge(bodies, std::move(poses), level, options.max_points, shells, parts, enclosed,
+               swapped);
+}
+
+ContactBatchSet contacts_batch(const SharedField& field_a, const SharedShell& shell_a,
+                               const SharedField& field_b, const SharedShell& shell_b,
+                               const OptionalPoses& a_poses, const OptionalPoses& b_poses,
+                               bool a_is_one, bool b_is_one, Shells shells, float margin, int level,
+                               std::optional<std::size_t> max_points, unsigned threads,
+                               nb::handle progress) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
+  const Roles roles = choose_roles(bodies, shells);
+  BuildWatch watch(progress);
+  auto result = [&] {
+    const nb::gil_scoped_release released;
+    const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
+    return ask_contacts(bodies, std::move(poses), roles, options, level, threads, watch);
+  }();
+  watch.rethrow();
+  return unwrap(std::move(result));
+}
+
+Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& poses,
+                                         const Roles& roles, float margin, unsigned threads,
+                                         BuildWatch& watch) {
+  const auto ask = [&](PairBody body, const std::vector<Pose>& of_poses, std::string_view name) {
+    return collides_batch(*bodies.field_of(other(body)), *bodies.shell_of(body), of_poses, margin,
+                          threads, report_as(watch, name));
+  };
+  std::vector<char> touches(poses.size());
+  const auto add = [&](std::size_t i, char of_shell) {
+    if (of_shell != 0) touches[i] = 1;
+  };
+  for (const PairBody body : roles.shell_bodies) {
+    const auto found = ask(body, poses.field_from_shell(body), "collisions");
+    if (!found) return found.error();
+    for (std::size_t i = 0; i < touches.size(); ++i) add(i, (*found)[i]);
+  }
+  if (!roles.may_swap) return touches;
+  const PairBody inner = other(roles.shell_bodies[0]);
+  const auto enclosed =
+      find_enclosed(bodies, poses, inner, [&](std::size_t i) { return touches[i] == 0; });
+  if (enclosed.empty()) return touches;
+  const auto found = ask(inner, pick(poses.field_from_shell(inner), enclosed), kEnclosed);
+  if (!found) return found.error();
+  for (std::size_t i = 0; i < enclosed.size(); ++i) add(enclosed[i], (*found)[i]);
+  return touches;
+}
+
+nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
+    const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
+    const SharedShell& shell_b, const OptionalPoses& a_poses, const OptionalPoses& b_poses,
+    bool a_is_one, bool b_is_one, Shells shells, float margin, unsigned threads,
+    nb::handle progress) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
+  const Roles roles = choose_roles(bodies, shells);
+  BuildWatch watch(progress);
+  auto result = [&] {
+    const nb::gil_scoped_release released;
+    return ask_collisions(bodies, poses, roles, margin, threads, watch);
+  }();
+  watch.rethrow();
+  const std::vector<char> touches = unwrap(std::move(result));
+  auto* owned = new bool[touches.size()];
+  std::copy(touches.begin(), touches.end(), owned);
+  const nb::capsule owner(owned, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  return nb::ndarray<nb::numpy, bool, nb::ndim<1>>(owned, {touches.size()}, owner);
+}
+
+}  // namespace
+
+void bind_batch(nb::module_& module) {
+  nb::class_<ContactBatchSet> batch(module, "ContactBatch", "Contacts of many poses of a pair.");
+  def_contact_arrays(batch);
+  batch.def("__len__", [](const ContactBatchSet& s) { return s.poses.size(); })
+      .def_prop_ro("offsets", [](const ContactBatchSet& s) { return view(std::span(s.offsets)); })
+      .def("at", [](const ContactBatchSet& s, std::size_t i) {
+        if (i >= s.poses.size()) throw nb::index_error();
+        return s.at(i);
+      });
+
+  module.def("contacts_batch", &contacts_batch, nb::arg("field_a"), nb::arg("shell_a").none(),
+             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_poses").none(),
+             nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
+             nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(), nb::arg("threads"),
+             nb::arg("progress").none(),
+             "(k, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
+  module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("shell_a").none(),
+             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_poses").none(),
+             nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
+             nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), "(k,) bool.");
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,63 @@
+#include <array>
+#include <optional>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/tuple.h>
+
+#include "core_module.h"
+#include "posed_pair.h"
+#include "query_scratch.h"
+#include "voxshell/distance.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+using Coordinates = std::array<double, 3>;
+
+Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+/// Distance, point on a, point on b, normal, whether the point is of a's shell.
+using Nearest = std::tuple<double, Coordinates, Coordinates, Coordinates, bool>;
+
+std::optional<Nearest> distance(const SharedField& field_a, const SharedShell& shell_a,
+                                const SharedField& field_b, const SharedShell& shell_b,
+                                const OptionalPose& a_pose, const OptionalPose& b_pose,
+                                Shells shells, float max_distance, SharedScratch* scratch) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies, shells);
+  const nb::gil_scoped_release released;
+  std::optional<Contact> nearest;
+  PairBody shell_body = roles.shell_bodies[0];
+  const auto ask = [&](PairBody body) {
+    const LockedScratch locked(scratch, body);
+    const auto found = find_nearest(*bodies.field_of(other(body)), *bodies.shell_of(body),
+                                    pose.field_from_shell(body), max_distance, *locked);
+    if (!found || (nearest && found->depth <= nearest->depth)) return;
+    nearest = found;
+    shell_body = body;
+  };
+  for (const PairBody body : roles.shell_bodies) ask(body);
+  const bool is_apart = !nearest || nearest->depth <= 0.0f;
+  const PairBody inner = other(roles.shell_bodies[0]);
+  if (roles.may_swap && is_apart && is_enclosed(bodies, pose, inner)) ask(inner);
+  if (!nearest) return std::nullopt;
+  const WorldContact world = to_world(*nearest, shell_body, pose);
+  return Nearest{0.0 - static_cast<double>(nearest->depth), to_coordinates(world.point_a),
+                 to_coordinates(world.point_b), to_coordinates(world.normal),
+                 shell_body == PairBody::kA};
+}
+
+}  // namespace
+
+void bind_distance(nb::module_& module) {
+  module.def("distance", &distance, nb::arg("field_a"), nb::arg("shell_a").none(),
+             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_pose").none(),
+             nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("max_distance"),
+             nb::arg("scratch").none(),
+             "Distance, point on a, point on b, normal, whether a's shell is nearest; or None.");
+}
+
+}  // namespace voxshell::python

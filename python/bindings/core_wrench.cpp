@@ -1,0 +1,64 @@
+#include <array>
+#include <utility>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+
+#include "core_module.h"
+#include "posed_pair.h"
+#include "query_scratch.h"
+#include "voxshell/wrench.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+using Coordinates = std::array<double, 3>;
+
+/// Without negative zeros.
+Coordinates to_coordinates(const Vec3& v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
+
+/// On a, about a's origin, from what the core says of the shell's body; all in the world frame.
+Wrench on_a(const Wrench& on_shell, PairBody shell_body, const PairPose& pose) {
+  const Pose& world_from_shell = pose.world_from(shell_body);
+  const Vec3 force = world_from_shell.rotate(on_shell.force);
+  const Vec3 torque = world_from_shell.rotate(on_shell.torque);
+  if (shell_body == PairBody::kA) return {force, torque};
+  const Vec3 arm = pose.world_from_b.translation - pose.world_from_a.translation;
+  return {-force, -(torque + cross(arm, force))};
+}
+
+std::pair<Coordinates, Coordinates> wrench(const SharedField& field_a, const SharedShell& shell_a,
+                                           const SharedField& field_b, const SharedShell& shell_b,
+                                           const OptionalPose& a_pose, const OptionalPose& b_pose,
+                                           Shells shells, double stiffness,
+                                           SharedScratch* scratch) {
+  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies, shells);
+  const nb::gil_scoped_release released;
+  bool touches = false;
+  const auto ask = [&](PairBody body) {
+    const LockedScratch locked(scratch, body);
+    const Wrench found = compute_wrench(*bodies.field_of(other(body)), *bodies.shell_of(body),
+                                        pose.field_from_shell(body), stiffness, *locked);
+    touches = !(*locked).contacts().empty();
+    return on_a(found, body, pose);
+  };
+  Wrench result = ask(roles.shell_bodies[0]);
+  const PairBody inner = other(roles.shell_bodies[0]);
+  if (roles.may_swap && !touches && is_enclosed(bodies, pose, inner)) result = ask(inner);
+  return {to_coordinates(result.force), to_coordinates(result.torque)};
+}
+
+}  // namespace
+
+void bind_wrench(nb::module_& module) {
+  module.def("wrench", &wrench, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
+             nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
+             nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(),
+             "Force and torque on a about its origin, world frame; of one shell.");
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,84 @@
+"""Checks of what queries are asked about: two bodies, whose points to test, how near counts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+
+from voxshell import _core
+from voxshell._arguments import as_integer, as_real
+from voxshell.errors import InputTypeError, SettingsError
+from voxshell.field import Field
+from voxshell.model import Model
+from voxshell.query_scratch import QueryScratch
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+Collidable: TypeAlias = Model | Field
+"""What queries take: a model, or a field without a shell such as a plane, box or sphere."""
+
+OneShell: TypeAlias = Literal["auto", "a", "b"]
+Shell: TypeAlias = Literal["auto", "a", "b", "both"]
+"""Whose points are tested against the other's field."""
+
+SHELLS = {
+    "auto": _core.Shells.AUTOMATIC,
+    "a": _core.Shells.A,
+    "b": _core.Shells.B,
+    "both": _core.Shells.BOTH,
+}
+_MOST = 2**63 - 1
+_SINGLE_MAX = float(np.finfo(np.float32).max)
+
+
+def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | None]:
+    """The field and the shell that the core wants of a body."""
+    if isinstance(body, Model):
+        return body.field._core, body.shell._core
+    if isinstance(body, Field):
+        return body._core, None
+    raise InputTypeError(f"{name} must be a Model, Plane, Box or Sphere, not {type(body).__name__}")
+
+
+def as_shells(shell: Any, allowed: Iterable[str] = SHELLS) -> _core.Shells:
+    """What the core calls a choice of shells."""
+    if isinstance(shell, str) and shell in allowed:
+        return SHELLS[shell]
+    *others, last = (repr(choice) for choice in allowed)
+    raise SettingsError(f"shell must be {', '.join(others)} or {last}, not {shell!r}")
+
+
+def as_margin(value: Any, name: str = "margin") -> float:
+    """Metres, as the core takes them."""
+    margin = as_real(value, name)
+    if abs(margin) > _SINGLE_MAX:
+        raise SettingsError(f"{name} must fit single precision, not {margin:g} m")
+    return margin
+
+
+def as_level(level: Any) -> int:
+    """A level of the tree; without one, the first."""
+    if level is None:
+        return 1
+    return as_integer(level, "level", 1, _core.PointSphereTree.deepest_level)
+
+
+def as_max_points(max_points: Any) -> int | None:
+    """A number of contacts, or None: all."""
+    return None if max_points is None else as_integer(max_points, "max_points", 0, _MOST)
+
+
+def as_budget(budget: Any) -> int | None:
+    """A number of nodes, or None: as many as it takes."""
+    return None if budget is None else as_integer(budget, "budget", 1, _MOST)
+
+
+def as_scratch(scratch: Any) -> _core.QueryScratch | None:
+    """The core's part of a scratch, or None."""
+    if scratch is None:
+        return None
+    if not isinstance(scratch, QueryScratch):
+        raise InputTypeError(f"scratch must be a QueryScratch, not {type(scratch).__name__}")
+    return scratch._core

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+
+def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = (x, y, z)
+    return pose
+
+
+def turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
+    return trimesh.transformations.rotation_matrix(angle, axis)
+
+
+@pytest.mark.parametrize("height", [0.5, 0.2, 0.1001, 0.1, 0.05, -0.3])
+def test_a_ball_and_the_ground(ball: vx.Model, height: float):
+    nearest = vx.distance(ball, vx.Plane(), moved(3.0, 4.0, height))
+    # The ball has facets, whose lowest corner is at its pole.
+    np.testing.assert_allclose(nearest.distance, height - 0.1, atol=1e-6)
+    np.testing.assert_allclose(nearest.point_a, [3.0, 4.0, height - 0.1], atol=5e-3)
+    np.testing.assert_allclose(nearest.point_b[2], 0.0, atol=1e-8)
+    np.testing.assert_array_equal(nearest.normal, [0.0, 0.0, 1.0])
+    assert nearest.shell == "a"
+
+
+@pytest.mark.parametrize("gap", [0.3, 0.001, -0.01, -0.05])
+@pytest.mark.parametrize("shell", ["auto", "a", "b", "both"])
+def test_two_balls(ball: vx.Model, gap: float, shell: str):
+    direction = np.array([2.0, -1.0, 2.0]) / 3.0
+    nearest = vx.distance(ball, ball, moved(*((0.2 + gap) * direction)), shell=shell)
+    assert gap - 1e-3 <= nearest.distance <= gap + np.sqrt(3.0) * ball.shell.spacing + 1e-3
+    assert nearest.normal @ direction > 0.95
+    if shell in ("a", "b"):
+        assert nearest.shell == shell
+
+
+def test_the_parts_fit_together(ball: vx.Model, cube: vx.Model):
+    rng = np.random.default_rng(1)
+    overlapping = 0
+    for _ in range(200):
+        axis = tuple(rng.normal(size=3))
+        pose = moved(*rng.uniform(-0.8, 0.8, 3)) @ turned(axis, rng.uniform(0, 3))
+        other = moved(*rng.uniform(-0.1, 0.1, 3)) @ turned(axis, 1.0)
+        for shell in ("auto", "a", "b", "both"):
+            nearest = vx.distance(ball, cube, pose, other, shell=shell)
+            np.testing.assert_allclose(np.linalg.norm(nearest.normal), 1.0, atol=1e-6)
+            np.testing.assert_allclose(
+                nearest.point_a - nearest.point_b, nearest.distance * nearest.normal, atol=1e-14
+            )
+            assert (nearest.distance < 0.0) == vx.collide(ball, cube, pose, other, shell=shell)
+            if nearest.distance < 0.0:
+                overlapping += 1
+                contacts = vx.contacts(ball, cube, pose, other, shell=shell)
+                deepest = contacts.depths.argmax()
+                assert -nearest.distance == contacts.depths[deepest]
+                assert nearest.shell == contacts.shells[deepest]
+                np.testing.assert_array_equal(nearest.point_a, contacts.points_a[deepest])
+                np.testing.assert_array_equal(nearest.normal, contacts.normals[deepest])
+    assert overlapping > 200
+
+
+def test_swapped_bodies_mirror_the_answer(ball: vx.Model, cube: vx.Model):
+    pose, other = moved(0.05, 0.02, 0.8) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
+    forth = vx.distance(ball, cube, pose, other)
+    back = vx.distance(cube, ball, other, pose)
+    assert forth.distance == back.distance > 0.1
+    np.testing.assert_array_equal(forth.point_a, back.point_b)
+    np.testing.assert_array_equal(forth.normal, -back.normal)
+    assert {forth.shell, back.shell} == {"a", "b"}
+
+
+def test_of_both_shells_the_nearer_counts(ball: vx.Model, cube: vx.Model):
+    pose = moved(0.05, 0.02, 0.8)
+    one, other = (vx.distance(ball, cube, pose, shell=shell) for shell in ("a", "b"))
+    both = vx.distance(ball, cube, pose, shell="both")
+    assert both.distance == min(one.distance, other.distance) != max(one.distance, other.distance)
+
+
+def test_nothing_nearer_than_asked_for_is_infinitely_far(ball: vx.Model):
+    pose = moved(z=0.2)
+    exactly = vx.distance(ball, vx.Plane(), pose).distance
+    for max_distance in (0.05, -1.0, 0.0, exactly):
+        nearest = vx.distance(ball, vx.Plane(), pose, max_distance=max_distance)
+        assert nearest.distance == np.inf
+        assert nearest.shell is None
+        for array in (nearest.point_a, nearest.point_b, nearest.normal):
+            assert array.shape == (3,)
+            assert np.isnan(array).all()
+    beyond = float(np.nextafter(np.float32(exactly), np.float32(1)))
+    assert vx.distance(ball, vx.Plane(), pose, max_distance=beyond).distance == exactly
+
+
+def test_far_apart_it_is_the_distance_of_the_origins(ball: vx.Model, cube: vx.Model):
+    for far in (1e3, 1e6, 1e12, 1e15):
+        for other in (cube, vx.Box((1, 1, 1)), vx.Sphere(1.0), vx.Plane()):
+            nearest = vx.distance(ball, other, moved(z=far))
+            np.testing.assert_allclose(nearest.distance, far, rtol=0.01)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, -np.inf, 1e300, "1", None, [0.1], 1j])
+def test_a_wrong_largest_distance_is_refused(ball: vx.Model, wrong):
+    with pytest.raises(vx.SettingsError, match="max_distance"):
+        vx.distance(ball, vx.Plane(), max_distance=wrong)
+
+
+def test_infinity_of_any_type_is_taken(ball: vx.Model):
+    for infinity in (np.inf, np.float64(np.inf), np.float32(np.inf)):
+        assert vx.distance(ball, vx.Plane(), max_distance=infinity).distance < 0.0

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+STIFFNESS = 1e6  # N/m3
+
+
+def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = (x, y, z)
+    return pose
+
+
+def turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
+    return trimesh.transformations.rotation_matrix(angle, axis)
+
+
+def test_a_cube_in_the_ground_is_pushed_up_by_its_weight_of_springs(cube: vx.Model):
+    bottom = cube.shell.points[:, 2] < -0.4999
+    area = float(cube.shell.areas[bottom].sum())
+    wrench = vx.wrench(cube, vx.Plane(), moved(3.0, 4.0, 0.499), None, STIFFNESS)
+    np.testing.assert_allclose(wrench.force, [0, 0, STIFFNESS * area * 1e-3], rtol=2e-3, atol=0.1)
+    np.testing.assert_allclose(wrench.torque, 0.0, atol=1.0)
+    assert abs(area - 1.0) < 0.2
+    assert wrench.force.shape == wrench.torque.shape == (3,)
+
+
+def test_an_eccentric_push_turns_about_the_origin_of_a(cube: vx.Model):
+    # Half of the cube stands on a box that ends below its middle; its centre of pressure is at
+    # x = 0.25 of the cube, in whatever frame the world has.
+    world = moved(5.0, -3.0, 2.0) @ turned((1, 2, 3), 0.8)
+    wrench = vx.wrench(
+        cube,
+        vx.Box((1.0, 1.0, 1.0)),
+        world @ moved(z=0.998),
+        world @ moved(1.0, 0, -0.5),
+        STIFFNESS,
+    )
+    force, torque = (world[:3, :3].T @ v for v in (wrench.force, wrench.torque))
+    assert force[2] > 0.4 * STIFFNESS * 0.002
+    np.testing.assert_allclose(torque[1], -0.25 * force[2], rtol=0.15)
+
+
+@pytest.mark.parametrize("shell", ["a", "b"])
+def test_action_is_reaction_whichever_body_is_a(ball: vx.Model, cube: vx.Model, shell: str):
+    pose, other = (
+        moved(0.05, 0.02, 0.57) @ turned((1, 2, 3), 0.7),
+        moved(0.1) @ turned((3, 1, 2), 0.1),
+    )
+    on_ball = vx.wrench(ball, cube, pose, other, STIFFNESS, shell=shell)
+    mirrored = "b" if shell == "a" else "a"
+    on_cube = vx.wrench(cube, ball, other, pose, STIFFNESS, shell=mirrored)
+    size = np.linalg.norm(on_ball.force)
+    assert size > 1.0
+    np.testing.assert_allclose(on_ball.force, -on_cube.force, atol=1e-9 * size)
+    about_the_world = [
+        w.torque + np.cross(p[:3, 3], w.force) for w, p in ((on_ball, pose), (on_cube, other))
+    ]
+    np.testing.assert_allclose(about_the_world[0], -about_the_world[1], atol=1e-9 * size)
+
+
+def test_it_is_the_sum_over_the_contacts(ball: vx.Model):
+    # On a plane, gradients are the contacts' normals.
+    pose = moved(1.0, 2.0, 0.08) @ turned((1, 2, 3), 0.7)
+    contacts = vx.contacts(ball, vx.Plane(), pose)
+    weights = STIFFNESS * ball.shell.areas[contacts.ids].astype(float) * contacts.depths
+    forces = weights[:, None] * contacts.normals
+    wrench = vx.wrench(ball, vx.Plane(), pose, None, STIFFNESS)
+    np.testing.assert_allclose(wrench.force, forces.sum(axis=0), rtol=1e-4, atol=1e-3)
+    arms = contacts.points_a - pose[:3, 3]
+    np.testing.assert_allclose(
+        wrench.torque, np.cross(arms, forces).sum(axis=0), rtol=1e-3, atol=1e-3
+    )
+
+
+def test_apart_and_without_stiffness_it_is_zero(ball: vx.Model, cube: vx.Model):
+    for arguments in (
+        (ball, cube, moved(z=0.7), None, STIFFNESS),
+        (ball, vx.Plane(), moved(z=0.1001), None, STIFFNESS),
+        (cube, ball, moved(z=0.5), None, 0.0),
+    ):
+        wrench = vx.wrench(*arguments)
+        np.testing.assert_array_equal(wrench.force, np.zeros(3))
+        np.testing.assert_array_equal(wrench.torque, np.zeros(3))
+        assert not np.signbit([*wrench.force, *wrench.torque]).any()
+
+
+def test_it_grows_from_zero_without_jumps(ball: vx.Model, cube: vx.Model):
+    heights = np.linspace(0.61, 0.55, 601)
+    forces = np.array(
+        [vx.wrench(ball, cube, moved(0.03, 0.02, z), None, STIFFNESS).force for z in heights]
+    )
+    assert (forces[0] == 0.0).all()
+    assert np.abs(forces[-1]).max() > 10.0
+    # No step adds more than the springs of the whole ball would.
+    most = STIFFNESS * float(ball.shell.areas.sum()) * (heights[0] - heights[1])
+    assert np.abs(np.diff(forces, axis=0)).max() < most
+
+
+@pytest.mark.parametrize("stiffness", [-1.0, np.nan, np.inf, -np.inf, "1", None, [1.0], 1j])
+def test_a_wrong_stiffness_is_refused(ball: vx.Model, stiffness):
+    with pytest.raises(vx.SettingsError, match="stiffness"):
+        vx.wrench(ball, vx.Plane(), None, None, stiffness)
+
+
+def test_poses_and_stiffness_must_be_given(ball: vx.Model):
+    with pytest.raises(TypeError):
+        vx.wrench(ball, vx.Plane())
