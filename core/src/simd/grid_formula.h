@@ -11,6 +11,7 @@ struct GridPlace {
   using I = Integer<F>;
   Triple<F> outside;  ///< from the nearest point of the grid to the point, metres
   Triple<F> within;   ///< position in the brick, voxels, 0 to kBrickCells
+  I x, y, z;          ///< cell in the brick, 0 to kBrickCells - 1
   I brick;
 };
 
@@ -37,6 +38,9 @@ VOXSHELL_INLINE GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
   const I by = y >> kBrickShift;
   const I bz = z >> kBrickShift;
   place.brick = bx + grid.bricks_x * by + grid.bricks_xy * bz;
+  place.x = x & (kBrickCells - 1);
+  place.y = y & (kBrickCells - 1);
+  place.z = z & (kBrickCells - 1);
   place.within = {u - to_float(bx << kBrickShift), v - to_float(by << kBrickShift),
                   w - to_float(bz << kBrickShift)};
   return place;
@@ -92,13 +96,11 @@ VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& 
   cell.scale = grid.quantum * power_of_two((entry >> kFieldShift) & kFieldMask);
   const I offset = as_payload(entry) * kSampleAlignment;
   if (all((entry & (3 | kPlaneBit)) == 3)) {
-    const I eight = zero + kBrickCells;
-    const I x = find_cell(place.within.x, eight, cell.t.x);
-    const I y = find_cell(place.within.y, eight, cell.t.y);
-    const I z = find_cell(place.within.z, eight, cell.t.z);
     constexpr int kRow = kBrickCells + 1;
-    load_corners(grid, offset + x + kRow * y + kRow * kRow * z, zero + kRow, zero + kRow * kRow,
-                 cell);
+    cell.t = {place.within.x - to_float(place.x), place.within.y - to_float(place.y),
+              place.within.z - to_float(place.z)};
+    load_corners(grid, offset + place.x + kRow * (place.y + kRow * place.z), zero + kRow,
+                 zero + kRow * kRow, cell);
     cell.size = splat<F>(1.0f);
     return cell;
   }
@@ -165,18 +167,25 @@ VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple
       value.gradient = differentiate(cell, grid.inverse_voxel_size);
     }
   }
-  if (planes != 0) {
-    const Integer<F> index = select(is_plane, as_payload(value.entry) * 4, Integer<F>{});
-    const Triple<F> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
-                           gather(grid.planes, index + 2)};
-    const Triple<F>& beyond = place.outside;
-    const Triple<F> nearest{p.x - beyond.x, p.y - beyond.y, p.z - beyond.z};
-    const F distance = dot(normal, nearest) - gather(grid.planes, index + 3);
-    const bool all = planes == kAllLanes;
-    value.distance = all ? distance : select(is_plane, distance, value.distance);
+  if (planes == 0) return value;
+  const Triple<F>& beyond = place.outside;
+  const Triple<F> nearest{p.x - beyond.x, p.y - beyond.y, p.z - beyond.z};
+  if (is_uniform(value.entry)) {
+    const float* plane = grid.planes + 4 * as_payload(first_lane(value.entry));
+    value.distance = plane[0] * nearest.x + plane[1] * nearest.y + plane[2] * nearest.z - plane[3];
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
-      value.gradient = all ? normal : select<F>(is_plane, normal, value.gradient);
+      value.gradient = {splat<F>(plane[0]), splat<F>(plane[1]), splat<F>(plane[2])};
     }
+    return value;
+  }
+  const Integer<F> index = select(is_plane, as_payload(value.entry) * 4, Integer<F>{});
+  const Triple<F> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
+                         gather(grid.planes, index + 2)};
+  const F distance = dot(normal, nearest) - gather(grid.planes, index + 3);
+  const bool all_planes = planes == kAllLanes;
+  value.distance = all_planes ? distance : select(is_plane, distance, value.distance);
+  if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+    value.gradient = all_planes ? normal : select<F>(is_plane, normal, value.gradient);
   }
   return value;
 }

@@ -154,6 +154,10 @@ template <class Mask>
 VOXSHELL_INLINE bool any(Mask mask) {
   return bits(mask) != 0;
 }
+VOXSHELL_INLINE int32_t first_lane(int32_t value) { return value; }
+VOXSHELL_INLINE int32_t first_lane(I8 value) { return value[0]; }
+VOXSHELL_INLINE bool is_uniform(int32_t) { return true; }
+VOXSHELL_INLINE bool is_uniform(I8 value) { return bits(value == value[0]) == 255u; }
 VOXSHELL_INLINE bool all(bool mask) { return mask; }
 VOXSHELL_INLINE bool all(I8 mask) { return bits(mask) == 255u; }
 
