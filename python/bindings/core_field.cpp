@@ -99,7 +99,25 @@ void bind_field(nb::module_& module) {
           "origin",
           [](const GridField& f) { return Coordinates{f.origin().x, f.origin().y, f.origin().z}; })
       .def_prop_ro("nbytes", &GridField::nbytes)
-      .def_prop_ro("interpolation_error", &GridField::interpolation_error);
+      .def_prop_ro("interpolation_error", &GridField::interpolation_error)
+      .def_prop_ro("sign_method",
+                   [](const GridField& f) {
+                     return f.sign_report().method == SignMethod::kClosed ? "closed" : "winding";
+                   })
+      .def_prop_ro("sign_confidence", [](const GridField& f) { return f.sign_report().confidence; })
+      .def_prop_ro("was_turned", [](const GridField& f) { return f.sign_report().was_turned; })
+      .def_prop_ro(
+          "faults",
+          [](const GridField& f) {
+            const SignReport& r = f.sign_report();
+            return std::array{r.defects.open_edges, r.defects.non_manifold_edges,
+                              r.defects.flipped_edges, r.overlaps, r.hidden_triangles};
+          },
+          "Open, non-manifold and wrongly oriented edges, nodes in overlaps, hidden triangles.")
+      .def_prop_ro("first_fault", [](const GridField& f) {
+        const Vec3& p = f.sign_report().first_location;
+        return Coordinates{p.x, p.y, p.z};
+      });
 
   module.def(
       "plane_field",

@@ -7,6 +7,7 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 #include "arrays.h"
@@ -23,7 +24,7 @@ namespace {
 
 std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray& faces,
                                    double voxel_size, int resolution, double point_spacing,
-                                   std::size_t target_points, double padding, unsigned threads,
+                                   std::size_t target_points, double padding, const std::string& sign, unsigned threads,
                                    nb::handle progress) {
   const std::vector<Vec3> corners = read_points(vertices);
   const std::vector<Triangle> triangles = read_triangles(faces);
@@ -33,6 +34,9 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
                                .point_spacing = point_spacing,
                                .target_points = target_points,
                                .padding = padding,
+                               .sign = sign == "closed"    ? SignMethod::kClosed
+                                       : sign == "winding" ? SignMethod::kWinding
+                                                           : SignMethod::kAutomatic,
                                .threads = threads};
   BuildWatch watch(progress);
   auto result = [&]() -> Result<std::shared_ptr<const Model>> {
@@ -84,12 +88,12 @@ void bind_model(nb::module_& module) {
   nb::class_<Model>(module, "Model", "Field, shell and mass properties of a mesh.")
       .def_static("build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
                   nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
-                  nb::arg("target_points"), nb::arg("padding"), nb::arg("threads"),
+                  nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"), nb::arg("threads"),
                   nb::arg("progress").none(),
                   nb::sig("def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
                           "numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: "
                           "int, point_spacing: float, target_points: int, padding: float, "
-                          "threads: int, progress: collections.abc.Callable[[str, float], object] "
+                          "sign: str, threads: int, progress: collections.abc.Callable[[str, float], object] "
                           "| None) -> Model"),
                   "0 (padding: below 0) leaves a setting to the core.")
       .def("save", &save, nb::arg("path"))

@@ -46,7 +46,7 @@ from voxshell.errors import (
 )
 from voxshell.field import DistanceField, Field
 from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh
+from voxshell.meshes import Mesh, MeshWarning
 from voxshell.model import Model
 from voxshell.queries import Distance, Wrench, collide, contacts, distance, wrench
 from voxshell.query_scratch import QueryScratch
@@ -89,6 +89,7 @@ __all__ = [
     "MemoryLimitError",
     "Mesh",
     "MeshError",
+    "MeshWarning",
     "MissingExtraError",
     "Model",
     "ModelFileError",

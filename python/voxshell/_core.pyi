@@ -40,6 +40,24 @@ class GridField:
     @property
     def interpolation_error(self) -> float: ...
 
+    @property
+    def sign_method(self) -> str: ...
+
+    @property
+    def sign_confidence(self) -> float: ...
+
+    @property
+    def was_turned(self) -> bool: ...
+
+    @property
+    def faults(self) -> list[int]:
+        """
+        Open, non-manifold and wrongly oriented edges, nodes in overlaps, hidden triangles.
+        """
+
+    @property
+    def first_fault(self) -> list[float]: ...
+
 def plane_field(normal: Sequence[float], offset: float) -> Field: ...
 
 def box_field(half_extents: Sequence[float]) -> Field: ...
@@ -97,7 +115,7 @@ class Model:
     """Field, shell and mass properties of a mesh."""
 
     @staticmethod
-    def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, threads: int, progress: Callable[[str, float], object] | None) -> Model:
+    def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, sign: str, threads: int, progress: Callable[[str, float], object] | None) -> Model:
         """0 (padding: below 0) leaves a setting to the core."""
 
     def save(self, path: bytes) -> None: ...

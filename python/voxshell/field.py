@@ -117,6 +117,16 @@ class DistanceField(Field):
         """Near the surface :meth:`sample` is off the true distance by at most this, metres."""
         return self._grid.interpolation_error
 
+    @property
+    def sign_method(self) -> str:
+        """How it was told what is inside: "closed" by the surface, "winding" by winding numbers."""
+        return self._grid.sign_method
+
+    @property
+    def sign_confidence(self) -> float:
+        """1 for a closed mesh; else the share of places that are clearly inside or outside."""
+        return self._grid.sign_confidence
+
     def __repr__(self) -> str:
         x, y, z = self.shape
         return (

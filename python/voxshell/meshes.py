@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     """What :meth:`voxshell.Model.from_mesh` takes."""
 
 
+class MeshWarning(UserWarning):
+    """A mesh has faults that were overcome; the message counts and locates them."""
+
+
 class Mesh(NamedTuple):
     """A triangle mesh as arrays: ``vertices, faces = model.mesh``.
 

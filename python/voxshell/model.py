@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -19,7 +20,7 @@ from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import DistanceField
 from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh, naming_file, read_mesh
+from voxshell.meshes import Mesh, MeshWarning, naming_file, read_mesh
 from voxshell.shell import PointShell
 
 if TYPE_CHECKING:
@@ -72,11 +73,12 @@ class Model:
         target_points: int | None = None,
         scale: float = 1.0,
         padding: float | None = None,
+        sign: Literal["auto", "closed", "winding"] = "auto",
         threads: int | None = None,
         cache: bool = True,
         progress: Callable[[str, float], object] | None = None,
     ) -> Model:
-        """Builds a model of a closed mesh.
+        """Builds a model of a mesh.
 
         Takes from milliseconds to minutes: the time grows with the number of voxels. Ctrl-C stops
         it. The same model again comes from the disk.
@@ -84,7 +86,7 @@ class Model:
         Args:
             mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
                 vertices, counter-clockwise seen from outside; or the path of a file that trimesh
-                reads, whose bodies become one mesh. Its surface must be closed.
+                reads, whose bodies become one mesh.
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
             resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
             point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
@@ -93,6 +95,11 @@ class Model:
             scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
             padding: Metres of grid beyond the mesh's bounds, by default 16 voxels; at least eight
                 are kept. The field continues beyond its grid, less precisely.
+            sign: How to tell what the mesh has inside. "closed": by its surface, and a mesh that is
+                not closed, is inside out or overlaps itself is refused. "winding": inside is where
+                the generalised winding number is above a half, which works for open, nested,
+                overlapping and non-manifold meshes as long as most of a surface is there. "auto":
+                as closed if the mesh is, else by winding numbers and with a warning.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             cache: Keep the model on the disk, and take it from there where it was built before: see
                 :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.
@@ -104,13 +111,17 @@ class Model:
             triangles and triangles without three corners are dropped.
 
         Raises:
-            MeshError: The mesh cannot be read, is not closed or intersects itself, or has numbers
-                that are not finite.
+            MeshError: The mesh cannot be read, encloses no volume, has numbers that are not finite,
+                or is not closed where ``sign`` says so.
             SettingsError: A setting is out of range, or contradicts another.
             SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
             MemoryLimitError: The field or shell would be too large; the message says which setting
                 would do.
             InputTypeError: ``mesh`` is of none of the types above.
+
+        Warns:
+            MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out; says how often
+                and where.
 
         Example:
             >>> import trimesh
@@ -141,6 +152,7 @@ class Model:
             if target_points is None
             else as_integer(target_points, "target_points", 1, _LARGEST_INT),
             "padding": -1.0 if padding is None else _as_padding(padding),
+            "sign": _as_sign(sign),
         }
         count = 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS)
         factor = as_positive(scale, "scale")
@@ -155,9 +167,13 @@ class Model:
                 if progress is not None:
                     progress("waiting for another process", 0.0)
 
-            if not cache:
-                return cls(build())
-            return cls(open_cache().fetch(compute_key(mesh, settings), build, waiting))
+            if cache:
+                core = open_cache().fetch(compute_key(mesh, settings), build, waiting)
+            else:
+                core = build()
+        if sign == "auto":
+            _warn_of_faults(core)
+        return cls(core)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model to a file, which :meth:`load` reads in milliseconds.
@@ -271,6 +287,31 @@ class Model:
             f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
             f"{self.field.nbytes / 1e6:.1f} MB)"
         )
+
+
+def _as_sign(value: str) -> str:
+    if value not in ("auto", "closed", "winding"):
+        raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {value!r}")
+    return value
+
+
+def _warn_of_faults(core: CoreModel) -> None:
+    grid = core.grid
+    if grid.was_turned:
+        warnings.warn("mesh is inside out as a whole; it was turned", MeshWarning, stacklevel=3)
+    if grid.sign_method == "closed":
+        return
+    open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
+    place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
+    warnings.warn(
+        f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
+        f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
+        f"{hidden} triangles inside others (first near [{place}] metres); winding numbers tell what "
+        f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
+        "sign='winding' to take it as it is",
+        MeshWarning,
+        stacklevel=3,
+    )
 
 
 def _as_padding(value: float) -> float:

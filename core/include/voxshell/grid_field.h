@@ -18,10 +18,31 @@ namespace simd {
 struct GridView;
 }
 
+/// How it is told what a mesh has inside.
+enum class SignMethod {
+  kAutomatic,  ///< as a closed mesh if it is one, else by winding numbers
+  kClosed,     ///< by the surface's crossings of grid rows; any other mesh is refused
+  kWinding,    ///< where the generalised winding number is above a half: any mesh
+};
+
+/// How that was done, and what there was to overcome.
+struct SignReport {
+  SignMethod method = SignMethod::kClosed;
+  /// 1: closed; else the share of places looked at whose winding number was not near a half.
+  double confidence = 1.0;
+  bool was_turned = false;           ///< the mesh was inside out as a whole
+  MeshDefects defects;               ///< open, non-manifold and wrongly oriented edges
+  std::size_t overlaps = 0;          ///< grid nodes enclosed more than once or inside out
+  std::size_t hidden_triangles = 0;  ///< left out of distances: inside on both sides
+  Vec3 first_location{};             ///< of any of these faults, metres
+  double cap_error = 0.0;  ///< across holes the surface is known to this, metres; 0: there are none
+};
+
 struct GridFieldSettings {
   double voxel_size = 0.0;  ///< edge of a cell, metres
   double padding = 0.0;     ///< metres of grid beyond the mesh's bounds; at least a brick is kept
-  unsigned threads = 0;     ///< 0: one a core; the result is the same for any number
+  SignMethod sign = SignMethod::kAutomatic;
+  unsigned threads = 0;  ///< 0: one a core; the result is the same for any number
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes; a larger grid is refused
 };
 
@@ -39,9 +60,10 @@ struct GridFieldData {
   std::vector<std::uint32_t> bounds;
   std::vector<std::int16_t> samples;
   std::vector<float> planes;  ///< unit normal and offset of each
-  double error = 0.0;         ///< GridField::interpolation_error()
+  double error = 0.0;         ///< GridField::interpolation_error(), holes apart
   double jump = 0.0;          ///< metres; see simd::GridView
   double coarse_floor = 0.0;  ///< metres; see simd::GridView
+  SignReport sign;
 };
 
 /// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
@@ -53,8 +75,8 @@ struct GridFieldData {
 /// Outside the grid the surface is taken to be where the nearest point of the grid sees it.
 class GridField {
  public:
-  /// Errors: kInvalidArgument, kInvalidMesh (not closed, inside out, overlapping itself),
-  /// kTooLarge, kCancelled.
+  /// Errors: kInvalidArgument, kInvalidMesh (encloses nothing; where it must be closed: is open,
+  /// inside out or overlaps itself), kTooLarge, kCancelled.
   static Result<GridField> build(const TriangleMesh& mesh, const GridFieldSettings& settings,
                                  const Progress& progress = {});
 
@@ -81,7 +103,9 @@ class GridField {
   /// |distance() - true distance| is at most this near the surface, metres: the true distance is
   /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
   /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
-  double interpolation_error() const { return data_.error; }
+  double interpolation_error() const { return data_.error + data_.sign.cap_error; }
+
+  const SignReport& sign_report() const { return data_.sign; }
 
   const GridFieldData& data() const { return data_; }
   simd::GridView view() const;

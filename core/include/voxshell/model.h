@@ -18,7 +18,8 @@ struct ModelSettings {
   double point_spacing = 0.0;     ///< metres; neither this nor a target: the voxel size
   std::size_t target_points = 0;  ///< reached within 1 %
   double padding = -1.0;          ///< metres of grid beyond the mesh; negative: 16 voxels
-  unsigned threads = 0;           ///< 0: one a core
+  SignMethod sign = SignMethod::kAutomatic;
+  unsigned threads = 0;  ///< 0: one a core
 };
 
 /// A mesh made ready to collide: distance field, point shell and mass properties, the thesis' mixed
@@ -37,6 +38,7 @@ class Model {
                                                          const ModelSettings& settings);
 
   const ModelSettings& settings() const { return settings_; }  ///< as they were given
+  /// Right side out, as far as it is closed.
   const TriangleMesh& mesh() const { return mesh_; }
   const Field& field() const { return field_; }
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }

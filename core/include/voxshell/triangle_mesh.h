@@ -52,6 +52,9 @@ class TriangleMesh {
 
   MeshDefects compute_defects() const;
 
+  /// The same surface with its inside out.
+  TriangleMesh turned() const;
+
  private:
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;

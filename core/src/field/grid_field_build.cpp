@@ -12,7 +12,10 @@
 #include "field/brick_bounds.h"
 #include "field/brick_entry.h"
 #include "field/brick_grid.h"
+#include "field/enclosing_surface.h"
 #include "field/flat_regions.h"
+#include "field/inside.h"
+#include "field/surface_bricks.h"
 #include "mesh/closest_point.h"
 #include "mesh/distance_tree.h"
 #include "mesh/row_winding.h"
@@ -26,6 +29,8 @@ using simd::kBrickCells;
 constexpr std::string_view kStage = "distance field";
 /// A plane may be off the distances at a brick's nodes by this, voxels.
 constexpr double kPlaneTolerance = 1.0 / 1024.0;
+/// A field is refused where fewer places than this are clearly inside or outside.
+constexpr double kLeastConfidence = 0.5;
 /// Half the edge and half the diagonal of a brick, voxels.
 constexpr double kHalfEdge = 0.5 * kBrickCells;
 const double kHalfDiagonal = std::sqrt(3.0) * kHalfEdge;
@@ -42,12 +47,14 @@ Progress part_of(const Progress& whole, double from, double to) {
 struct OverlapCount {
   std::size_t places = 0;
   std::size_t of = 0;
+  std::size_t inside = 0;  ///< of these
   Vec3 first{};
 
   void add(const OverlapCount& other) {
     if (places == 0) first = other.first;
     places += other.places;
     of += other.of;
+    inside += other.inside;
   }
 };
 
@@ -99,6 +106,18 @@ int choose_cells(const std::array<double, 8>& corners, double at_centre) {
   const double error = std::abs(depth - std::abs(mean));
   double tolerance = std::max(depth / 32.0, 1.0 / 8.0);
   if (is_inside) tolerance = std::min(tolerance, 1.0);
+  if (is_inside) {
+    // Deep inside a slope well below one tells of a ridge or peak, where depths are largest.
+    Vec3 slope{};
+    for (std::size_t i = 0; i < 8; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        slope[axis] += ((i >> axis & 1) != 0 ? 0.25 : -0.25) * corners[i] / kBrickCells;
+      }
+    }
+    const double steepness = length(slope);
+    if (steepness < 0.5) return kBrickCells;
+    if (steepness < 0.85) return 4;
+  }
   if (error <= tolerance) return 1;
   return error <= 3.0 * tolerance ? 2 : 4;
 }
@@ -124,12 +143,12 @@ int store_samples(std::span<const float> distances, std::int16_t* samples) {
 class Builder {
  public:
   Builder(const TriangleMesh& mesh, const BrickGridPlan& plan, const GridFieldSettings& settings,
-          const RowWinding& winding, const Progress& progress)
+          const Inside& inside, const Progress& progress)
       : mesh_(mesh),
         grid_(plan.grid),
         is_fine_(plan.is_fine),
         threads_(settings.threads),
-        winding_(winding),
+        inside_(inside),
         progress_(progress),
         flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
         tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {}
@@ -151,9 +170,9 @@ class Builder {
   }
 
   const OverlapCount& overlap() const { return overlap_; }
+  const InsideTally& tally() const { return tally_; }
 
  private:
-  std::size_t rows_y() const { return kBrickCells * grid_.bricks[1] + 1; }
   Vec3 centre_of(const std::array<std::size_t, 3>& place) const {
     const auto at = [&](std::size_t axis) {
       return static_cast<double>(kBrickCells * place[axis]) + kHalfEdge;
@@ -161,26 +180,23 @@ class Builder {
     return {at(0), at(1), at(2)};
   }
   static void count_overlap(int layers, float distance, const Vec3& place, OverlapCount& overlap) {
+    constexpr float kOnSurface = 0.02f;  // voxels
     ++overlap.of;
+    overlap.inside += layers > 0 && distance > kOnSurface;
     if (layers == 0 || layers == 1 || distance <= 1.0f) return;
     if (overlap.places++ == 0) overlap.first = place;
   }
-  void add_overlaps(const std::vector<OverlapCount>& overlaps) {
-    for (const OverlapCount& part : overlaps) overlap_.add(part);
-  }
-
   bool measure_corners() {
     lattice_.nodes = {grid_.bricks[0] + 1, grid_.bricks[1] + 1, grid_.bricks[2] + 1};
     const auto [nx, ny, nz] = lattice_.nodes;
     lattice_.distances.resize(nx * ny * nz);
-    std::vector<double> row_x(nx);
-    for (std::size_t i = 0; i < nx; ++i) row_x[i] = grid_.node(kBrickCells * i, 0, 0).x;
     std::vector<OverlapCount> overlaps(ny * nz);
+    std::vector<InsideTally> tallies(ny * nz);
     const auto measure_row = [&](std::size_t row) {
       const std::size_t j = row % ny;
       const std::size_t k = row / ny;
       std::vector<int> layers(nx);
-      winding_.compute(kBrickCells * (j + rows_y() * k), row_x, layers);
+      inside_.find_corners(j, k, layers, tallies[row]);
       DistanceTree::Nearest nearest{};
       for (std::size_t i = 0; i < nx; ++i) {
         const Vec3 in_voxels{static_cast<double>(kBrickCells * i),
@@ -195,7 +211,8 @@ class Builder {
     };
     const bool is_done =
         parallel_for(ny * nz, threads_, kStage, part_of(progress_, 0.0, 0.1), measure_row);
-    add_overlaps(overlaps);
+    for (const OverlapCount& of_row : overlaps) overlap_.add(of_row);
+    for (const InsideTally& of_row : tallies) tally_.add(of_row);
     return is_done;
   }
 
@@ -351,6 +368,7 @@ class Builder {
     const auto [nx, ny, nz] = grid_.bricks;
     struct RowResult {
       OverlapCount overlap;
+      InsideTally tally;
       double rounding = 0.0;  ///< largest, of a cell's size
       double floor = 1e30;    ///< nearest that a coarse brick may come, voxels
     };
@@ -371,7 +389,7 @@ class Builder {
         } else {
           measure(centre_of(place), plan, scratch, nodes);
           if (plan.cells == kBrickCells) {
-            sign_fine(place, nodes, result.overlap);
+            sign_fine(place, nodes, result.overlap, result.tally);
           } else if (corners[0] < 0.0) {
             for (float& d : nodes) d = -d;
           }
@@ -394,6 +412,7 @@ class Builder {
     double floor = 1e30;
     for (const RowResult& result : results) {
       overlap_.add(result.overlap);
+      tally_.add(result.tally);
       rounding = std::max(rounding, result.rounding);
       floor = std::min(floor, result.floor);
     }
@@ -434,25 +453,17 @@ class Builder {
   }
 
   void sign_fine(const std::array<std::size_t, 3>& place, std::span<float> nodes,
-                 OverlapCount& overlap) const {
+                 OverlapCount& overlap, InsideTally& tally) const {
     constexpr std::size_t kNodes = kBrickCells + 1;
-    std::array<double, kNodes> row_x{};
-    for (std::size_t i = 0; i < kNodes; ++i) {
-      row_x[i] = grid_.node(kBrickCells * place[0] + i, 0, 0).x;
-    }
-    std::array<int, kNodes> layers{};
-    std::size_t node = 0;
-    for (std::size_t k = 0; k < kNodes; ++k) {
-      for (std::size_t j = 0; j < kNodes; ++j) {
-        const std::size_t y = kBrickCells * place[1] + j;
-        const std::size_t z = kBrickCells * place[2] + k;
-        winding_.compute(y + z * rows_y(), row_x, layers);
-        for (std::size_t i = 0; i < kNodes; ++i, ++node) {
-          count_overlap(layers[i], nodes[node], grid_.node(kBrickCells * place[0] + i, y, z),
-                        overlap);
-          if (layers[i] > 0) nodes[node] = -nodes[node];
-        }
-      }
+    std::array<int, cube(kNodes)> layers{};
+    inside_.find_nodes(place, nodes, layers, tally);
+    for (std::size_t node = 0; node < layers.size(); ++node) {
+      count_overlap(layers[node], nodes[node],
+                    grid_.node(kBrickCells * place[0] + node % kNodes,
+                               kBrickCells * place[1] + node / kNodes % kNodes,
+                               kBrickCells * place[2] + node / (kNodes * kNodes)),
+                    overlap);
+      if (layers[node] > 0) nodes[node] = -nodes[node];
     }
   }
 
@@ -462,24 +473,17 @@ class Builder {
   const BrickGrid& grid_;
   const std::vector<char>& is_fine_;
   unsigned threads_;
-  const RowWinding& winding_;
+  const Inside& inside_;
   const Progress& progress_;
   FlatRegions flat_;
   DistanceTree tree_;
   CornerLattice lattice_;
   std::vector<BrickPlan> plans_;
   OverlapCount overlap_;
+  InsideTally tally_;
 };
 
-}  // namespace
-
-Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,
-                                   const Progress& progress) {
-  const auto planned = plan_brick_grid(mesh, settings);
-  if (!planned) return planned.error();
-  const BrickGrid& grid = planned->grid;
-  if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
-
+GridFieldData begin_data(const TriangleMesh& mesh, const BrickGrid& grid) {
   GridFieldData data;
   data.voxel_size = grid.voxel_size;
   data.origin = grid.origin;
@@ -487,22 +491,117 @@ Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSett
     data.bricks[axis] = static_cast<int>(grid.bricks[axis]);
   }
   data.surface_bounds = mesh.bounds();
+  return data;
+}
+
+Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan& plan,
+                                   const GridFieldSettings& settings, SignReport& report,
+                                   const Progress& progress) {
+  if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
+  const BrickGrid& grid = plan.grid;
   const auto winding = RowWinding::build(mesh, {.origin = grid.origin,
                                                 .step = grid.voxel_size,
                                                 .rows_y = kBrickCells * grid.bricks[1] + 1,
                                                 .rows_z = kBrickCells * grid.bricks[2] + 1});
   if (!winding) return winding.error();
-  Builder builder(mesh, *planned, settings, *winding, progress);
+  const InsideByRows inside(grid, *winding);
+  Builder builder(mesh, plan, settings, inside, progress);
+  GridFieldData data = begin_data(mesh, grid);
   if (auto stopped = builder.build(data)) return *std::move(stopped);
   const OverlapCount& overlap = builder.overlap();
   if (overlap.places > 0) {
+    report.overlaps = overlap.places;
+    report.first_location = overlap.first;
     return Error{ErrorCode::kInvalidMesh,
                  format_text("mesh overlaps itself by more than a voxel: %zu of %zu grid nodes "
                              "looked at are enclosed more than once or inside out (first near %s "
-                             "metres); unite its parts before building a signed field",
+                             "metres); unite its parts, or let winding numbers tell what is inside",
                              overlap.places, overlap.of, format_point(overlap.first).c_str())};
   }
-  return GridField(std::move(data));
+  report.method = SignMethod::kClosed;
+  return data;
+}
+
+Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGridPlan& plan,
+                                       const GridFieldSettings& settings, SignReport& report,
+                                       const Progress& progress) {
+  const Error no_volume{
+      ErrorCode::kInvalidMesh,
+      format_text("mesh encloses no volume: its winding number is above a half nowhere on the grid "
+                  "(%zu open, %zu non-manifold and %zu wrongly oriented edges, first near %s "
+                  "metres); repair it, or give it a thickness",
+                  report.defects.open_edges, report.defects.non_manifold_edges,
+                  report.defects.flipped_edges,
+                  format_point(report.defects.first_location).c_str())};
+  const Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
+  const BrickGrid& grid = plan.grid;
+  const WindingNumberTree winding(mesh);
+  const InsideByWindingNumbers inside(grid, mesh.bounds(), winding, report.was_turned ? -1.0 : 1.0);
+  bool was_stopped = false;
+  const Progress first_part = part_of(progress, 0.0, 0.0);
+  const Progress watched = [&](std::string_view stage, double fraction) {
+    was_stopped = was_stopped || (first_part && !first_part(stage, fraction));
+    return !was_stopped;
+  };
+  auto surface = find_enclosing_surface(mesh, grid, inside, settings.threads, watched);
+  if (!surface) return was_stopped ? cancelled : no_volume;
+  const BrickGridPlan of_surface{grid, find_surface_bricks(surface->mesh, grid, kFineMargin)};
+  Builder builder(surface->mesh, of_surface, settings, inside, progress);
+  GridFieldData data = begin_data(mesh, grid);
+  if (auto stopped = builder.build(data)) return *std::move(stopped);
+  const InsideTally& tally = builder.tally();
+  if (builder.overlap().inside == 0) return no_volume;
+  report.method = SignMethod::kWinding;
+  report.hidden_triangles = surface->hidden_triangles;
+  report.confidence = 1.0 - static_cast<double>(tally.unsure) /
+                                static_cast<double>(std::max<std::size_t>(tally.places, 1));
+  // In a cell that the limit of the inside cuts it crosses an edge.
+  report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
+  if (report.confidence < kLeastConfidence) {
+    return Error{ErrorCode::kInvalidMesh,
+                 format_text("it is in doubt what the mesh has inside: %zu of %zu places looked at "
+                             "have a winding number near a half (%zu open, %zu non-manifold and "
+                             "%zu wrongly oriented edges, first near %s metres); repair it",
+                             tally.unsure, tally.places, report.defects.open_edges,
+                             report.defects.non_manifold_edges, report.defects.flipped_edges,
+                             format_point(report.defects.first_location).c_str())};
+  }
+  return data;
+}
+
+}  // namespace
+
+Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,
+                                   const Progress& whole_progress) {
+  const auto plan = plan_brick_grid(mesh, settings);
+  if (!plan) return plan.error();
+  // Where a mesh turns out not to be what it was taken for, the work begins again.
+  double reported = 0.0;
+  Progress progress;
+  if (whole_progress) {
+    progress = [&](std::string_view stage, double fraction) {
+      reported = std::max(reported, fraction);
+      return whole_progress(stage, reported);
+    };
+  }
+  SignReport report;
+  const auto finish = [&](Result<GridFieldData> data) -> Result<GridField> {
+    if (!data) return data.error();
+    data->sign = report;
+    return GridField(*std::move(data));
+  };
+  if (settings.sign == SignMethod::kClosed) {
+    return finish(build_closed(mesh, *plan, settings, report, progress));
+  }
+  report.defects = mesh.compute_defects();
+  report.first_location = report.defects.first_location;
+  report.was_turned = mesh.compute_volume() < 0.0;
+  if (settings.sign == SignMethod::kAutomatic && report.defects.is_closed()) {
+    auto data =
+        build_closed(report.was_turned ? mesh.turned() : mesh, *plan, settings, report, progress);
+    if (data || data.error().code != ErrorCode::kInvalidMesh) return finish(std::move(data));
+  }
+  return finish(build_by_winding(mesh, *plan, settings, report, progress));
 }
 
 }  // namespace voxshell

@@ -55,8 +55,12 @@ Span bricks_between(double low, double high, std::size_t count) {
 
 }  // namespace
 
-std::vector<char> find_surface_bricks(const TriangleMesh& mesh, const BrickGrid& grid,
-                                      double margin) {
+namespace {
+
+/// `corners_of(i)` gives the triangles.
+template <class Corners>
+std::vector<char> find_bricks(std::size_t count, const Corners& corners_of, const BrickGrid& grid,
+                              double margin) {
   std::vector<char> found(grid.count(), 0);
   const double edge = simd::kBrickCells * grid.voxel_size;
   const double m = margin / simd::kBrickCells;
@@ -73,9 +77,9 @@ std::vector<char> find_surface_bricks(const TriangleMesh& mesh, const BrickGrid&
       if (part.size > 0) visit(i, part);
     }
   };
-  for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+  for (std::size_t t = 0; t < count; ++t) {
     Polygon triangle;
-    for (const Vec3& corner : mesh.corners(t)) {
+    for (const Vec3& corner : corners_of(t)) {
       triangle.corners[triangle.size++] = (corner - grid.origin) / edge;
     }
     slabs(triangle, 2, [&](std::size_t k, const Polygon& layer) {
@@ -87,6 +91,19 @@ std::vector<char> find_surface_bricks(const TriangleMesh& mesh, const BrickGrid&
     });
   }
   return found;
+}
+
+}  // namespace
+
+std::vector<char> find_surface_bricks(std::span<const std::array<Vec3, 3>> triangles,
+                                      const BrickGrid& grid, double margin) {
+  return find_bricks(triangles.size(), [&](std::size_t i) { return triangles[i]; }, grid, margin);
+}
+
+std::vector<char> find_surface_bricks(const TriangleMesh& mesh, const BrickGrid& grid,
+                                      double margin) {
+  return find_bricks(
+      mesh.triangles().size(), [&](std::size_t i) { return mesh.corners(i); }, grid, margin);
 }
 
 }  // namespace voxshell

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "field/brick_grid.h"
@@ -7,8 +9,10 @@
 
 namespace voxshell {
 
-/// One flag a brick: 1 where the mesh passes through it or within `margin` voxels, measured along
+/// One flag a brick: 1 where a triangle passes through it or within `margin` voxels, measured along
 /// each axis.
+std::vector<char> find_surface_bricks(std::span<const std::array<Vec3, 3>> triangles,
+                                      const BrickGrid& grid, double margin);
 std::vector<char> find_surface_bricks(const TriangleMesh& mesh, const BrickGrid& grid,
                                       double margin);
 

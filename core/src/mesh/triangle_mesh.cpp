@@ -204,6 +204,12 @@ MeshDefects TriangleMesh::compute_defects() const {
   return defects;
 }
 
+TriangleMesh TriangleMesh::turned() const {
+  TriangleMesh mesh = *this;
+  for (Triangle& t : mesh.triangles_) std::swap(t[1], t[2]);
+  return mesh;
+}
+
 Result<std::monostate> check_encloses_volume(const TriangleMesh& mesh) {
   const MeshDefects defects = mesh.compute_defects();
   if (!defects.is_closed()) {

@@ -51,13 +51,48 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
                   farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
 }
 
+/// What a mesh that is not closed has inside is what its field says, to a 64th of its longest side.
+MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
+  if (field.sign_report().method == SignMethod::kClosed) return compute_solid_mass_properties(mesh);
+  constexpr int kPieces = 64;
+  const Bounds& bounds = mesh.bounds();
+  const Vec3 extents = bounds.extents();
+  const double piece = extents[bounds.longest_axis()] / kPieces;
+  const auto pieces = [&](int axis) { return static_cast<int>(std::ceil(extents[axis] / piece)); };
+  std::size_t count = 0;
+  Vec3 sum{};
+  Vec3 squares{};
+  Vec3 products{};  // y z, z x, x y
+  for (int k = 0; k < pieces(2); ++k) {
+    for (int j = 0; j < pieces(1); ++j) {
+      for (int i = 0; i < pieces(0); ++i) {
+        const Vec3 p = piece * Vec3{i + 0.5, j + 0.5, k + 0.5};
+        if (field.distance(static_cast<Vec3f>(bounds.lower + p)) >= 0.0f) continue;
+        ++count;
+        sum += p;
+        squares += {p.x * p.x, p.y * p.y, p.z * p.z};
+        products += {p.y * p.z, p.z * p.x, p.x * p.y};
+      }
+    }
+  }
+  if (count == 0) return compute_surface_mass_properties(mesh);
+  const double share = 1.0 / static_cast<double>(count);
+  const Vec3 c = share * sum;
+  const double own = piece * piece / 12.0;
+  const Vec3 s = share * squares - Vec3{c.x * c.x, c.y * c.y, c.z * c.z} + Vec3{own, own, own};
+  const Vec3 m = share * products - Vec3{c.y * c.z, c.z * c.x, c.x * c.y};
+  return {1.0,
+          bounds.lower + c,
+          {{s.y + s.z, -m.z, -m.y}, {-m.z, s.x + s.z, -m.x}, {-m.y, -m.x, s.x + s.y}}};
+}
+
 }  // namespace
 
 Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings)
     : mesh_(std::move(mesh)),
       field_(std::move(field)),
       shell_(std::move(shell)),
-      solid_(compute_solid_mass_properties(mesh_)),
+      solid_(compute_solid(mesh_, grid())),
       surface_(compute_surface_mass_properties(mesh_)),
       settings_(settings) {}
 
@@ -79,10 +114,13 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   constexpr double kDefaultPaddingVoxels = 16.0;
   const double padding =
       settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding;
-  const GridFieldSettings field_settings{
-      .voxel_size = *voxel_size, .padding = padding, .threads = settings.threads};
+  const GridFieldSettings field_settings{.voxel_size = *voxel_size,
+                                         .padding = padding,
+                                         .sign = settings.sign,
+                                         .threads = settings.threads};
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();
+  if (field->sign_report().was_turned) mesh = mesh.turned();
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 

@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -58,6 +58,7 @@ struct Record {
   double point_spacing;
   std::uint64_t target_points;
   double padding;
+  std::int64_t sign;  ///< SignMethod
   // The grid field.
   double grid_voxel_size;
   Vec3 grid_origin;
@@ -67,10 +68,20 @@ struct Record {
   double grid_error;
   double grid_jump;
   double grid_coarse_floor;
+  // Its SignReport.
+  std::int64_t sign_method;
+  double sign_confidence;
+  std::uint64_t sign_was_turned;
+  std::array<std::uint64_t, 3> sign_defects;  ///< open, non-manifold, flipped
+  std::uint64_t sign_overlaps;
+  std::uint64_t sign_hidden_triangles;
+  Vec3 sign_first_defect;
+  Vec3 sign_first_location;
+  double sign_cap_error;
   // The point shell.
   double shell_spacing;
 };
-static_assert(sizeof(Record) == std::size_t{22} * 8);
+static_assert(sizeof(Record) == std::size_t{38} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

@@ -170,6 +170,11 @@ Error in_file(const char* part, const Error& error) {
   return invalid("its %s cannot be used: %s", part, error.message.c_str());
 }
 
+bool is_method(std::int64_t value) {
+  return value >= static_cast<std::int64_t>(SignMethod::kAutomatic) &&
+         value <= static_cast<std::int64_t>(SignMethod::kWinding);
+}
+
 Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
   GridFieldData data{
       .voxel_size = record.grid_voxel_size,
@@ -183,7 +188,21 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
       .error = record.grid_error,
       .jump = record.grid_jump,
       .coarse_floor = record.grid_coarse_floor,
+      .sign = {.method = static_cast<SignMethod>(record.sign_method),
+               .confidence = record.sign_confidence,
+               .was_turned = record.sign_was_turned != 0,
+               .defects = {.open_edges = record.sign_defects[0],
+                           .non_manifold_edges = record.sign_defects[1],
+                           .flipped_edges = record.sign_defects[2],
+                           .first_location = record.sign_first_defect},
+               .overlaps = record.sign_overlaps,
+               .hidden_triangles = record.sign_hidden_triangles,
+               .first_location = record.sign_first_location,
+               .cap_error = record.sign_cap_error},
   };
+  if (!is_method(record.sign_method) || record.sign_was_turned > 1) {
+    return invalid("its field cannot be used: its signs were found in no known way");
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t bricks = record.grid_bricks[axis];
     if (bricks < 1 || bricks > std::numeric_limits<int>::max()) {
@@ -217,11 +236,16 @@ Result<ModelSettings> make_settings(const Record& record) {
   for (const double value : {record.voxel_size, record.point_spacing, record.padding}) {
     if (!std::isfinite(value)) return invalid("its settings cannot be used: one is %g", value);
   }
+  if (!is_method(record.sign)) {
+    return invalid("its settings cannot be used: the sign is %lld",
+                   static_cast<long long>(record.sign));
+  }
   return ModelSettings{.voxel_size = record.voxel_size,
                        .resolution = static_cast<int>(record.resolution),
                        .point_spacing = record.point_spacing,
                        .target_points = record.target_points,
-                       .padding = record.padding};
+                       .padding = record.padding,
+                       .sign = static_cast<SignMethod>(record.sign)};
 }
 
 Result<std::shared_ptr<const Model>> make_model(Sections<Array> sections) {

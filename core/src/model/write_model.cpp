@@ -25,6 +25,7 @@ Record make_record(const Model& model) {
           .point_spacing = settings.point_spacing,
           .target_points = settings.target_points,
           .padding = settings.padding,
+          .sign = static_cast<std::int64_t>(settings.sign),
           .grid_voxel_size = grid.voxel_size,
           .grid_origin = grid.origin,
           .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
@@ -33,6 +34,16 @@ Record make_record(const Model& model) {
           .grid_error = grid.error,
           .grid_jump = grid.jump,
           .grid_coarse_floor = grid.coarse_floor,
+          .sign_method = static_cast<std::int64_t>(grid.sign.method),
+          .sign_confidence = grid.sign.confidence,
+          .sign_was_turned = grid.sign.was_turned ? 1u : 0u,
+          .sign_defects = {grid.sign.defects.open_edges, grid.sign.defects.non_manifold_edges,
+                           grid.sign.defects.flipped_edges},
+          .sign_overlaps = grid.sign.overlaps,
+          .sign_hidden_triangles = grid.sign.hidden_triangles,
+          .sign_first_defect = grid.sign.defects.first_location,
+          .sign_first_location = grid.sign.first_location,
+          .sign_cap_error = grid.sign.cap_error,
           .shell_spacing = shell.spacing()};
 }
 

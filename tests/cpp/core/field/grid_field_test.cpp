@@ -639,9 +639,10 @@ TEST(GridField, RefusesSettingsThatMakeNoSense) {
 TEST(GridField, RefusesOpenAndInsideOutMeshes) {
   Soup open = make_box({1, 1, 1});
   open.triangles.pop_back();
-  expect_error(GridField::build(open.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
-               "3 open");
-  expect_error(GridField::build(inverted(make_box({1, 1, 1})).mesh(), {.voxel_size = 0.1}),
+  expect_error(GridField::build(open.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
+               ErrorCode::kInvalidMesh, "3 open");
+  expect_error(GridField::build(inverted(make_box({1, 1, 1})).mesh(),
+                                {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
                ErrorCode::kInvalidMesh, "inside out");
 }
 
@@ -696,21 +697,22 @@ TEST(GridField, IsAsGoodAtTheFarEndOfTheLongestAxis) {
 TEST(GridField, RefusesOverlappingBodies) {
   const Soup sphere = make_icosphere(0.5, 3);
   const Soup overlapping = together(sphere, moved(sphere, {0.6, 0.1, 0.05}));
-  expect_error(GridField::build(overlapping.mesh(), {.voxel_size = 0.05}), ErrorCode::kInvalidMesh,
-               "overlaps itself");
+  expect_error(
+      GridField::build(overlapping.mesh(), {.voxel_size = 0.05, .sign = SignMethod::kClosed}),
+      ErrorCode::kInvalidMesh, "overlaps itself");
 }
 
 TEST(GridField, RefusesNestedBodies) {
   const Soup nested = together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5}));
-  expect_error(GridField::build(nested.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
-               "overlaps itself");
+  expect_error(GridField::build(nested.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
+               ErrorCode::kInvalidMesh, "overlaps itself");
 }
 
 TEST(GridField, RefusesABodyInsideOutBesideAnother) {
   const Soup pair =
       together(make_box({1, 1, 1}), moved(inverted(make_box({0.5, 0.5, 0.5})), {3, 0, 0}));
-  expect_error(GridField::build(pair.mesh(), {.voxel_size = 0.1}), ErrorCode::kInvalidMesh,
-               "inside out");
+  expect_error(GridField::build(pair.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
+               ErrorCode::kInvalidMesh, "inside out");
 }
 
 TEST(GridField, ASpeckInsideOutThatIsSmallerThanAVoxelDoesNoHarm) {
@@ -723,7 +725,8 @@ TEST(GridField, ASpeckInsideOutThatIsSmallerThanAVoxelDoesNoHarm) {
 TEST(GridField, NamesAPlaceInTheOverlap) {
   const Soup overlapping =
       together(make_box({1, 1, 1}), moved(make_box({0.3, 0.3, 0.3}), {1.01, 0.5, 0.25}));
-  const auto field = GridField::build(overlapping.mesh(), {.voxel_size = 0.05});
+  const auto field =
+      GridField::build(overlapping.mesh(), {.voxel_size = 0.05, .sign = SignMethod::kClosed});
   ASSERT_FALSE(field);
   const std::string& message = field.error().message;
   const std::size_t at = message.find("near [");

@@ -253,7 +253,7 @@ TEST(ModelBytes, WithAWrongHeaderAreRefused) {
   };
   expect_refused(with(0, 'V'), "does not begin as one");
   expect_refused(with(4, '\n'), "does not begin as one");
-  for (const std::uint32_t version : {0u, 2u, 0xffffffffu}) {
+  for (const std::uint32_t version : {0u, 1u, 3u, 0xffffffffu}) {
     expect_refused(with(offsetof(Header, version), version), "version " + std::to_string(version));
   }
   for (const std::uint32_t count : {0u, 11u, 13u, 0xffffffffu}) {

@@ -100,13 +100,36 @@ TEST(Model, RefusesSettingsThatMakeNoSense) {
 TEST(Model, RefusesMeshesThatEncloseNothing) {
   Soup open = make_box({0.5, 0.5, 0.5});
   open.triangles.pop_back();
-  expect_error(Model::build(open.mesh(), {.resolution = 10}), ErrorCode::kInvalidMesh,
-               "not watertight");
-  expect_error(Model::build(inverted(make_box({0.5, 0.5, 0.5})).mesh(), {.resolution = 10}),
+  expect_error(Model::build(open.mesh(), {.resolution = 10, .sign = SignMethod::kClosed}),
+               ErrorCode::kInvalidMesh, "not watertight");
+  expect_error(Model::build(inverted(make_box({0.5, 0.5, 0.5})).mesh(),
+                            {.resolution = 10, .sign = SignMethod::kClosed}),
                ErrorCode::kInvalidMesh, "inside out");
   const Soup nested = together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5}));
-  expect_error(Model::build(nested.mesh(), {.resolution = 20}), ErrorCode::kInvalidMesh,
-               "overlaps itself");
+  expect_error(Model::build(nested.mesh(), {.resolution = 20, .sign = SignMethod::kClosed}),
+               ErrorCode::kInvalidMesh, "overlaps itself");
+}
+
+TEST(Model, TakesOpenNestedAndInvertedMeshesUnlessToldOtherwise) {
+  const Soup sphere = make_icosphere(0.5, 3);
+  const auto whole = build(sphere, {.resolution = 30});
+  Soup holed = sphere;
+  holed.triangles.pop_back();
+  for (const Soup& soup :
+       {holed, inverted(sphere), inverted(holed), together(sphere, make_box({0.1, 0.1, 0.1}))}) {
+    const auto model = build(soup, {.resolution = 30});
+    EXPECT_NEAR(model->grid().distance({0, 0, 0}), -0.5f, 0.07f);
+    const MassProperties& solid = model->solid_mass_properties();
+    EXPECT_NEAR(length(solid.centre_of_mass), 0.0, 0.01);
+    EXPECT_NEAR(solid.inertia.row_x.x, whole->solid_mass_properties().inertia.row_x.x, 0.003);
+    // Normals of the shell point outwards.
+    const auto& shell = model->shell();
+    std::size_t outwards = 0;
+    for (std::size_t i = 0; i < shell.size(); ++i) {
+      outwards += dot(shell.normals()[i], shell.points()[i]) > 0.0f;
+    }
+    EXPECT_GT(outwards, shell.size() * 9 / 10);
+  }
 }
 
 TEST(Model, RefusesBodiesTooFarFromTheirOriginForFloat32AndAdvisesAVoxelSize) {
@@ -160,7 +183,8 @@ TEST(Model, RefusesBeforeItWorks) {
                        ErrorCode::kInvalidArgument, "point spacing");
   Soup open = make_box({0.5, 0.5, 0.5});
   open.triangles.pop_back();
-  expect_error_at_once(open.mesh(), {.resolution = 500}, ErrorCode::kInvalidMesh, "not watertight");
+  expect_error_at_once(open.mesh(), {.resolution = 500, .sign = SignMethod::kClosed},
+                       ErrorCode::kInvalidMesh, "not watertight");
 }
 
 TEST(Model, StopsAtEveryStageWhereProgressSaysSo) {

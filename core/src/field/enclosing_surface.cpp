@@ -1,0 +1,215 @@
+#include "field/enclosing_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "base/parallel.h"
+#include "field/brick_entry.h"
+#include "field/surface_bricks.h"
+#include "mesh/distance_tree.h"
+
+namespace voxshell {
+namespace {
+
+using simd::kBrickCells;
+
+constexpr std::string_view kStage = "distance field";
+constexpr std::size_t kNodes = kBrickCells + 1;
+/// How far from a triangle its sides are looked at, and how large the specks are, voxels.
+constexpr double kAside = 1e-2;
+constexpr double kSpeck = 1e-3;
+/// Winding numbers this near to a half may become one where the mesh is open.
+constexpr double kUnsure = 0.25;
+
+/// What lies on the two sides of a triangle.
+struct Sides {
+  bool is_hidden = false;  ///< inside on both
+  bool is_clear = true;    ///< nowhere near to the limit of the inside
+};
+
+Sides look_at_sides(const std::array<Vec3, 3>& corners, const InsideByWindingNumbers& inside,
+                    double aside) {
+  const auto& [a, b, c] = corners;
+  const Vec3 normal = normalized(cross(b - a, c - a));
+  const Vec3 centre = (a + b + c) / 3.0;
+  const double front = inside.compute(centre + aside * normal);
+  const double back = inside.compute(centre - aside * normal);
+  return {front > 0.5 && back > 0.5,
+          std::abs(front - 0.5) >= kUnsure && std::abs(back - 0.5) >= kUnsure};
+}
+
+/// Edges that are not of exactly two triangles, as triangles without area.
+std::vector<std::array<Vec3, 3>> find_faulty_edges(const TriangleMesh& mesh) {
+  struct Side {
+    std::uint32_t low, high;
+    bool forward;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangles().size());
+  for (const Triangle& t : mesh.triangles()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = t[i];
+      const std::uint32_t to = t[(i + 1) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return a.low != b.low ? a.low < b.low : a.high < b.high;
+  });
+  std::vector<std::array<Vec3, 3>> faulty;
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && sides[end].low == sides[begin].low &&
+           sides[end].high == sides[begin].high) {
+      ++end;
+    }
+    if (end - begin == 2 && sides[begin].forward != sides[begin + 1].forward) continue;
+    const Vec3& a = mesh.vertices()[sides[begin].low];
+    const Vec3& b = mesh.vertices()[sides[begin].high];
+    faulty.push_back({a, b, b});
+  }
+  return faulty;
+}
+
+/// Where the limit of the inside runs through a brick without a triangle near, metres; and through
+/// which faces it goes on: bit 2 axis, plus 1 for the upper face.
+struct Crossings {
+  std::vector<Vec3> points;
+  unsigned faces = 0;
+};
+
+Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGrid& grid,
+                         const InsideByWindingNumbers& inside, std::span<const float> distances) {
+  constexpr std::size_t kCount = kNodes * kNodes * kNodes;
+  constexpr std::array<std::size_t, 3> kStrides{1, kNodes, kNodes * kNodes};
+  std::array<double, kCount> numbers;
+  const auto node_at = [&](const std::array<std::size_t, 3>& place) {
+    return grid.node(kBrickCells * brick[0] + place[0], kBrickCells * brick[1] + place[1],
+                     kBrickCells * brick[2] + place[2]);
+  };
+  const auto place_of = [](std::size_t node) {
+    return std::array{node % kNodes, node / kNodes % kNodes, node / (kNodes * kNodes)};
+  };
+  for (std::size_t node = 0; node < kCount; ++node) {
+    numbers[node] = inside.compute(node_at(place_of(node)));
+  }
+  Crossings found;
+  for (std::size_t node = 0; node < kCount; ++node) {
+    const auto place = place_of(node);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (place[axis] == kBrickCells) continue;
+      const std::size_t next = node + kStrides[axis];
+      if ((numbers[node] > 0.5) == (numbers[next] > 0.5)) continue;
+      if (distances[node] + distances[next] <= 1.0f + 1e-3f) continue;
+      bool is_on_upper_face = false;
+      for (std::size_t other = 0; other < 3; ++other) {
+        if (other == axis) continue;
+        if (place[other] == 0) found.faces |= 1u << (2 * other);
+        if (place[other] == kBrickCells) {
+          found.faces |= 1u << (2 * other + 1);
+          is_on_upper_face = true;  // and told by the next brick
+        }
+      }
+      if (is_on_upper_face) continue;
+      auto end = place;
+      ++end[axis];
+      const double share = (0.5 - numbers[node]) / (numbers[next] - numbers[node]);
+      const Vec3 from = node_at(place);
+      found.points.push_back(from + std::clamp(share, 0.0, 1.0) * (node_at(end) - from));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
+                                                       const BrickGrid& grid,
+                                                       const InsideByWindingNumbers& inside,
+                                                       unsigned threads, const Progress& progress) {
+  const double h = grid.voxel_size;
+  const std::size_t count = mesh.triangles().size();
+  std::vector<Sides> sides(count);
+  constexpr std::size_t kChunk = 64;
+  const auto look = [&](std::size_t chunk) {
+    for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
+      sides[i] = look_at_sides(mesh.corners(i), inside, kAside * h);
+    }
+  };
+  if (!parallel_for((count + kChunk - 1) / kChunk, threads, kStage, progress, look)) {
+    return std::nullopt;
+  }
+  EnclosingSurface surface;
+  std::vector<Vec3> vertices(mesh.vertices().begin(), mesh.vertices().end());
+  std::vector<Triangle> triangles;
+  std::vector<std::array<Vec3, 3>> open = find_faulty_edges(mesh);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!sides[i].is_clear) open.push_back(mesh.corners(i));
+    if (sides[i].is_hidden) {
+      ++surface.hidden_triangles;
+    } else {
+      triangles.push_back(mesh.triangles()[i]);
+    }
+  }
+  auto kept = TriangleMesh::create(vertices, triangles);
+  if (!kept) return std::nullopt;
+
+  const DistanceTree tree(*kept, grid.origin, h, threads);
+  // The limit leaves the mesh at such places; from there it is followed from brick to brick.
+  std::vector<char> was_seen = find_surface_bricks(open, grid, 1.0);
+  std::vector<std::size_t> bricks;
+  for (std::size_t brick = 0; brick < grid.count(); ++brick) {
+    if (was_seen[brick] != 0) bricks.push_back(brick);
+  }
+  std::vector<Vec3> caps;
+  while (!bricks.empty()) {
+    std::vector<Crossings> found(bricks.size());
+    const auto follow = [&](std::size_t i) {
+      const auto place = grid.place(bricks[i]);
+      Vec3 centre{};
+      for (int axis = 0; axis < 3; ++axis) {
+        centre[axis] =
+            (static_cast<double>(place[static_cast<std::size_t>(axis)]) + 0.5) * kBrickCells;
+      }
+      DistanceTree::Scratch scratch;
+      std::array<float, cube(kNodes)> distances;
+      tree.measure_brick(centre, tree.find_nearest(centre, 0).distance, scratch, distances);
+      found[i] = find_crossings(place, grid, inside, distances);
+    };
+    if (!parallel_for(bricks.size(), threads, kStage, progress, follow)) return std::nullopt;
+    std::vector<std::size_t> next;
+    const std::array<std::size_t, 3> strides{1, grid.bricks[0], grid.bricks[0] * grid.bricks[1]};
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      caps.insert(caps.end(), found[i].points.begin(), found[i].points.end());
+      const auto place = grid.place(bricks[i]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const bool upper : {false, true}) {
+          if ((found[i].faces >> (2 * axis + (upper ? 1 : 0)) & 1) == 0) continue;
+          if (place[axis] == (upper ? grid.bricks[axis] - 1 : 0)) continue;
+          const std::size_t other = upper ? bricks[i] + strides[axis] : bricks[i] - strides[axis];
+          if (was_seen[other] != 0) continue;
+          was_seen[other] = 1;
+          next.push_back(other);
+        }
+      }
+    }
+    std::sort(next.begin(), next.end());
+    bricks = std::move(next);
+  }
+  surface.caps = caps.size();
+  for (const Vec3& cap : caps) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    vertices.insert(vertices.end(),
+                    {cap, cap + Vec3{kSpeck * h, 0.0, 0.0}, cap + Vec3{0.0, kSpeck * h, 0.0}});
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  auto closed = TriangleMesh::create(vertices, triangles);
+  if (!closed) return std::nullopt;
+  surface.mesh = *std::move(closed);
+  return surface;
+}
+
+}  // namespace voxshell

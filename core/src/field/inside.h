@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "field/brick_grid.h"
+#include "mesh/row_winding.h"
+#include "mesh/winding_number.h"
+
+namespace voxshell {
+
+/// How clearly places were told to be inside or outside.
+struct InsideTally {
+  std::size_t places = 0;
+  std::size_t unsure = 0;  ///< of these
+
+  void add(const InsideTally& other) {
+    places += other.places;
+    unsure += other.unsure;
+  }
+};
+
+/// Says which nodes of a grid are inside a mesh, as the number of layers that enclose them.
+class Inside {
+ public:
+  virtual ~Inside() = default;
+
+  /// At the corners of bricks along a row.
+  virtual void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
+                            InsideTally& tally) const = 0;
+
+  /// At the 9^3 nodes of a brick, whose unsigned distances are given in voxels.
+  virtual void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
+                          std::span<int> layers, InsideTally& tally) const = 0;
+};
+
+/// Of closed meshes, by their crossings of rows.
+class InsideByRows : public Inside {
+ public:
+  InsideByRows(const BrickGrid& grid, const RowWinding& winding) : grid_(grid), winding_(winding) {}
+
+  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
+                    InsideTally& tally) const override;
+  void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
+                  std::span<int> layers, InsideTally& tally) const override;
+
+ private:
+  const BrickGrid& grid_;
+  const RowWinding& winding_;
+};
+
+/// Of any mesh, by generalised winding numbers: inside is what has one above a half. Nodes that are
+/// nearer to one another than to the surface lie on one side of it, so that few need their own.
+class InsideByWindingNumbers : public Inside {
+ public:
+  InsideByWindingNumbers(const BrickGrid& grid, const Bounds& bounds,
+                         const WindingNumberTree& winding, double orientation)
+      : grid_(grid), bounds_(bounds), winding_(winding), orientation_(orientation) {}
+
+  /// The winding number at a place, metres; of a mesh that is inside out, turned.
+  double compute(const Vec3& p) const;
+
+  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
+                    InsideTally& tally) const override;
+  void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
+                  std::span<int> layers, InsideTally& tally) const override;
+
+ private:
+  const BrickGrid& grid_;
+  Bounds bounds_;
+  const WindingNumberTree& winding_;
+  double orientation_;
+};
+
+}  // namespace voxshell
