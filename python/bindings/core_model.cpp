@@ -24,8 +24,8 @@ namespace {
 
 std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray& faces,
                                    double voxel_size, int resolution, double point_spacing,
-                                   std::size_t target_points, double padding, const std::string& sign, unsigned threads,
-                                   nb::handle progress) {
+                                   std::size_t target_points, double padding,
+                                   const std::string& sign, unsigned threads, nb::handle progress) {
   const std::vector<Vec3> corners = read_points(vertices);
   const std::vector<Triangle> triangles = read_triangles(faces);
 
@@ -86,16 +86,18 @@ std::tuple<Coordinates, std::array<Coordinates, 3>> to_tuple(const MassPropertie
 void bind_model(nb::module_& module) {
   using SharedModel = std::shared_ptr<const Model>;
   nb::class_<Model>(module, "Model", "Field, shell and mass properties of a mesh.")
-      .def_static("build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
-                  nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
-                  nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"), nb::arg("threads"),
-                  nb::arg("progress").none(),
-                  nb::sig("def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
-                          "numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: "
-                          "int, point_spacing: float, target_points: int, padding: float, "
-                          "sign: str, threads: int, progress: collections.abc.Callable[[str, float], object] "
-                          "| None) -> Model"),
-                  "0 (padding: below 0) leaves a setting to the core.")
+      .def_static(
+          "build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
+          nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
+          nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"), nb::arg("threads"),
+          nb::arg("progress").none(),
+          nb::sig(
+              "def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
+              "numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: "
+              "int, point_spacing: float, target_points: int, padding: float, "
+              "sign: str, threads: int, progress: collections.abc.Callable[[str, float], object] "
+              "| None) -> Model"),
+          "0 (padding: below 0) leaves a setting to the core.")
       .def("save", &save, nb::arg("path"))
       .def_static("load", &load, nb::arg("path"))
       .def_prop_ro("vertices",

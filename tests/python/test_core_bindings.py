@@ -145,6 +145,7 @@ def test_building():
         "point_spacing": 0.0,
         "target_points": 0,
         "padding": -1.0,
+        "sign": "auto",
         "threads": 0,
         "progress": None,
     }
@@ -159,7 +160,7 @@ def test_building():
     for name in settings:
         if name != "progress":
             with pytest.raises(TypeError):
-                _core.Model.build(vertices, faces, **{**settings, name: "x"})
+                _core.Model.build(vertices, faces, **{**settings, name: b"x"})
     with pytest.raises(TypeError):
         _core.Model.build(vertices, faces)
     for kind in (

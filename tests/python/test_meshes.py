@@ -141,9 +141,30 @@ def test_wrong_faces_are_refused(faces, message: str):
     ],
     ids=["open", "inside out", "mixed"],
 )
-def test_a_surface_that_encloses_nothing_is_refused(faces: np.ndarray, message: str):
+def test_a_faulty_surface_is_refused_where_it_must_be_closed(faces: np.ndarray, message: str):
     with pytest.raises(vx.MeshError, match=message):
-        build((VERTICES, faces))
+        vx.Model.from_mesh((VERTICES, faces), resolution=10, sign="closed")
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        (FACES[1:], "3 open, 0 non-manifold and 0 wrongly oriented edges"),
+        (FACES[:, ::-1], "inside out"),
+    ],
+    ids=["open", "inside out"],
+)
+def test_a_faulty_surface_is_taken_with_a_warning(faces: np.ndarray, message: str):
+    with pytest.warns(vx.MeshWarning, match=message):
+        model = vx.Model.from_mesh((VERTICES, faces), resolution=10, cache=False)
+    assert (model.field.sample(np.mean(VERTICES, axis=0)[None, :]) < 0).all()
+    assert (model.field.sample([[3.0, 3.0, 3.0]]) > 0).all()
+
+
+@pytest.mark.parametrize("sign", ["open", "", None, 1])
+def test_a_wrong_sign_is_refused(sign):
+    with pytest.raises(vx.SettingsError, match="sign must be"):
+        vx.Model.from_mesh((VERTICES, FACES), sign=sign)
 
 
 TETRAHEDRON = trimesh.Trimesh(VERTICES, FACES)
@@ -177,6 +198,7 @@ def damaged_meshes(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
     scale=st.sampled_from([1.0, 1.0, 1e-6, 1e6]),
 )
 @settings(max_examples=300, deadline=None)
+@pytest.mark.filterwarnings("ignore::voxshell.MeshWarning")
 def test_any_damage_is_an_error_or_a_sound_model(mesh, resolution, target_points, scale):
     try:
         model = vx.Model.from_mesh(
