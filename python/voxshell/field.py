@@ -80,7 +80,7 @@ class DistanceField(Field):
         >>> box = trimesh.creation.box(extents=(0.2, 0.2, 0.1))
         >>> field = vx.Model.from_mesh(box, voxel_size=0.01).field
         >>> field
-        DistanceField(41 x 41 x 33 nodes, voxel size 0.01 m, 0.1 MB)
+        DistanceField(57 x 57 x 49 nodes, voxel size 0.01 m, 0.1 MB)
         >>> field.sample([[0, 0, 0.07]]).round(6)
         array([0.02])
     """

@@ -47,7 +47,7 @@ class Model:
         >>> import voxshell as vx
         >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
         >>> model
-        Model(12 triangles, 2402 points, field 41 x 41 x 41, voxel size 0.05 m, 0.1 MB)
+        Model(12 triangles, 2402 points, field 57 x 57 x 57, voxel size 0.05 m, 0.1 MB)
         >>> model.bounds
         array([[-0.5, -0.5, -0.5],
                [ 0.5,  0.5,  0.5]])

@@ -112,7 +112,7 @@ def test_a_model_cannot_be_changed_or_made_by_hand():
 
 def test_it_says_what_it_holds(coarse_bunny: vx.Model):
     assert re.fullmatch(
-        rf"Model\(69666 triangles, {len(coarse_bunny.shell)} points, field 129 x 129 x 105, "
+        rf"Model\(69666 triangles, {len(coarse_bunny.shell)} points, field 145 x 145 x 121, "
         r"voxel size 0\.002 m, \d\.\d MB\)",
         repr(coarse_bunny),
     )
