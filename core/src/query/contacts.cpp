@@ -1,6 +1,9 @@
 #include "voxshell/contacts.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
@@ -11,9 +14,10 @@
 namespace voxshell {
 namespace {
 
+/// To the bit: a zero's sign may decide between two faces of a field.
 bool is_same(const Pose& a, const Pose& b) {
-  return a.rotation.row_x == b.rotation.row_x && a.rotation.row_y == b.rotation.row_y &&
-         a.rotation.row_z == b.rotation.row_z && a.translation == b.translation;
+  using Bits = std::array<std::uint64_t, 12>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
 /// Whether the last query asked the very same and its answer is still there. Planes are told apart

@@ -174,6 +174,7 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
       }
     }
     state.contact_count = kept;
+    state.survivors.are_contacts_kept = false;
     return scratch.contacts();
   }
   const std::size_t segments = std::size_t{1} << depth;

@@ -339,6 +339,39 @@ TEST(Contacts, WithALongGridOfFineVoxelsAgree) {
   }
 }
 
+TEST(Contacts, NoMoreThanAskedForAreTheDeepest) {
+  Random random(112);
+  QueryScratch scratch;
+  int ties = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 8; ++i) {
+        Pose pose = make_pose_at(field, shell, -0.1, random);
+        if (i == 0) pose.rotation = {};  // flat faces: many points of one depth
+        const auto all = find_contacts_flat(field, shell, pose);
+        for (const std::size_t most : {std::size_t{0}, std::size_t{1}, std::size_t{7},
+                                       all.size() / 2, all.size(), all.size() + 1}) {
+          std::vector<Contact> deepest;
+          for (const Contact& c : all) {
+            const auto is_before = [&](const Contact& other) {
+              return other.depth > c.depth || (other.depth == c.depth && other.id < c.id);
+            };
+            const auto before = std::count_if(all.begin(), all.end(), is_before);
+            if (static_cast<std::size_t>(before) < most) deepest.push_back(c);
+            ties += static_cast<std::size_t>(before) == most && !deepest.empty() &&
+                    c.depth == deepest.back().depth;
+          }
+          const ContactOptions options{.max_points = most};
+          const auto found = find_contacts(field, shell, pose, options, scratch);
+          ASSERT_TRUE(std::equal(deepest.begin(), deepest.end(), found.begin(), found.end()));
+          ASSERT_EQ(find_contacts_flat(field, shell, pose, options), deepest);
+        }
+      }
+    }
+  }
+  EXPECT_GT(ties, 5);
+}
+
 TEST(Contacts, OnAPlaneAreThePointsBelowIt) {
   // Closed form: a box of 0.6 x 0.6 x 0.3 m sunk into the floor by 10 mm.
   const PointShell shell = make_shell(make_box({0.3, 0.3, 0.15}), 0.03);

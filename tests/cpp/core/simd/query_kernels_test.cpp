@@ -1,0 +1,157 @@
+#include "simd/query_kernels.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "query/posed.h"
+#include "simd/isa.h"
+#include "support/pairs.h"
+#include "support/random.h"
+#include "voxshell/contacts.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+TEST(Isa, IsTheOneThatIsForced) {
+  const char* forced = std::getenv("VOXSHELL_FORCE_ISA");
+  if (forced == nullptr) GTEST_SKIP() << "none is";
+  ASSERT_EQ(std::string(forced), "portable");
+  EXPECT_EQ(simd::active_isa(), simd::Isa::kPortable);
+}
+
+/// FNV-1a of all that kernels write.
+class Hash {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    const auto* at = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < bytes; ++i) value_ = (value_ ^ at[i]) * 0x100000001B3u;
+  }
+  template <class T>
+  void add(const T& value) {
+    add(&value, sizeof(T));
+  }
+  template <class T>
+  void add_all(const T* values, std::size_t count) {
+    add(count);
+    add(values, count * sizeof(T));
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xCBF29CE484222325u;
+};
+
+/// What kernels write to, large enough for a shell.
+struct Room {
+  explicit Room(const PointShell& shell)
+      : words(9 * (shell.size() + 16)), numbers(9 * (shell.size() + 16)), size(shell.size() + 16) {}
+
+  simd::NodeList nodes(std::size_t i) {
+    return {&words[(2 * i) * size], &words[(2 * i + 1) * size], &numbers[i * size], 0};
+  }
+  simd::PointList points() {
+    return {&words[4 * size],   &numbers[2 * size], &numbers[3 * size],
+            &numbers[4 * size], &numbers[5 * size], 0};
+  }
+  float* gradient(std::size_t axis) { return &numbers[(6 + axis) * size]; }
+
+  std::vector<std::uint32_t> words;
+  std::vector<float> numbers;
+  std::size_t size;
+};
+
+/// Every kernel once, one after another as queries do.
+template <class V>
+std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const PointShell& shell,
+                           float margin, std::size_t& point_count) {
+  const simd::QueryKernels<V>& kernels = simd::query_kernels<V>(isa);
+  const simd::TreeView tree = view_tree(shell);
+  Room room(shell);
+  Hash hash;
+
+  simd::NodeList nodes = room.nodes(0);
+  simd::NodeList next = room.nodes(1);
+  nodes.index[0] = nodes.tag[0] = 0;
+  nodes.count = 1;
+  const auto search = [&](const simd::Seeds& seeds, int segment_depth) {
+    std::vector<simd::FoundPoint> best(std::size_t{1} << segment_depth, {simd::kNone, 0.0f, {}});
+    kernels.find_deepest(posed, tree, seeds, segment_depth, margin, best.data());
+    hash.add_all(best.data(), best.size());
+    simd::ManifoldSearch chosen{};
+    simd::FoundPoint found = best[0];
+    while (found.id != simd::kNone && chosen.count < 3) {
+      std::copy_n(found.point, 3, chosen.chosen[chosen.count++]);
+      found = kernels.find_widest(posed, tree, seeds, chosen, margin);
+      hash.add(found);
+    }
+  };
+  nodes.bound[0] = -std::numeric_limits<float>::infinity();
+  for (int level = 0; level < tree.level_count; ++level) {
+    if (nodes.count <= simd::kMostSeeds) {
+      search({nodes, level}, 0);
+      search({nodes, level}, std::min(4, static_cast<int>(tree.depth)));
+    }
+    next.count = 0;
+    kernels.expand(posed, tree, level, nodes, next, margin, level % 2 == 0 ? 0.0f : 0.001f);
+    hash.add_all(next.index, next.count);
+    hash.add_all(next.tag, next.count);
+    hash.add_all(next.bound, next.count);
+    std::swap(nodes, next);
+  }
+  simd::PointList points = room.points();
+  kernels.evaluate(posed, tree, nodes, margin, points);
+  hash.add_all(points.id, points.count);
+  hash.add_all(points.distance, points.count);
+  point_count = points.count;
+  if (points.count > 0) {
+    std::vector<Contact> contacts(points.count);
+    kernels.complete(posed, tree, points, contacts.data());
+    hash.add_all(contacts.data(), contacts.size());
+    kernels.differentiate(posed, points, 0.01f, room.gradient(0), room.gradient(1),
+                          room.gradient(2));
+    for (std::size_t axis = 0; axis < 3; ++axis) hash.add_all(room.gradient(axis), points.count);
+  }
+
+  hash.add(kernels.find_any(posed, tree, margin));
+  return hash.value();
+}
+
+TEST(QueryKernels, WriteTheSameBitsOnEveryInstructionSet) {
+  if (simd::active_isa() == simd::Isa::kPortable) GTEST_SKIP() << "there is one only";
+  Random random(250);
+  int with_points = 0;
+  int poses = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 20; ++i) {
+        const Pose pose = make_pose_at(field, shell, random.uniform(-0.2, 0.1), random);
+        const float margin = i % 3 == 0 ? 0.02f : i % 3 == 1 ? 0.0f : -0.01f;
+        with_posed(field, shell, pose, [&](const auto& posed) {
+          std::size_t points = 0;
+          const std::uint64_t portable =
+              hash_kernels(simd::Isa::kPortable, posed, shell, margin, points);
+          const std::uint64_t active =
+              hash_kernels(simd::active_isa(), posed, shell, margin, points);
+          EXPECT_EQ(portable, active) << "field " << field.index();
+          ++poses;
+          with_points += points > 0;
+        });
+      }
+    }
+  }
+  EXPECT_GT(with_points, 0.4 * poses);
+}
+
+}  // namespace
+}  // namespace voxshell
