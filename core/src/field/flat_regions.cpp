@@ -54,6 +54,9 @@ std::vector<std::uint32_t> find_neighbours(const TriangleMesh& mesh) {
 FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
     : mesh_(mesh), regions_(mesh.triangles().size(), kNone), rims_(mesh.triangles().size(), 0) {
   const std::vector<std::uint32_t> neighbours = find_neighbours(mesh);
+  const auto sides_of = [&](std::uint32_t triangle) {
+    return neighbours.data() + std::size_t{3} * triangle;
+  };
   const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
   std::vector<Vec3> doubled(count);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -77,9 +80,9 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
   std::vector<std::uint32_t> alone;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Plane plane = plane_of(i);
-    const bool has_flat_side =
-        std::any_of(&neighbours[3 * i], &neighbours[3 * i] + 3,
-                    [&](std::uint32_t other) { return other != kNone && lies_on(other, plane); });
+    const bool has_flat_side = std::any_of(sides_of(i), sides_of(i) + 3, [&](std::uint32_t other) {
+      return other != kNone && lies_on(other, plane);
+    });
     (has_flat_side ? seeds : alone).push_back(i);
   }
   std::sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -100,7 +103,7 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
       const std::uint32_t triangle = waiting.back();
       waiting.pop_back();
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t other = neighbours[3 * triangle + i];
+        const std::uint32_t other = sides_of(triangle)[i];
         if (other == kNone || regions_[other] != kNone || !lies_on(other, plane)) continue;
         regions_[other] = region;
         waiting.push_back(other);
@@ -109,7 +112,7 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
   }
   for (std::uint32_t i = 0; i < count; ++i) {
     for (std::size_t side = 0; side < 3; ++side) {
-      const std::uint32_t other = neighbours[3 * i + side];
+      const std::uint32_t other = sides_of(i)[side];
       if (other == kNone || regions_[other] != regions_[i]) {
         rims_[i] = static_cast<std::uint8_t>(rims_[i] | 1u << side);
       }
@@ -119,6 +122,7 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
 
 bool FlatRegions::spans_cube(std::span<const std::uint32_t> triangles, const Vec3& centre,
                              double half_edge) const {
+  if (triangles.empty()) return false;
   const std::uint32_t region = regions_[triangles[0]];
   for (const std::uint32_t triangle : triangles) {
     if (regions_[triangle] != region) return false;

@@ -155,7 +155,7 @@ class Builder {
 
   /// What stopped it, if anything did.
   std::optional<Error> build(GridFieldData& data) {
-    const Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
+    Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
     if (!measure_corners() || !plan_bricks()) return cancelled;
     if (!place_bricks(data)) {
       return Error{ErrorCode::kTooLarge,

@@ -15,7 +15,7 @@ constexpr std::size_t kLanes = simd::kBlockTriangles;
 /// A triangle lower than this has edges alone.
 constexpr double kThinnest = 1e-4;  // voxels
 /// Bricks that more triangles than these may be the nearest of are measured node by node.
-constexpr std::int32_t kMostBlocks = 512;
+constexpr std::ptrdiff_t kMostBlocks = 512;
 
 std::size_t blocks_for(std::size_t triangles) { return (triangles + kLanes - 1) / kLanes; }
 
@@ -45,12 +45,14 @@ void write_triangle(const std::array<Vec3, 3>& corners, float* lane) {
   const Vec3 normal = is_thin ? perpendicular(along_side(longest)) : doubled / doubled_area;
 
   // Offsets go with the directions as they are after rounding.
-  const auto write = [&](int field, const Vec3& direction) {
+  const auto write = [&](std::size_t field, const Vec3& direction) {
     const auto rounded = static_cast<Vec3f>(direction);
-    for (int axis = 0; axis < 3; ++axis) lane[8 * (field + axis)] = rounded[axis];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lane[8 * (field + axis)] = rounded[static_cast<int>(axis)];
+    }
     return static_cast<Vec3>(rounded);
   };
-  const auto write_offset = [&](int field, const Vec3& direction, const Vec3& corner) {
+  const auto write_offset = [&](std::size_t field, const Vec3& direction, const Vec3& corner) {
     lane[8 * field] = static_cast<float>(dot(direction, corner));
   };
   write_offset(simd::kHeight, write(simd::kNormal, normal), corners[longest]);
@@ -60,7 +62,7 @@ void write_triangle(const std::array<Vec3, 3>& corners, float* lane) {
     const Vec3& to = corners[(side + 1) % 3];
     // Those without a normal are on neither side of their edge.
     const Vec3 inward = (is_thin && i > 0 ? -1.0 : 1.0) * cross(normal, along_side(side));
-    const int first = simd::kFirstEdge + static_cast<int>(i) * simd::kEdgeFields;
+    const std::size_t first = simd::kFirstEdge + i * simd::kEdgeFields;
     const Vec3 along = write(first + simd::kAlong, along_side(side));
     write_offset(first + simd::kLow, along, from);
     write_offset(first + simd::kHigh, along, to);
@@ -244,12 +246,12 @@ void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& s
                                  std::span<float> distances) const {
   if (scratch.floats.empty()) {
     scratch.indices.resize(kMostBlocks * (1 + 2 * kLanes));
-    scratch.floats.resize(kMostBlocks * (2 * simd::kBlockFloats + kLanes));
+    scratch.floats.resize(kMostBlocks * (2 * std::size_t{simd::kBlockFloats} + kLanes));
   }
   std::int32_t* blocks = scratch.indices.data();
   float* moved = scratch.floats.data();
   float* gathered = moved + kMostBlocks * simd::kBlockFloats;
-  const simd::BrickScratch work{kMostBlocks,
+  const simd::BrickScratch work{static_cast<std::int32_t>(kMostBlocks),
                                 blocks,
                                 moved,
                                 gathered,
@@ -263,9 +265,10 @@ void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& s
   }
   Nearest nearest{};
   for (std::size_t node = 0; node < distances.size(); ++node) {
+    const std::array<std::size_t, 3> place{node % 9, node / 9 % 9, node / 81};
     const Vec3 p =
-        centre + Vec3{static_cast<double>(node % 9) - 4.0, static_cast<double>(node / 9 % 9) - 4.0,
-                      static_cast<double>(node / 81) - 4.0};
+        centre + Vec3{static_cast<double>(place[0]) - 4.0, static_cast<double>(place[1]) - 4.0,
+                      static_cast<double>(place[2]) - 4.0};
     nearest = find_nearest(p, nearest.guess);
     distances[node] = nearest.distance;
   }

@@ -26,7 +26,7 @@ enum TriangleField {
 
 /// Triangles stand in blocks of eight: field f of triangle i of a block is its number 8 f + i.
 inline constexpr int32_t kBlockTriangles = 8;
-inline constexpr int32_t kBlockFloats = kTriangleFields * kBlockTriangles;
+inline constexpr int64_t kBlockFloats = int64_t{kTriangleFields} * kBlockTriangles;
 
 /// Eight boxes, which hold nodes or blocks. Lower and upper x, y, z of the eight; a box without
 /// anything in it is infinitely far away.

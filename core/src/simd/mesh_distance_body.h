@@ -215,7 +215,7 @@ inline Triangles gather_triangles(const Triangles& from, const int32_t* which, i
     for (int lane = 0; lane < 8; ++lane) {
       // The last block is filled up with the last triangle: it changes no least distance.
       const int32_t i = which[8 * block + (lane < present ? lane : present - 1)];
-      place[lane] = i / 8 * kBlockFloats + i % 8;
+      place[lane] = static_cast<int32_t>(i / 8 * kBlockFloats + i % 8);
     }
     for (int f = 0; f < kTriangleFields; ++f) {
       store(target + 8 * f, gather(from.fields + 8 * f, place));
