@@ -26,7 +26,7 @@ struct ContactArrays {
   std::vector<std::uint8_t> shells;  ///< 0: a's, 1: b's
 
   void reserve(std::size_t count);
-  void append(const ShellContact& contact, const Bodies& bodies, const PairPose& pose, int level);
+  void append(const ShellContact& of_shell, const Bodies& bodies, const PairPose& pose, int level);
 };
 
 /// What the contacts of one pose have in common.

@@ -36,9 +36,10 @@ class BrickValues {
       const float* plane = &data.planes[4 * entry_.first];
       normal_ = static_cast<Vec3>(Vec3f{plane[0], plane[1], plane[2]});
       const double edge = kBrickCells * data.voxel_size;
-      const Vec3 corner = data.origin + edge * Vec3{static_cast<double>(brick % nx),
-                                                    static_cast<double>(brick / nx % ny),
-                                                    static_cast<double>(brick / (nx * ny))};
+      const std::array<std::size_t, 3> place{brick % nx, brick / nx % ny, brick / (nx * ny)};
+      const Vec3 corner =
+          data.origin + edge * Vec3{static_cast<double>(place[0]), static_cast<double>(place[1]),
+                                    static_cast<double>(place[2])};
       at_corner_ = dot(normal_, corner) - static_cast<double>(plane[3]);
       unit_ = edge;
     } else {

@@ -8,6 +8,7 @@ namespace {
 
 Isa choose_isa() {
 #ifdef VOXSHELL_HAS_AVX2
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): read once, and nothing here writes the environment
   const char* forced = std::getenv("VOXSHELL_FORCE_ISA");
   const bool may_be_wide = forced == nullptr || std::strcmp(forced, name(Isa::kPortable)) != 0;
   if (may_be_wide && __builtin_cpu_supports("avx2")) return Isa::kAvx2;
