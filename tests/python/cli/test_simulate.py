@@ -99,15 +99,15 @@ def test_bad_input_is_an_error_that_names_it(tmp_path, arguments, part):
     assert "Traceback" not in said
 
 
-def test_open_mesh_is_refused_with_its_path(tmp_path):
-    path = tmp_path / "open.stl"
-    box = trimesh.creation.box()
-    trimesh.Trimesh(box.vertices, box.faces[1:], process=False).export(path)
+def test_mesh_without_area_is_refused_with_its_path(tmp_path):
+    path = tmp_path / "line.stl"
+    corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
+    trimesh.Trimesh(corners, [[0, 1, 2]], process=False).export(path)
     result = voxshell("simulate", "drop", path, "--out", tmp_path / "out", *SMALL)
     assert result.returncode == 1
     said = result.stderr.replace("\n", "")
-    assert "not watertight" in said
-    assert "open.stl" in said
+    assert "area" in said
+    assert "line.stl" in said
 
 
 def test_unwritable_folder_is_an_error(tmp_path, cone):
