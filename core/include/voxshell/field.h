@@ -19,7 +19,7 @@ namespace voxshell {
 ///   float lower_bound(Vec3f, float)   of the distance over a ball
 ///   double reach()                    scale of its coordinates, for rounding bounds
 ///   view()                            itself as kernels see it (simd/*_view.h)
-/// A new field is added to this list and nowhere else.
+/// A new field is added to this list, and its view to the one in simd/query_kernels.h.
 using Field = std::variant<GridField, PlaneField, BoxField, SphereField, CapsuleField,
                            CylinderField, ConeField, ConvexField>;
 
