@@ -5,17 +5,11 @@
 #include "query/deepest.h"
 #include "query/posed.h"
 #include "query/scratch.h"
+#include "query/walk.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell {
 namespace {
-
-/// The spheres that a walk down to some level left over, with that level; all of the tree's when
-/// it went to the end.
-struct Frontier {
-  simd::NodeList nodes;
-  int level;  ///< of the walk; 0: the root alone
-};
 
 std::uint32_t count_buckets(const simd::TreeView& tree, std::uint32_t slot) {
   const auto first = [&](std::uint64_t s) { return (tree.bucket_count * s) >> tree.depth; };
@@ -39,30 +33,30 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
                                              QueryScratch& scratch) {
   QueryScratch::State& state = scratch.state();
   state.reserve(shell);
-  state.survivors = {};  // their buffers are used here
   const simd::TreeView tree = view_tree(shell);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   BudgetedContacts result{{}, true, -kInfinity};
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    Frontier frontier{state.nodes[0].start_list(), 0};
-    simd::NodeList next = state.nodes[1].empty_list();
     std::size_t spent = 0;
     const std::size_t for_spheres = (budget + 1) / 2;
-    while (frontier.level < tree.level_count && frontier.nodes.count > 0 &&
-           spent + frontier.nodes.count <= for_spheres) {
-      next.count = 0;
-      kernels.expand(posed, tree, frontier.level, frontier.nodes, next, options.margin, 0.0f);
-      spent += frontier.nodes.count;
-      std::swap(frontier.nodes, next);
-      ++frontier.level;
-    }
+    simd::Seeds frontier = walk_down(posed, tree, options.margin, 0.0f, SphereBounds::kWanted,
+                                     state, [&](const simd::Seeds& left) {
+                                       if (spent + left.nodes.count > for_spheres) {
+                                         return false;
+                                       }
+                                       spent += left.nodes.count;
+                                       return true;
+                                     });
 
     // Slots are looked into whole, larger clusters by the slot in their middle.
     const bool is_whole = frontier.level == tree.level_count;
     const int finer = frontier.level == 0 ? tree.depth : 3 * (tree.level_count - frontier.level);
     const simd::NodeList& nodes = frontier.nodes;
-    std::uint32_t* places = rank(nodes, next.index);
+    // The other of the two buffers is free again.
+    QueryScratch::State::NodeBuffer& other =
+        state.nodes[nodes.index == state.nodes[0].index.get() ? 1 : 0];
+    std::uint32_t* places = rank(nodes, other.index.get());
     std::uint32_t taken = 0;
     for (; taken < nodes.count; ++taken) {
       std::uint32_t& slot = nodes.index[places[taken]];

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
-#include <utility>
 
 #include "query/deepest.h"
 #include "query/posed.h"
 #include "query/scratch.h"
+#include "query/walk.h"
 
 namespace voxshell {
 namespace {
@@ -72,24 +72,17 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
     if (motion <= survivors.growth) return survivors.slots;
     growth = choose_growth(last_motion, shell);
   }
-  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
-  simd::NodeList nodes = state.nodes[0].start_list();
-  simd::NodeList next = state.nodes[1].empty_list();
-  nodes.bound = next.bound = nullptr;
-  for (int level = 0; level < tree.level_count && nodes.count > 0; ++level) {
-    next.count = 0;
-    kernels.expand(posed, tree, level, nodes, next, margin, grown);
-    std::swap(nodes, next);
-  }
+  const simd::Seeds left = walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state,
+                                     [](const simd::Seeds&) { return true; });
   survivors = {.field = field,
                .tree = tree.serial,
                .field_from_shell = field_from_shell,
                .margin = margin,
                .growth = growth,
                .last_asked = field_from_shell,
-               .slots = nodes};
+               .slots = left.nodes};
   return survivors.slots;
 }
 

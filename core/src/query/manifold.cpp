@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <utility>
 
 #include "query/posed.h"
 #include "query/scratch.h"
+#include "query/walk.h"
 
 namespace voxshell {
 namespace {
@@ -90,26 +90,15 @@ void select_deepest_per_segment(std::span<const Contact> contacts, const PointSp
 
 namespace {
 
-simd::Seeds find_root(QueryScratch::State& state) {
-  state.survivors = {};  // their buffers are used here
-  return {state.nodes[0].start_list(), 0};
-}
-
-/// What is left of the tree when there are enough spheres to choose from.
+/// What is left of the tree when there are enough spheres to choose from. One search begins at the
+/// root; several share what lies near the surface.
 template <class V>
 simd::Seeds find_seeds(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
-                       QueryScratch::State& state) {
-  simd::Seeds seeds = find_root(state);
-  simd::NodeList next = state.nodes[1].empty_list();
-  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-  while (seeds.level < tree.level_count && seeds.nodes.count > 0 &&
-         seeds.nodes.count <= simd::kMostSeeds / 8) {
-    next.count = 0;
-    kernels.expand(posed, tree, seeds.level, seeds.nodes, next, margin, 0.0f);
-    std::swap(seeds.nodes, next);
-    ++seeds.level;
-  }
-  return seeds;
+                       bool are_shared, QueryScratch::State& state) {
+  return walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state,
+                   [&](const simd::Seeds& left) {
+                     return are_shared && left.nodes.count <= simd::kMostSeeds / 8;
+                   });
 }
 
 void append(simd::PointList& points, const simd::FoundPoint& found) {
@@ -135,9 +124,7 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
     simd::PointList points = state.empty_points();
     simd::FoundPoint found{simd::kNone, 0.0f, {}};
     simd::ManifoldSearch search{};
-    // One search begins at the root; several share what lies near the surface.
-    const simd::Seeds seeds =
-        max_points == 1 ? find_root(state) : find_seeds(posed, tree, margin, state);
+    const simd::Seeds seeds = find_seeds(posed, tree, margin, max_points > 1, state);
     kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
     while (found.id != simd::kNone) {
       append(points, found);
@@ -161,19 +148,11 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
   const int depth = 2 * (level - 1);
   if (depth > tree.depth) {
     // Segments finer than what the walk ends at hold a bucket each.
-    find_contacts(field, shell, field_from_shell, {.margin = margin}, scratch);
+    const auto all = find_contacts(field, shell, field_from_shell, {.margin = margin}, scratch);
+    select_deepest_per_segment(all, shell.tree(), level, state.chosen);
     Contact* contacts = state.contact_data();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < state.contact_count; ++i) {
-      const bool continues = kept > 0 && shell.tree().segment(contacts[kept - 1].id, level) ==
-                                             shell.tree().segment(contacts[i].id, level);
-      if (!continues) {
-        contacts[kept++] = contacts[i];
-      } else if (contacts[i].depth > contacts[kept - 1].depth) {
-        contacts[kept - 1] = contacts[i];
-      }
-    }
-    state.contact_count = kept;
+    for (std::size_t i = 0; i < state.chosen.size(); ++i) contacts[i] = contacts[state.chosen[i]];
+    state.contact_count = state.chosen.size();
     state.survivors.are_contacts_kept = false;
     return scratch.contacts();
   }
@@ -182,7 +161,8 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
   std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    kernels.find_deepest(posed, tree, find_seeds(posed, tree, margin, state), depth, margin, best);
+    const simd::Seeds seeds = find_seeds(posed, tree, margin, true, state);
+    kernels.find_deepest(posed, tree, seeds, depth, margin, best);
     simd::PointList points = state.empty_points();
     for (std::size_t i = 0; i < segments; ++i) {
       if (best[i].id != simd::kNone) append(points, best[i]);

@@ -4,12 +4,22 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "simd/query_kernels.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell {
+
+/// The view of any field, or none.
+template <class Variant>
+struct ViewOf;
+template <class... Fields>
+struct ViewOf<std::variant<Fields...>> {
+  using Any = std::variant<std::monostate, decltype(std::declval<const Fields&>().view())...>;
+};
 
 /// Arrays that grow to the largest shell asked about and are never filled in advance.
 struct QueryScratch::State {
@@ -54,14 +64,13 @@ struct QueryScratch::State {
   std::size_t contact_count = 0;
   Buffer<simd::FoundPoint> found;  ///< one a segment
   std::size_t found_capacity = 0;
+  std::vector<std::uint32_t> chosen;  ///< places among the contacts
   Buffer<float> gradient_x, gradient_y, gradient_z;
   std::size_t gradient_capacity = 0;
 
   /// The slots that the last search for contacts was left with, and for which question.
   struct Survivors {
-    std::variant<std::monostate, simd::GridView, simd::PlaneView, simd::BoxView, simd::SphereView,
-                 simd::CapsuleView, simd::CylinderView, simd::ConeView, simd::ConvexView>
-        field;  ///< none: there are no survivors to go on from
+    ViewOf<Field>::Any field;  ///< none: there are no survivors to go on from
     std::uint64_t tree = 0;
     Pose field_from_shell;
     float margin = 0.0f;

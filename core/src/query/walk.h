@@ -1,0 +1,32 @@
+#pragma once
+
+#include <utility>
+
+#include "query/scratch.h"
+
+namespace voxshell {
+
+enum class SphereBounds { kUnwanted, kWanted };
+
+/// Walks the tree breadth first, a level at a time, as long as `go_on(what is left)` says so and
+/// something is left. Uses the state's node buffers, and so forgets the survivors in them. Without
+/// bounds, what is left has none, and the walk is faster.
+template <class V, class GoOn>
+simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
+                      float growth, SphereBounds bounds, QueryScratch::State& state,
+                      const GoOn& go_on) {
+  state.survivors = {};
+  simd::Seeds left{state.nodes[0].start_list(), 0};
+  simd::NodeList next = state.nodes[1].empty_list();
+  if (bounds == SphereBounds::kUnwanted) left.nodes.bound = next.bound = nullptr;
+  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+  while (left.level < tree.level_count && left.nodes.count > 0 && go_on(left)) {
+    next.count = 0;
+    kernels.expand(posed, tree, left.level, left.nodes, next, margin, growth);
+    std::swap(left.nodes, next);
+    ++left.level;
+  }
+  return left;
+}
+
+}  // namespace voxshell
