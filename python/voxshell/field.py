@@ -124,7 +124,11 @@ class DistanceField(Field):
 
     @property
     def sign_confidence(self) -> float:
-        """1 for a closed mesh; else the share of places that are clearly inside or outside."""
+        """1 for a closed mesh; else the share of its area that clearly bounds an inside.
+
+        That is, on both of whose sides the winding number is not near a half: near 1 for a mesh
+        with a few holes, 0 for a sheet, at any voxel size. Below a half a mesh is refused.
+        """
         return self._grid.sign_confidence
 
     def __repr__(self) -> str:

@@ -28,11 +28,13 @@ enum class SignMethod {
 /// How that was done, and what there was to overcome.
 struct SignReport {
   SignMethod method = SignMethod::kClosed;
-  /// 1: closed; else the share of places looked at whose winding number was not near a half.
+  /// 1: closed; else the share of the mesh's area on both of whose sides the winding number is not
+  /// near a half.
   double confidence = 1.0;
-  bool was_turned = false;           ///< the mesh was inside out as a whole
-  MeshDefects defects;               ///< open, non-manifold and wrongly oriented edges
-  std::size_t overlaps = 0;          ///< grid nodes enclosed more than once or inside out
+  bool was_turned = false;  ///< the mesh was inside out as a whole
+  MeshDefects defects;      ///< open, non-manifold and wrongly oriented edges
+  /// Grid nodes enclosed more than once or inside out, as far as they were looked for.
+  std::size_t overlaps = 0;
   std::size_t hidden_triangles = 0;  ///< left out of distances: inside on both sides
   Vec3 first_location{};             ///< of any of these faults, metres
   double cap_error = 0.0;  ///< across holes the surface is known to this, metres; 0: there are none

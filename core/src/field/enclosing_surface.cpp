@@ -19,16 +19,15 @@ using simd::kBrickCells;
 
 constexpr std::string_view kStage = "distance field";
 constexpr std::size_t kNodes = kBrickCells + 1;
-/// How far from a triangle its sides are looked at, and how large the specks are, voxels.
-constexpr double kAside = 1e-2;
+/// How far from a triangle its sides are looked at, of the mesh's longest side.
+constexpr double kAside = 1e-5;
+/// How large the specks are, voxels.
 constexpr double kSpeck = 1e-3;
-/// Winding numbers this near to a half may become one where the mesh is open.
-constexpr double kUnsure = 0.25;
 
 /// What lies on the two sides of a triangle.
 struct Sides {
   bool is_hidden = false;  ///< inside on both
-  bool is_clear = true;    ///< nowhere near to the limit of the inside
+  bool is_clear = true;    ///< of neither is it in doubt whether it is inside
 };
 
 Sides look_at_sides(const std::array<Vec3, 3>& corners, const InsideByWindingNumbers& inside,
@@ -36,10 +35,24 @@ Sides look_at_sides(const std::array<Vec3, 3>& corners, const InsideByWindingNum
   const auto& [a, b, c] = corners;
   const Vec3 normal = normalized(cross(b - a, c - a));
   const Vec3 centre = (a + b + c) / 3.0;
-  const double front = inside.compute(centre + aside * normal);
-  const double back = inside.compute(centre - aside * normal);
+  const double front = inside.compute_number(centre + aside * normal);
+  const double back = inside.compute_number(centre - aside * normal);
   return {front > 0.5 && back > 0.5,
           std::abs(front - 0.5) >= kUnsure && std::abs(back - 0.5) >= kUnsure};
+}
+
+/// The winding number jumps by one across the surface: from about 0 to 1 where it encloses
+/// something, from -1/2 to 1/2 where it is a sheet.
+double measure_confidence(const TriangleMesh& mesh, const std::vector<Sides>& sides) {
+  double clear = 0.0;
+  double all = 0.0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const auto [a, b, c] = mesh.corners(i);
+    const double area = length(cross(b - a, c - a));
+    all += area;
+    if (sides[i].is_clear) clear += area;
+  }
+  return all > 0.0 ? clear / all : 0.0;
 }
 
 /// Edges that are not of exactly two triangles, as triangles without area.
@@ -129,20 +142,24 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
 std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
                                                        const BrickGrid& grid,
                                                        const InsideByWindingNumbers& inside,
-                                                       unsigned threads, const Progress& progress) {
+                                                       double least_confidence, unsigned threads,
+                                                       const Progress& progress) {
   const double h = grid.voxel_size;
   const std::size_t count = mesh.triangles().size();
   std::vector<Sides> sides(count);
+  const double aside = kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()];
   constexpr std::size_t kChunk = 64;
   const auto look = [&](std::size_t chunk) {
     for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-      sides[i] = look_at_sides(mesh.corners(i), inside, kAside * h);
+      sides[i] = look_at_sides(mesh.corners(i), inside, aside);
     }
   };
   if (!parallel_for((count + kChunk - 1) / kChunk, threads, kStage, progress, look)) {
     return std::nullopt;
   }
   EnclosingSurface surface;
+  surface.confidence = measure_confidence(mesh, sides);
+  if (surface.confidence < least_confidence) return surface;
   std::vector<Vec3> vertices(mesh.vertices().begin(), mesh.vertices().end());
   std::vector<Triangle> triangles;
   std::vector<std::array<Vec3, 3>> open = find_faulty_edges(mesh);

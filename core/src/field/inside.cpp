@@ -12,23 +12,19 @@ namespace {
 using simd::kBrickCells;
 
 constexpr std::size_t kNodes = kBrickCells + 1;
-/// Winding numbers this near to a half leave in doubt what is inside.
-constexpr double kUnsure = 0.25;
 
 }  // namespace
 
-void InsideByRows::find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
-                                InsideTally& tally) const {
+void InsideByRows::find_corners(std::size_t brick_y, std::size_t brick_z,
+                                std::span<int> layers) const {
   std::vector<double> row_x(layers.size());
   for (std::size_t i = 0; i < row_x.size(); ++i) row_x[i] = grid_.node(kBrickCells * i, 0, 0).x;
   const std::size_t rows_y = kBrickCells * grid_.bricks[1] + 1;
   winding_.compute(kBrickCells * (brick_y + rows_y * brick_z), row_x, layers);
-  tally.places += layers.size();
 }
 
 void InsideByRows::find_nodes(const std::array<std::size_t, 3>& brick,
-                              std::span<const float> distances, std::span<int> layers,
-                              InsideTally& tally) const {
+                              std::span<const float> /*distances*/, std::span<int> layers) const {
   std::array<double, kNodes> row_x{};
   for (std::size_t i = 0; i < kNodes; ++i)
     row_x[i] = grid_.node(kBrickCells * brick[0] + i, 0, 0).x;
@@ -38,30 +34,25 @@ void InsideByRows::find_nodes(const std::array<std::size_t, 3>& brick,
     const std::size_t z = kBrickCells * brick[2] + row / kNodes;
     winding_.compute(y + z * rows_y, row_x, layers.subspan(row * kNodes, kNodes));
   }
-  tally.places += distances.size();
 }
 
 double InsideByWindingNumbers::compute(const Vec3& p) const {
   // From outside its bounds a mesh covers no more than half of all directions.
   if (squared_distance(bounds_, p) > 0.0) return 0.0;
-  return orientation_ * winding_.compute(p);
+  return compute_number(p);
 }
 
 void InsideByWindingNumbers::find_corners(std::size_t brick_y, std::size_t brick_z,
-                                          std::span<int> layers, InsideTally& tally) const {
+                                          std::span<int> layers) const {
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const Vec3 p = grid_.node(kBrickCells * i, kBrickCells * brick_y, kBrickCells * brick_z);
-    const double number = compute(p);
-    layers[i] = number > 0.5 ? 1 : 0;
-    if (squared_distance(bounds_, p) > 0.0) continue;
-    ++tally.places;
-    tally.unsure += std::abs(number - 0.5) < kUnsure;
+    layers[i] = compute(p) > 0.5 ? 1 : 0;
   }
 }
 
 void InsideByWindingNumbers::find_nodes(const std::array<std::size_t, 3>& brick,
-                                        std::span<const float> distances, std::span<int> layers,
-                                        InsideTally& tally) const {
+                                        std::span<const float> distances,
+                                        std::span<int> layers) const {
   constexpr std::size_t kCount = kNodes * kNodes * kNodes;
   constexpr std::array<std::size_t, 3> kStrides{1, kNodes, kNodes * kNodes};
   const auto place_of = [&](std::size_t node) {
@@ -116,10 +107,7 @@ void InsideByWindingNumbers::find_nodes(const std::array<std::size_t, 3>& brick,
       if (node != farthest && !is_speaker(node)) continue;
       const double number = number_at(node);
       const int of_node = number > 0.5 ? 1 : 0;
-      ++tally.places;
-      const bool is_unsure = std::abs(number - 0.5) < kUnsure;
-      tally.unsure += is_unsure;
-      is_clear = !is_unsure && (layer < 0 || layer == of_node);
+      is_clear = std::abs(number - 0.5) >= kUnsure && (layer < 0 || layer == of_node);
       layer = of_node;
     }
     for (std::size_t m = 0; m < size; ++m) {

@@ -10,16 +10,8 @@
 
 namespace voxshell {
 
-/// How clearly places were told to be inside or outside.
-struct InsideTally {
-  std::size_t places = 0;
-  std::size_t unsure = 0;  ///< of these
-
-  void add(const InsideTally& other) {
-    places += other.places;
-    unsure += other.unsure;
-  }
-};
+/// Winding numbers this near to a half leave in doubt what is inside.
+inline constexpr double kUnsure = 0.25;
 
 /// Says which nodes of a grid are inside a mesh, as the number of layers that enclose them.
 class Inside {
@@ -27,12 +19,12 @@ class Inside {
   virtual ~Inside() = default;
 
   /// At the corners of bricks along a row.
-  virtual void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
-                            InsideTally& tally) const = 0;
+  virtual void find_corners(std::size_t brick_y, std::size_t brick_z,
+                            std::span<int> layers) const = 0;
 
   /// At the 9^3 nodes of a brick, whose unsigned distances are given in voxels.
   virtual void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
-                          std::span<int> layers, InsideTally& tally) const = 0;
+                          std::span<int> layers) const = 0;
 };
 
 /// Of closed meshes, by their crossings of rows.
@@ -40,10 +32,9 @@ class InsideByRows : public Inside {
  public:
   InsideByRows(const BrickGrid& grid, const RowWinding& winding) : grid_(grid), winding_(winding) {}
 
-  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
-                    InsideTally& tally) const override;
+  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;
   void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
-                  std::span<int> layers, InsideTally& tally) const override;
+                  std::span<int> layers) const override;
 
  private:
   const BrickGrid& grid_;
@@ -59,12 +50,14 @@ class InsideByWindingNumbers : public Inside {
       : grid_(grid), bounds_(bounds), winding_(winding), orientation_(orientation) {}
 
   /// The winding number at a place, metres; of a mesh that is inside out, turned.
+  double compute_number(const Vec3& p) const { return orientation_ * winding_.compute(p); }
+
+  /// The same where it may be above a half, and 0 elsewhere.
   double compute(const Vec3& p) const;
 
-  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers,
-                    InsideTally& tally) const override;
+  void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;
   void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
-                  std::span<int> layers, InsideTally& tally) const override;
+                  std::span<int> layers) const override;
 
  private:
   const BrickGrid& grid_;

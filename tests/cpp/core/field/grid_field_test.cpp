@@ -1,22 +1,16 @@
 #include "voxshell/grid_field.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "support/brute_force.h"
 #include "support/grid_bricks.h"
+#include "support/grid_fields.h"
 #include "support/meshes.h"
 #include "support/random.h"
 
@@ -24,78 +18,6 @@ namespace voxshell {
 namespace {
 
 using namespace test_support;
-
-GridField build(const TriangleMesh& mesh, double voxel_size, double padding = 0.0) {
-  auto field = GridField::build(mesh, {.voxel_size = voxel_size, .padding = padding});
-  EXPECT_TRUE(field) << field.error().message;
-  if (!field) std::abort();
-  return *std::move(field);
-}
-
-void expect_error(const Result<GridField>& field, ErrorCode code, const std::string& reason) {
-  ASSERT_FALSE(field) << "accepted, but expected: " << reason;
-  EXPECT_EQ(field.error().code, code);
-  EXPECT_NE(field.error().message.find(reason), std::string::npos) << field.error().message;
-}
-
-struct Body {
-  const char* name;
-  TriangleMesh mesh;
-  double voxel_size;
-};
-
-/// About unit size. Turned out of the grid's axes, apart from the L-shape.
-std::vector<Body> bodies() {
-  Random random(70);
-  const auto turned = [&](const Soup& soup) { return transformed(soup, random.pose(0.3)).mesh(); };
-  std::vector<Body> all;
-  all.push_back({"L-shape", make_l_shape(0.5).mesh(), 0.06});
-  all.push_back({"torus", turned(make_torus(0.7, 0.25, 20, 12)), 0.07});
-  all.push_back({"blob", turned(make_blob(0.6, 2)), 0.07});
-  all.push_back({"wedge", turned(make_wedge(1.0, 0.08, 0.5)), 0.04});
-  all.push_back({"spike", turned(make_spike(0.3, 1.2)), 0.05});
-  all.push_back({"plate", turned(make_box({0.5, 0.4, 0.015})), 0.05});  // thinner than a voxel
-  all.push_back({"hollow",
-                 together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.35, 0.3, 0.25}))).mesh(),
-                 0.05});
-  return all;
-}
-
-Bounds grid_bounds(const GridField& field) {
-  Bounds bounds;
-  bounds.extend(field.origin());
-  const auto [nx, ny, nz] = field.shape();
-  bounds.extend(field.origin() + field.voxel_size() * Vec3{nx - 1.0, ny - 1.0, nz - 1.0});
-  return bounds;
-}
-
-Vec3 point_in(Random& random, const Bounds& bounds) {
-  return random.in_box(bounds.lower, bounds.upper);
-}
-
-Bounds grown(const Bounds& bounds, double by) {
-  const Vec3 margin{by, by, by};
-  return {bounds.lower - margin, bounds.upper + margin};
-}
-
-bool is_in(const Bounds& bounds, const Vec3f& p) {
-  return squared_distance(bounds, static_cast<Vec3>(p)) == 0.0;
-}
-
-/// As GridFieldData::bounds says it.
-double lowest_in(const GridField& field, std::size_t brick) {
-  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] & 0xffff0000u));
-}
-double local_constant(const GridField& field, std::size_t brick) {
-  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] << 16));
-}
-bool has_local_constant(const GridField& field, std::size_t brick) {
-  return local_constant(field, brick) < 1e29;
-}
-
-double distance_at(const GridField& field, const Vec3& p) {
-  return static_cast<double>(field.distance(static_cast<Vec3f>(p)));
-}
 
 bool is_on_brick_face(const GridField& field, const Vec3& p) {
   const double edge = simd::kBrickCells * field.voxel_size();
@@ -358,255 +280,6 @@ TEST(GridField, GradientIsNearUnitLengthAwayFromTheMedialAxis) {
   }
 }
 
-TEST(GridField, LocalConstantsBoundEveryPairAroundABrick) {
-  Random random(77);
-  // Between flat faces, where neighbours hold planes or agree to a quantum.
-  std::vector<Body> flat;
-  flat.push_back({"box", make_box({0.5, 0.4, 0.6}).mesh(), 0.02});
-  flat.push_back({"turned", transformed(make_box({0.5, 0.4, 0.6}), random.pose(1.0)).mesh(), 0.02});
-  flat.push_back({"L-shape", make_l_shape(0.5).mesh(), 0.02});
-  for (const auto& [name, mesh, voxel_size] : flat) {
-    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
-    const Bounds bounds = grid_bounds(field);
-    const double reach = 8.0 * voxel_size;
-    double steepest = 0.0;
-    int checked = 0;
-    for (int i = 0; i < 100'000; ++i) {
-      const Vec3 p = point_in(random, bounds);
-      const Vec3 q =
-          p + random.unit() * (i % 2 == 0 ? 0.5 * voxel_size : reach) * random.direction();
-      const std::size_t brick = brick_at(field, p);
-      if (!has_local_constant(field, brick)) continue;
-      ++checked;
-      const double constant = local_constant(field, brick);
-      const double apart = length(p - q);
-      // Values outside the grid are never below that of its nearest point.
-      const double change = distance_at(field, p) - distance_at(field, q);
-      const double allowed = constant * apart + field.data().jump + 1e-6;
-      ASSERT_LE(change, allowed) << name;
-      if (is_in(bounds, static_cast<Vec3f>(q))) {
-        ASSERT_GE(change, -allowed) << name;
-      }
-      steepest = std::max(
-          steepest, length(static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)))) / constant);
-    }
-    EXPECT_GT(checked, 10'000) << name;
-    EXPECT_LE(steepest, 1.0 + 1e-5) << name;
-    EXPECT_GT(steepest, 0.75) << name;  // a constant far too large would prune nothing
-  }
-}
-
-TEST(GridField, LocalConstantIsOneBesideAFaceAndMoreAroundAnEdge) {
-  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.02);
-  const double face = local_constant(field, brick_at(field, Vec3{0.01, 0.01, 1.01}));
-  EXPECT_GE(face, 1.0);
-  EXPECT_LE(face, 1.02);  // to bfloat16
-  // Inside, the two slopes that meet over an edge are mixed: up to sqrt(2) of either.
-  for (std::size_t brick = 0; brick < field.data().entries.size(); ++brick) {
-    if (!has_local_constant(field, brick)) continue;
-    EXPECT_GE(local_constant(field, brick), 1.0);
-    EXPECT_LE(local_constant(field, brick), std::sqrt(3.0) * 1.02);
-  }
-}
-
-TEST(GridField, BoundsOfBricksHoldAndAreClose) {
-  Random random(84);
-  for (const auto& [name, mesh, voxel_size] : bodies()) {
-    const GridField field = build(mesh, voxel_size);
-    for (std::size_t brick = 0; brick < field.data().entries.size(); ++brick) {
-      double lowest = 1e30;
-      visit_nodes(field, brick,
-                  [&](const Vec3&, double value) { lowest = std::min(lowest, value); });
-      const double expected = lowest - field.interpolation_error() * cell_size_of(field, brick);
-      ASSERT_LE(lowest_in(field, brick), expected + 1e-9) << name;
-      ASSERT_GE(lowest_in(field, brick), expected - 0.01 * std::abs(expected)) << name;
-    }
-  }
-}
-
-/// The smallest value that can be found in a ball: at random, downhill, and at the grid's nodes.
-float find_smallest(const GridField& field, const Vec3& centre, double radius, Random& random) {
-  float smallest = field.distance(static_cast<Vec3f>(centre));
-  const auto try_point = [&](const Vec3& p) {
-    const Vec3 away = p - centre;
-    const double far = length(away);
-    // Stay within the ball also after rounding.
-    const Vec3 clamped = far > radius ? centre + (radius * (1.0 - 1e-7) / far) * away : p;
-    smallest = std::min(smallest, field.distance(static_cast<Vec3f>(clamped)));
-    return clamped;
-  };
-  for (int i = 0; i < 10; ++i) {
-    try_point(centre + radius * random.direction());
-    try_point(centre + (radius * random.unit()) * random.direction());
-  }
-  for (int start = 0; start < 3; ++start) {
-    Vec3 p = start == 0 ? centre : try_point(centre + radius * random.direction());
-    for (int i = 0; i < 12; ++i) {
-      const Vec3f slope = field.gradient(static_cast<Vec3f>(p));
-      p = try_point(p - (radius / (1 + i / 3)) * static_cast<Vec3>(slope));
-    }
-  }
-  const double h = field.voxel_size();
-  Vec3 low = centre - Vec3{radius, radius, radius} - field.origin();
-  for (int i = 0; i < 20; ++i) {
-    Vec3 node;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cells = std::ceil(low[axis] / h) + std::floor(random.unit() * 2.0 * radius / h);
-      node[axis] = field.origin()[axis] + cells * h;
-    }
-    if (length(node - centre) < radius) try_point(node);
-  }
-  return smallest;
-}
-
-TEST(GridField, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
-  Random random(78);
-  for (const auto& [name, mesh, voxel_size] : bodies()) {
-    const GridField field = build(mesh, voxel_size, 2 * voxel_size);
-    const Bounds bounds = grid_bounds(field);
-    int in_the_grid = 0;
-    int across = 0;
-    int outside = 0;
-    int deep = 0;
-    double slack = 0.0;
-    for (int i = 0; i < 4000; ++i) {
-      const Vec3 centre = point_in(random, grown(bounds, i % 4 == 0 ? 1.0 : 0.0));
-      const double radius = std::pow(10.0, random.uniform(-3, 0));
-      const auto centre_f = static_cast<Vec3f>(centre);
-      const float bound = field.lower_bound(centre_f, static_cast<float>(radius));
-      const float smallest = find_smallest(field, static_cast<Vec3>(centre_f), radius, random);
-      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << centre.x << " " << centre.y << " "
-                                         << centre.z << ", radius " << radius;
-      const bool centre_in = is_in(bounds, centre_f);
-      const bool ball_in = is_in(Bounds{bounds.lower + Vec3{radius, radius, radius},
-                                        bounds.upper - Vec3{radius, radius, radius}},
-                                 centre_f);
-      in_the_grid += ball_in;
-      across += centre_in && !ball_in;
-      outside += !centre_in;
-      deep += smallest < -static_cast<float>(voxel_size);
-      const std::size_t brick = brick_at(field, centre);
-      if (ball_in && radius < voxel_size && has_local_constant(field, brick)) {
-        const double jump = field.data().jump;
-        const double missing = static_cast<double>(smallest - bound) - jump - 1e-6;
-        slack = std::max(slack, missing / (radius * local_constant(field, brick)));
-      }
-    }
-    EXPECT_GT(in_the_grid, 500) << name;
-    EXPECT_GT(across, 300) << name;
-    EXPECT_GT(outside, 300) << name;
-    if (std::string_view(name) != "plate" && std::string_view(name) != "wedge") {
-      EXPECT_GT(deep, 100) << name;
-    }
-    // A useless bound holds, too: small balls in the grid must be answered tightly.
-    EXPECT_LT(slack, 2.0) << name;
-  }
-}
-
-TEST(GridField, LowerBoundOfABallDeepInsideIsBelowZero) {
-  // Regression: the distance to the surface's bounds, which is 0 in there, is no bound inside.
-  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
-  EXPECT_LE(field.lower_bound({0, 0, 0}, 0.01f), -0.99f);
-  EXPECT_GE(field.lower_bound({0, 0, 0}, 0.01f), -2.0f);
-}
-
-TEST(GridField, LowerBoundIsTightFarAway) {
-  const GridField field = build(make_box({1, 1, 1}).mesh(), 0.1);
-  // The surface may be to the side of what the grid's border sees.
-  EXPECT_GE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f - 2.0f);
-  EXPECT_LE(field.lower_bound({101, 0, 0}, 1.0f), 99.0f);
-}
-
-TEST(GridField, SamplesAreTheSameBitsWithAnyNumberOfThreads) {
-  const TriangleMesh mesh = bodies()[1].mesh;
-  const auto build_with = [&](unsigned threads) {
-    auto field = GridField::build(mesh, {.voxel_size = 0.05, .threads = threads});
-    EXPECT_TRUE(field);
-    return *std::move(field);
-  };
-  const GridFieldData one = build_with(1).data();
-  for (const unsigned threads : {2u, 7u, 0u}) {
-    const GridFieldData other = build_with(threads).data();
-    EXPECT_EQ(other.entries, one.entries);
-    EXPECT_EQ(other.bounds, one.bounds);
-    EXPECT_EQ(other.samples, one.samples);
-    EXPECT_EQ(other.planes, one.planes);
-    EXPECT_EQ(other.error, one.error);
-    EXPECT_EQ(other.jump, one.jump);
-    EXPECT_EQ(other.coarse_floor, one.coarse_floor);
-  }
-}
-
-TEST(GridField, HoldsPlanesWhereAFaceIsFlat) {
-  Random random(85);
-  for (const Pose& pose : {Pose{}, random.pose(0.5), random.pose(2.0)}) {
-    const TriangleMesh mesh = transformed(make_box({0.5, 0.4, 0.3}), pose).mesh();
-    const double h = 0.01;
-    const GridField field = build(mesh, h);
-    const std::size_t bricks = field.data().entries.size();
-    EXPECT_EQ(field.data().planes.size(), 4u * 6u);  // one a face, shared by its bricks
-    std::size_t planes = 0;
-    for (std::size_t brick = 0; brick < bricks; ++brick) {
-      if (!entry_of(field, brick).is_plane) continue;
-      ++planes;
-      visit_nodes(field, brick, [&](const Vec3& p, double value) {
-        if (random.below(2000) == 0) {
-          ASSERT_NEAR(value, signed_distance_to_mesh(p, mesh), h / 512);
-        }
-      });
-    }
-    EXPECT_GT(planes, 0.4 * static_cast<double>(bricks));
-  }
-}
-
-TEST(GridField, PlanesSayHowFarAroundThemTheyHold) {
-  const GridField field = build(make_box({0.5, 0.4, 0.3}).mesh(), 0.01);
-  const auto& [nx, ny, nz] = field.data().bricks;
-  const auto entry_at = [&](int x, int y, int z) {
-    return entry_of(field, static_cast<std::size_t>(x + nx * (y + ny * z)));
-  };
-  int largest = 0;
-  for (int z = 0; z < nz; ++z) {
-    for (int y = 0; y < ny; ++y) {
-      for (int x = 0; x < nx; ++x) {
-        const BrickEntry entry = entry_at(x, y, z);
-        if (!entry.is_plane) continue;
-        const auto holds = [&](int radius) {
-          if (std::min({x, y, z, nx - 1 - x, ny - 1 - y, nz - 1 - z}) < radius) return false;
-          for (int c = -radius; c <= radius; ++c) {
-            for (int b = -radius; b <= radius; ++b) {
-              for (int a = -radius; a <= radius; ++a) {
-                const BrickEntry other = entry_at(x + a, y + b, z + c);
-                if (!other.is_plane || other.first != entry.first) return false;
-              }
-            }
-          }
-          return true;
-        };
-        ASSERT_TRUE(holds(entry.radius));
-        ASSERT_TRUE(entry.radius == simd::kFieldMask || !holds(entry.radius + 1));
-        largest = std::max(largest, entry.radius);
-      }
-    }
-  }
-  EXPECT_GE(largest, 1);
-}
-
-TEST(GridField, ACavityUnderAFaceIsSeenThroughNoPlane) {
-  const Soup cavity = inverted(moved(make_box({0.1, 0.1, 0.1}), {0, 0, 0.3}));
-  const GridField field = build(together(make_box({0.5, 0.5, 0.5}), cavity).mesh(), 0.02);
-  EXPECT_NEAR(field.distance({0, 0, 0.47f}), -0.03f, 2e-4f);
-  EXPECT_NEAR(field.distance({0, 0, 0.41f}), -0.01f, 2e-4f);
-  EXPECT_NEAR(field.distance({0.15f, 0, 0.3f}), -0.05f, 2e-3f);
-}
-
-TEST(GridField, TakesFarMoreThreadsThanASystemGives) {
-  const auto field =
-      GridField::build(make_box({1, 1, 1}).mesh(), {.voxel_size = 0.02, .threads = 4'000'000'000u});
-  ASSERT_TRUE(field);
-  EXPECT_NEAR(field->distance({0, 0, 3}), 2.0f, 1e-6f);
-}
-
 TEST(GridField, TurnsWithTheMesh) {
   // Same body, other grid: the difference stays within both errors.
   Random random(79);
@@ -619,61 +292,6 @@ TEST(GridField, TurnsWithTheMesh) {
     EXPECT_NEAR(distance_at(still, p), distance_at(turned, turned_from_still.transform_point(p)),
                 2 * still.interpolation_error());
   }
-}
-
-TEST(GridField, RefusesSettingsThatMakeNoSense) {
-  const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
-  for (const double voxel_size : {0.0, -0.1, nan, infinity}) {
-    expect_error(GridField::build(mesh, {.voxel_size = voxel_size}), ErrorCode::kInvalidArgument,
-                 "voxel size must be above 0 m");
-  }
-  for (const double padding : {-0.1, nan, infinity}) {
-    expect_error(GridField::build(mesh, {.voxel_size = 0.1, .padding = padding}),
-                 ErrorCode::kInvalidArgument, "padding must be at least 0 m");
-  }
-  expect_error(GridField::build(mesh, {.voxel_size = -0.25}), ErrorCode::kInvalidArgument, "-0.25");
-}
-
-TEST(GridField, RefusesOpenAndInsideOutMeshes) {
-  Soup open = make_box({1, 1, 1});
-  open.triangles.pop_back();
-  expect_error(GridField::build(open.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
-               ErrorCode::kInvalidMesh, "3 open");
-  expect_error(GridField::build(inverted(make_box({1, 1, 1})).mesh(),
-                                {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
-               ErrorCode::kInvalidMesh, "inside out");
-}
-
-TEST(GridField, RefusesAGridBeyondTheMemoryLimitAndAdvisesASizeThatFits) {
-  Random random(80);
-  for (int trial = 0; trial < 20; ++trial) {
-    const Vec3 half{random.uniform(0.05, 1), random.uniform(0.05, 1), random.uniform(0.05, 1)};
-    const TriangleMesh mesh = make_box(half).mesh();
-    GridFieldSettings settings{.voxel_size = random.uniform(1e-4, 2e-3)};
-    settings.memory_limit = static_cast<std::size_t>(std::pow(10.0, random.uniform(4.7, 6.5)));
-    const auto refused = GridField::build(mesh, settings);
-    expect_error(refused, ErrorCode::kTooLarge, "GB");
-    if (refused) return;
-    const std::string& message = refused.error().message;
-    const std::string before_number = "use a voxel size of at least ";
-    const std::size_t at = message.find(before_number);
-    ASSERT_NE(at, std::string::npos) << message;
-    settings.voxel_size = std::stod(message.substr(at + before_number.size()));
-    const auto built = GridField::build(mesh, settings);
-    ASSERT_TRUE(built) << "advised: " << message << "\nthen: " << built.error().message;
-    EXPECT_LE(built->nbytes(), settings.memory_limit);
-  }
-}
-
-TEST(GridField, RefusesMoreNodesAlongAnAxisThanFloat32CanNumber) {
-  const TriangleMesh rod = make_box({1.0, 0.001, 0.001}).mesh();
-  expect_error(GridField::build(rod, {.voxel_size = 1e-4}), ErrorCode::kTooLarge, "voxel size of");
-  EXPECT_TRUE(GridField::build(rod, {.voxel_size = 4e-4}));
-  // Numbers that overflow any count.
-  expect_error(GridField::build(rod, {.voxel_size = 1e-300}), ErrorCode::kTooLarge,
-               "voxel size of");
 }
 
 TEST(GridField, IsAsGoodAtTheFarEndOfTheLongestAxis) {
@@ -694,50 +312,6 @@ TEST(GridField, IsAsGoodAtTheFarEndOfTheLongestAxis) {
   }
 }
 
-TEST(GridField, RefusesOverlappingBodies) {
-  const Soup sphere = make_icosphere(0.5, 3);
-  const Soup overlapping = together(sphere, moved(sphere, {0.6, 0.1, 0.05}));
-  expect_error(
-      GridField::build(overlapping.mesh(), {.voxel_size = 0.05, .sign = SignMethod::kClosed}),
-      ErrorCode::kInvalidMesh, "overlaps itself");
-}
-
-TEST(GridField, RefusesNestedBodies) {
-  const Soup nested = together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5}));
-  expect_error(GridField::build(nested.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
-               ErrorCode::kInvalidMesh, "overlaps itself");
-}
-
-TEST(GridField, RefusesABodyInsideOutBesideAnother) {
-  const Soup pair =
-      together(make_box({1, 1, 1}), moved(inverted(make_box({0.5, 0.5, 0.5})), {3, 0, 0}));
-  expect_error(GridField::build(pair.mesh(), {.voxel_size = 0.1, .sign = SignMethod::kClosed}),
-               ErrorCode::kInvalidMesh, "inside out");
-}
-
-TEST(GridField, ASpeckInsideOutThatIsSmallerThanAVoxelDoesNoHarm) {
-  const Soup speck = moved(inverted(make_box({0.05, 0.05, 0.05})), {2, 0, 0});
-  const GridField field = build(together(make_box({1, 1, 1}), speck).mesh(), 0.25);
-  EXPECT_NEAR(field.distance({2, 0, 0}), 0.05f, 5e-4f);  // a node, and not inside of anything
-  EXPECT_EQ(field.distance({0, 0, 0}), -1.0f);
-}
-
-TEST(GridField, NamesAPlaceInTheOverlap) {
-  const Soup overlapping =
-      together(make_box({1, 1, 1}), moved(make_box({0.3, 0.3, 0.3}), {1.01, 0.5, 0.25}));
-  const auto field =
-      GridField::build(overlapping.mesh(), {.voxel_size = 0.05, .sign = SignMethod::kClosed});
-  ASSERT_FALSE(field);
-  const std::string& message = field.error().message;
-  const std::size_t at = message.find("near [");
-  ASSERT_NE(at, std::string::npos) << message;
-  double x = 0;
-  double y = 0;
-  double z = 0;
-  ASSERT_EQ(std::sscanf(message.c_str() + at, "near [%lf, %lf, %lf]", &x, &y, &z), 3) << message;
-  EXPECT_TRUE(x > 0.7 && x < 1.0 && y > 0.2 && y < 0.8 && z > -0.05 && z < 0.55) << message;
-}
-
 TEST(GridField, ACavityIsOutside) {
   const Soup hollow = together(make_box({1, 1, 1}), inverted(make_box({0.5, 0.5, 0.5})));
   const GridField field = build(hollow.mesh(), 0.0625);
@@ -753,33 +327,6 @@ TEST(GridField, SeparateBodiesShareAField) {
   EXPECT_EQ(field.distance({0, 0, 0}), -0.5f);
   EXPECT_EQ(field.distance({2, 0, 0}), -0.5f);
   EXPECT_EQ(field.distance({1, 0, 0}), 0.5f);
-}
-
-TEST(GridField, StopsWhereProgressSaysSo) {
-  const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
-  int calls = 0;
-  const auto stopped =
-      GridField::build(mesh, {.voxel_size = 0.05}, [&](std::string_view stage, double fraction) {
-        EXPECT_EQ(stage, "distance field");
-        EXPECT_GE(fraction, 0.0);
-        EXPECT_LE(fraction, 1.0);
-        ++calls;
-        return false;
-      });
-  expect_error(stopped, ErrorCode::kCancelled, "stopped");
-  EXPECT_EQ(calls, 1);
-}
-
-TEST(GridField, ReportsProgressUpToTheEnd) {
-  double last = -1.0;
-  const auto field = GridField::build(make_blob(1, 3).mesh(), {.voxel_size = 0.03, .threads = 2},
-                                      [&](std::string_view, double fraction) {
-                                        EXPECT_GE(fraction, last);
-                                        last = fraction;
-                                        return true;
-                                      });
-  ASSERT_TRUE(field);
-  EXPECT_EQ(last, 1.0);
 }
 
 TEST(GridField, AnswersFarAwayWithoutTrouble) {
@@ -811,14 +358,6 @@ TEST(GridField, IsNotANumberWhereThePointIsNot) {
     EXPECT_TRUE(std::isnan(field.distance(p)));
     field.gradient(p);
     field.lower_bound(p, 1.0f);
-  }
-}
-
-TEST(GridField, ReachHoldsTheGrid) {
-  for (const auto& [name, mesh, voxel_size] : bodies()) {
-    const GridField field = build(mesh, voxel_size);
-    const Bounds bounds = grid_bounds(field);
-    EXPECT_GE(field.reach(), std::max(length(bounds.lower), length(bounds.upper)));
   }
 }
 

@@ -184,13 +184,49 @@ TEST(Sign, WronglyTurnedTrianglesAreOutvoted) {
   EXPECT_GT(distance_at(field, {0.6, 0, 0}), 0.05);
 }
 
-TEST(Sign, SheetsAreRefused) {
-  const Soup sheet{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
-  const auto field = GridField::build(sheet.mesh(), {.voxel_size = 0.05});
-  ASSERT_FALSE(field);
-  EXPECT_EQ(field.error().code, ErrorCode::kInvalidMesh);
-  EXPECT_NE(field.error().message.find("encloses no volume"), std::string::npos)
-      << field.error().message;
+/// A square of `n` x `n` cells with bumps of this height.
+Soup make_sheet(int n, double height) {
+  Random random(304);
+  Soup soup;
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      soup.vertices.push_back(
+          {static_cast<double>(i) / n, static_cast<double>(j) / n, random.uniform(0.0, height)});
+    }
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const auto at = static_cast<std::uint32_t>(i + (n + 1) * j);
+      const auto above = static_cast<std::uint32_t>(at + static_cast<std::uint32_t>(n) + 1);
+      soup.triangles.push_back({at, at + 1, above + 1});
+      soup.triangles.push_back({at, above + 1, above});
+    }
+  }
+  return soup;
+}
+
+TEST(Sign, SheetsAreRefusedAtAnyVoxelSize) {
+  for (const double height : {0.0, 0.02, 0.1}) {
+    const TriangleMesh sheet = make_sheet(12, height).mesh();
+    for (const double voxel_size : {0.1, 0.03, 0.01}) {
+      const auto field = GridField::build(sheet, {.voxel_size = voxel_size});
+      ASSERT_FALSE(field) << height << " " << voxel_size;
+      EXPECT_EQ(field.error().code, ErrorCode::kInvalidMesh);
+      EXPECT_NE(field.error().message.find("in doubt"), std::string::npos) << field.error().message;
+    }
+  }
+}
+
+TEST(Sign, ConfidenceIsTheMeshsOwnWhateverTheVoxels) {
+  double before = 1.1;
+  for (const double opening : {0.3, -0.1}) {
+    const Soup bowl = opened(make_icosphere(0.5, 4), opening);
+    const double confidence = build(bowl, 0.02).sign_report().confidence;
+    EXPECT_EQ(build(bowl, 0.1).sign_report().confidence, confidence) << opening;
+    EXPECT_LT(confidence, before) << opening;
+    before = confidence;
+  }
+  EXPECT_LT(before, 0.9);
 }
 
 TEST(Sign, ASoupIsRefusedOrSoundButNeverCrashes) {

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "field/brick_entry.h"
+#include "field/brick_grid.h"
+#include "field/flat_regions.h"
+#include "mesh/distance_tree.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// A plane may be off the distances at a brick's nodes by this, voxels.
+inline constexpr double kPlaneTolerance = 1.0 / 1024.0;
+/// Half the edge and half the diagonal of a brick, voxels.
+inline constexpr double kHalfEdge = 0.5 * simd::kBrickCells;
+inline constexpr double kHalfDiagonal = 1.7320508075688772 * kHalfEdge;
+
+/// Signed distances at the corners of all bricks.
+struct CornerLattice {
+  std::array<std::size_t, 3> nodes;
+  std::vector<float> distances;  ///< voxels
+
+  std::size_t index(std::size_t x, std::size_t y, std::size_t z) const {
+    return x + nodes[0] * (y + nodes[1] * z);
+  }
+  std::array<double, 8> corners_of(const std::array<std::size_t, 3>& brick) const {
+    std::array<double, 8> corners{};
+    for (std::size_t i = 0; i < 8; ++i) {
+      corners[i] = static_cast<double>(
+          distances[index(brick[0] + (i & 1), brick[1] + (i >> 1 & 1), brick[2] + (i >> 2))]);
+    }
+    return corners;
+  }
+};
+
+/// How a brick is going to be held.
+struct BrickPlan {
+  std::int32_t cells = 0;    ///< along each axis; 0: as a plane
+  std::uint32_t region = 0;  ///< of the mesh, whose plane it is
+  float at_centre = 0.0f;    ///< unsigned distance, voxels
+};
+
+/// The middle of a brick, voxels from the grid's origin.
+inline Vec3 centre_of(const std::array<std::size_t, 3>& brick) {
+  const auto at = [&](std::size_t axis) {
+    return static_cast<double>(simd::kBrickCells * brick[axis]) + kHalfEdge;
+  };
+  return {at(0), at(1), at(2)};
+}
+
+/// Says how bricks are to be held.
+class BrickPlanner {
+ public:
+  BrickPlanner(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
+               const FlatRegions& flat)
+      : mesh_(mesh), grid_(grid), tree_(tree), flat_(flat) {}
+
+  /// What one thread plans with.
+  struct Work {
+    DistanceTree::Nearest nearest{};
+    std::vector<std::uint32_t> nearby;
+    DistanceTree::Scratch scratch;
+    std::array<float, cube(simd::kBrickCells + 1)> nodes;
+  };
+
+  /// A brick that is fine holds all nodes, unless it holds a plane.
+  BrickPlan plan(const std::array<std::size_t, 3>& brick, const std::array<double, 8>& corners,
+                 bool is_fine, Work& work) const;
+
+ private:
+  bool is_plane(const std::array<std::size_t, 3>& brick, const std::array<double, 8>& corners,
+                double at_centre, std::uint32_t nearest, Work& work) const;
+
+  const TriangleMesh& mesh_;
+  const BrickGrid& grid_;
+  const DistanceTree& tree_;
+  const FlatRegions& flat_;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,274 @@
+#include "field/field_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "field/brick_bounds.h"
+#include "field/brick_entry.h"
+#include "field/plane_extent.h"
+
+namespace voxshell {
+namespace {
+
+using simd::kBrickCells;
+
+constexpr std::string_view kStage = "distance field";
+
+/// A progress that is one part of another.
+Progress part_of(const Progress& whole, double from, double to) {
+  if (!whole) return {};
+  return [&whole, from, to](std::string_view stage, double fraction) {
+    return whole(stage, from + (to - from) * fraction);
+  };
+}
+
+std::size_t samples_of(int cells) {
+  const std::size_t nodes = cube(static_cast<std::size_t>(cells) + 1);
+  return (nodes + simd::kSampleAlignment - 1) / simd::kSampleAlignment * simd::kSampleAlignment;
+}
+
+/// Stores distances in quanta and returns the exponent of their scale, the least in which they fit.
+int store_samples(std::span<const float> distances, std::int16_t* samples) {
+  float farthest = 0.0f;
+  for (const float d : distances) farthest = std::max(farthest, std::abs(d));
+  int exponent = 0;
+  while (std::ldexp(32767.0f / simd::kQuantaPerVoxel, exponent) < farthest) ++exponent;
+  const float scale = std::ldexp(static_cast<float>(simd::kQuantaPerVoxel), -exponent);
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    samples[i] = static_cast<std::int16_t>(std::lrint(distances[i] * scale));
+  }
+  return exponent;
+}
+
+void count_overlap(int layers, float distance, const Vec3& place, OverlapCount& overlap) {
+  constexpr float kOnSurface = 0.02f;  // voxels
+  ++overlap.of;
+  overlap.inside += layers > 0 && distance > kOnSurface;
+  if (layers == 0 || layers == 1 || distance <= 1.0f) return;
+  if (overlap.places++ == 0) overlap.first = place;
+}
+
+/// No point of a brick is nearer to the surface than this, voxels.
+double find_least_magnitude(std::span<const float> nodes, double size) {
+  float least = std::abs(nodes[0]);
+  for (const float d : nodes) least = std::min(least, std::abs(d));
+  return static_cast<double>(least) - 0.5 * std::sqrt(3.0) * size;
+}
+
+}  // namespace
+
+FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
+                           const GridFieldSettings& settings, const Inside& inside,
+                           const Progress& progress)
+    : mesh_(mesh),
+      grid_(plan.grid),
+      is_fine_(plan.is_fine),
+      threads_(settings.threads),
+      inside_(inside),
+      progress_(progress),
+      flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
+      tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {}
+
+std::optional<Error> FieldBuilder::build(GridFieldData& data) {
+  Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
+  if (!measure_corners()) return cancelled;
+  if (auto overlapping = check_overlap()) return overlapping;
+  if (!plan_bricks()) return cancelled;
+  if (!place_bricks(data)) {
+    return Error{ErrorCode::kTooLarge,
+                 format_text("a distance field of voxel size %.3g m has more samples than can be "
+                             "numbered; use a voxel size of at least %.3g m",
+                             grid_.voxel_size, 1.2 * grid_.voxel_size)};
+  }
+  if (!fill_bricks(data)) return cancelled;
+  if (auto overlapping = check_overlap()) return overlapping;
+  if (!compute_brick_bounds(data, threads_, part_of(progress_, 0.9, 1.0))) return cancelled;
+  return std::nullopt;
+}
+
+std::optional<Error> FieldBuilder::check_overlap() const {
+  if (overlap_.places == 0) return std::nullopt;
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh overlaps itself by more than a voxel: %zu of %zu grid nodes "
+                           "looked at are enclosed more than once or inside out (first near %s "
+                           "metres); unite its parts, or let winding numbers tell what is inside",
+                           overlap_.places, overlap_.of, format_point(overlap_.first).c_str())};
+}
+
+bool FieldBuilder::measure_corners() {
+  lattice_.nodes = {grid_.bricks[0] + 1, grid_.bricks[1] + 1, grid_.bricks[2] + 1};
+  const auto [nx, ny, nz] = lattice_.nodes;
+  lattice_.distances.resize(nx * ny * nz);
+  std::vector<OverlapCount> overlaps(ny * nz);
+  const auto measure_row = [&](std::size_t row) {
+    const std::size_t j = row % ny;
+    const std::size_t k = row / ny;
+    std::vector<int> layers(nx);
+    inside_.find_corners(j, k, layers);
+    DistanceTree::Nearest nearest{};
+    for (std::size_t i = 0; i < nx; ++i) {
+      const Vec3 in_voxels{static_cast<double>(kBrickCells * i),
+                           static_cast<double>(kBrickCells * j),
+                           static_cast<double>(kBrickCells * k)};
+      nearest = tree_.find_nearest(in_voxels, nearest.guess);
+      const float distance = nearest.distance;
+      lattice_.distances[lattice_.index(i, j, k)] = layers[i] > 0 ? -distance : distance;
+      count_overlap(layers[i], distance,
+                    grid_.node(kBrickCells * i, kBrickCells * j, kBrickCells * k), overlaps[row]);
+    }
+  };
+  const bool is_done =
+      parallel_for(ny * nz, threads_, kStage, part_of(progress_, 0.0, 0.1), measure_row);
+  for (const OverlapCount& of_row : overlaps) overlap_.add(of_row);
+  return is_done;
+}
+
+bool FieldBuilder::plan_bricks() {
+  plans_.resize(grid_.count());
+  const std::size_t nx = grid_.bricks[0];
+  const BrickPlanner planner(mesh_, grid_, tree_, flat_);
+  const auto plan_row = [&](std::size_t row) {
+    BrickPlanner::Work work;
+    for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
+      const auto place = grid_.place(brick);
+      plans_[brick] = planner.plan(place, lattice_.corners_of(place), is_fine_[brick] != 0, work);
+    }
+  };
+  return parallel_for(grid_.bricks[1] * grid_.bricks[2], threads_, kStage,
+                      part_of(progress_, 0.1, 0.3), plan_row);
+}
+
+/// Gives each brick its samples or plane. False where there are too many.
+bool FieldBuilder::place_bricks(GridFieldData& data) const {
+  const std::size_t count = grid_.count();
+  data.entries.resize(count);
+  std::size_t samples = 0;
+  std::vector<std::uint32_t> indices(count, kNoPlane);
+  std::vector<std::uint32_t> index_of_region(mesh_.triangles().size(), kNoPlane);
+  for (std::size_t brick = 0; brick < count; ++brick) {
+    const BrickPlan& plan = plans_[brick];
+    if (samples >= kMostPayloads * simd::kSampleAlignment) return false;
+    if (plan.cells > 0) {
+      data.entries[brick] = BrickEntry{.cells = plan.cells, .first = samples}.pack();
+      samples += samples_of(plan.cells);
+      continue;
+    }
+    std::uint32_t& index = index_of_region[plan.region];
+    if (index == kNoPlane) {
+      index = static_cast<std::uint32_t>(data.planes.size() / 4);
+      const auto& plane = flat_.plane(plan.region);
+      const auto normal = static_cast<Vec3f>(plane.normal);
+      data.planes.insert(data.planes.end(),
+                         {normal.x, normal.y, normal.z, static_cast<float>(plane.offset)});
+    }
+    indices[brick] = index;
+  }
+  data.samples.resize(std::max<std::size_t>(samples, simd::kFewestSamples));
+  const std::vector<int> radii = measure_same_around(grid_, indices);
+  for (std::size_t brick = 0; brick < count; ++brick) {
+    if (indices[brick] == kNoPlane) continue;
+    data.entries[brick] =
+        BrickEntry{.is_plane = true, .radius = radii[brick], .first = indices[brick]}.pack();
+  }
+  return true;
+}
+
+bool FieldBuilder::fill_bricks(GridFieldData& data) {
+  const auto [nx, ny, nz] = grid_.bricks;
+  struct RowResult {
+    OverlapCount overlap;
+    double rounding = 0.0;  ///< largest, of a cell's size
+    double floor = 1e30;    ///< nearest that a coarse brick may come, voxels
+  };
+  std::vector<RowResult> results(ny * nz);
+  const auto fill_row = [&](std::size_t row) {
+    DistanceTree::Scratch scratch;
+    RowResult& result = results[row];
+    std::array<float, cube(kBrickCells + 1)> distances;
+    for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
+      const BrickPlan& plan = plans_[brick];
+      if (plan.cells == 0) continue;
+      const auto place = grid_.place(brick);
+      const auto corners = lattice_.corners_of(place);
+      const std::span<float> nodes(distances.data(),
+                                   cube(static_cast<std::size_t>(plan.cells) + 1));
+      if (plan.cells == 1) {
+        std::copy(corners.begin(), corners.end(), nodes.begin());
+      } else {
+        measure(centre_of(place), plan, scratch, nodes);
+        if (plan.cells == kBrickCells) {
+          sign_fine(place, nodes, result.overlap);
+        } else if (corners[0] < 0.0) {
+          for (float& d : nodes) d = -d;
+        }
+      }
+      BrickEntry entry = BrickEntry::unpack(data.entries[brick]);
+      entry.exponent = store_samples(nodes, &data.samples[entry.first]);
+      data.entries[brick] = entry.pack();
+      const double size = static_cast<double>(kBrickCells) / plan.cells;
+      result.rounding =
+          std::max(result.rounding, std::ldexp(0.5 / simd::kQuantaPerVoxel, entry.exponent) / size);
+      if (plan.cells < kBrickCells) {
+        result.floor = std::min(result.floor, find_least_magnitude(nodes, size));
+      }
+    }
+  };
+  if (!parallel_for(ny * nz, threads_, kStage, part_of(progress_, 0.3, 0.9), fill_row)) {
+    return false;
+  }
+  double rounding = 0.0;
+  double floor = 1e30;
+  for (const RowResult& result : results) {
+    overlap_.add(result.overlap);
+    rounding = std::max(rounding, result.rounding);
+    floor = std::min(floor, result.floor);
+  }
+  constexpr double kFloatError = 1e-3;  // voxels
+  data.error = (std::sqrt(0.75) + rounding + kFloatError) * grid_.voxel_size;
+  constexpr double kRounding = kFloatError + 0.5 / simd::kQuantaPerVoxel;
+  data.coarse_floor = floor < 1e30 ? (std::max(kFineMargin, floor) - kRounding) * grid_.voxel_size
+                                   : static_cast<double>(simd::kNoCoarseFloor);
+  return true;
+}
+
+void FieldBuilder::measure(const Vec3& centre, const BrickPlan& plan,
+                           DistanceTree::Scratch& scratch, std::span<float> nodes) const {
+  if (plan.cells == kBrickCells) {
+    tree_.measure_brick(centre, plan.at_centre, scratch, nodes);
+    return;
+  }
+  const double spacing = static_cast<double>(kBrickCells) / plan.cells;
+  const Vec3 first = centre - Vec3{kHalfEdge, kHalfEdge, kHalfEdge};
+  DistanceTree::Nearest nearest{};
+  std::size_t node = 0;
+  for (int k = 0; k <= plan.cells; ++k) {
+    for (int j = 0; j <= plan.cells; ++j) {
+      for (int i = 0; i <= plan.cells; ++i, ++node) {
+        nearest =
+            tree_.find_nearest(first + spacing * Vec3{1.0 * i, 1.0 * j, 1.0 * k}, nearest.guess);
+        nodes[node] = nearest.distance;
+      }
+    }
+  }
+}
+
+void FieldBuilder::sign_fine(const std::array<std::size_t, 3>& brick, std::span<float> nodes,
+                             OverlapCount& overlap) const {
+  constexpr std::size_t kNodes = kBrickCells + 1;
+  std::array<int, cube(kNodes)> layers{};
+  inside_.find_nodes(brick, nodes, layers);
+  for (std::size_t node = 0; node < layers.size(); ++node) {
+    count_overlap(layers[node], nodes[node],
+                  grid_.node(kBrickCells * brick[0] + node % kNodes,
+                             kBrickCells * brick[1] + node / kNodes % kNodes,
+                             kBrickCells * brick[2] + node / (kNodes * kNodes)),
+                  overlap);
+    if (layers[node] > 0) nodes[node] = -nodes[node];
+  }
+}
+
+}  // namespace voxshell
