@@ -10,6 +10,7 @@
 #include "query_scratch.h"
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
+#include "voxshell/manifold.h"
 
 namespace nb = nanobind;
 
@@ -86,6 +87,51 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
   return set;
 }
 
+/// What `find` picks from one shell's contacts without listing the others.
+template <class Find>
+ContactSet pick_contacts(const Bodies& bodies, const PairPose& pose, Shells shells, int level,
+                         SharedScratch* scratch, const Find& find) {
+  const Roles roles = choose_roles(bodies, shells);
+  const nb::gil_scoped_release released;
+  std::vector<ShellContact> found;
+  PairBody shell_body = roles.shell_bodies[0];
+  const auto ask = [&](PairBody body) {
+    shell_body = body;
+    const LockedScratch locked(scratch, body);
+    append(found, body,
+           find(*bodies.field_of(other(body)), *bodies.shell_of(body), pose.field_from_shell(body),
+                *locked));
+  };
+  ask(shell_body);
+  const PairBody inner = other(shell_body);
+  if (roles.may_swap && found.empty() && is_enclosed(bodies, pose, inner)) ask(inner);
+  return make_contact_set({bodies, pose, level, shells_of(shell_body)}, std::move(found));
+}
+
+ContactSet manifold(const SharedField& field_a, const SharedShell& shell_a,
+                    const SharedField& field_b, const SharedShell& shell_b,
+                    const OptionalPose& a_pose, const OptionalPose& b_pose, Shells shells,
+                    float margin, std::size_t max_points, SharedScratch* scratch) {
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
+                        QueryScratch& own) {
+    return find_manifold(field, shell, field_from_shell, margin, own, max_points);
+  };
+  return pick_contacts({field_a, shell_a, field_b, shell_b}, pose, shells, 1, scratch, find);
+}
+
+ContactSet deepest_per_segment(const SharedField& field_a, const SharedShell& shell_a,
+                               const SharedField& field_b, const SharedShell& shell_b,
+                               const OptionalPose& a_pose, const OptionalPose& b_pose,
+                               Shells shells, float margin, int level, SharedScratch* scratch) {
+  const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
+                        QueryScratch& own) {
+    return find_deepest_per_segment(field, shell, field_from_shell, level, margin, own);
+  };
+  return pick_contacts({field_a, shell_a, field_b, shell_b}, pose, shells, level, scratch, find);
+}
+
 bool collide(const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
              const SharedShell& shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
              Shells shells, float margin) {
@@ -117,6 +163,15 @@ void bind_contacts(nb::module_& module) {
       .def(nb::init<>());
   def_contacts(module, "contacts", &contacts<Search::kTree>, "By the point-sphere tree.");
   def_contacts(module, "contacts_flat", &contacts<Search::kFlat>, "By the flat loop.");
+  module.def("manifold", &manifold, nb::arg("field_a"), nb::arg("shell_a").none(),
+             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_pose").none(),
+             nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("margin"), nb::arg("max_points"),
+             nb::arg("scratch").none(), "By branch and bound; of one shell.");
+  module.def("deepest_per_segment", &deepest_per_segment, nb::arg("field_a"),
+             nb::arg("shell_a").none(), nb::arg("field_b"), nb::arg("shell_b").none(),
+             nb::arg("a_pose").none(), nb::arg("b_pose").none(), nb::arg("shells"),
+             nb::arg("margin"), nb::arg("level"), nb::arg("scratch").none(),
+             "By branch and bound; of one shell.");
   module.def("collide", &collide, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
              nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"));

@@ -48,7 +48,16 @@ from voxshell.field import DistanceField, Field
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, MeshWarning
 from voxshell.model import Model
-from voxshell.queries import Distance, Wrench, collide, contacts, distance, wrench
+from voxshell.queries import (
+    Distance,
+    Wrench,
+    collide,
+    contacts,
+    deepest_per_segment,
+    distance,
+    manifold,
+    wrench,
+)
 from voxshell.query_scratch import QueryScratch
 from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plane, Sphere
 from voxshell.shell import PointShell, PointSphereTree
@@ -110,7 +119,9 @@ __all__ = [
     "contact_bounds",
     "contacts",
     "contacts_batch",
+    "deepest_per_segment",
     "distance",
+    "manifold",
     "testing",
     "wrench",
 ]

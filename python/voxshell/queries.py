@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_pose, as_real
+from voxshell._arguments import as_integer, as_pose, as_real
 from voxshell._pairs import (
     Collidable,
     OneShell,
@@ -33,7 +33,18 @@ if TYPE_CHECKING:
 
     from voxshell.query_scratch import QueryScratch
 
-__all__ = ["Collidable", "Distance", "Shell", "Wrench", "collide", "contacts", "distance", "wrench"]
+__all__ = [
+    "Collidable",
+    "Distance",
+    "Shell",
+    "Wrench",
+    "collide",
+    "contacts",
+    "deepest_per_segment",
+    "distance",
+    "manifold",
+    "wrench",
+]
 
 
 def contacts(
@@ -128,6 +139,120 @@ def contacts(
     """
     return find(
         _core.contacts, a, b, a_pose, b_pose, shell, margin, level, max_points, budget, scratch
+    )
+
+
+def manifold(
+    a: Collidable,
+    b: Collidable,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
+    *,
+    shell: OneShell = "auto",
+    margin: float = 0.0,
+    max_points: int = 4,
+    scratch: QueryScratch | None = None,
+) -> Contacts:
+    """Finds a few contacts that stand for all: the deepest, then those that span the largest area.
+
+    The same bits as ``contacts(...).manifold(max_points)``, but by branch and bound: the other
+    contacts are not listed, so that it is faster where there are many.
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
+        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        shell: "a", "b" or "auto", as for :func:`contacts`.
+        margin: As for :func:`contacts`.
+        max_points: From 1 to 4. Points that would add no area are left out.
+        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+
+    Returns:
+        The contacts chosen, in the order chosen; the deepest is first.
+
+    Raises:
+        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
+            is not finite; ``max_points`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+        >>> corners = vx.manifold(box, vx.Plane(offset=-0.499))
+        >>> len(corners), corners.depths.round(6)
+        (4, array([0.001, 0.001, 0.001, 0.001]))
+    """
+    return Contacts(
+        _core.manifold(
+            *parts(a, "a"),
+            *parts(b, "b"),
+            as_pose(a_pose, "a_pose"),
+            as_pose(b_pose, "b_pose"),
+            as_shells(shell, allowed=("auto", "a", "b")),
+            as_margin(margin),
+            as_integer(max_points, "max_points", 1, 4),
+            as_scratch(scratch),
+        )
+    )
+
+
+def deepest_per_segment(
+    a: Collidable,
+    b: Collidable,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
+    *,
+    level: int,
+    shell: OneShell = "auto",
+    margin: float = 0.0,
+    scratch: QueryScratch | None = None,
+) -> Contacts:
+    """Finds the deepest contact of each segment of a level.
+
+    The same bits as ``contacts(..., level=level).deepest_per_segment()``, but by branch and bound,
+    as :func:`manifold`.
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
+        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        level: Level of the point-sphere tree, 1 to 12; a level L has 4^(L - 1) segments at most.
+        shell: "a", "b" or "auto", as for :func:`contacts`.
+        margin: As for :func:`contacts`.
+        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+
+    Returns:
+        One contact a segment that has any, ascending by id. Of equally deep ones, the smaller id.
+
+    Raises:
+        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
+            is not finite; ``level`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+        >>> few = vx.deepest_per_segment(box, vx.Plane(offset=-0.499), level=3)
+        >>> len(few) == len(set(few.segments.tolist())) > 1
+        True
+    """
+    return Contacts(
+        _core.deepest_per_segment(
+            *parts(a, "a"),
+            *parts(b, "b"),
+            as_pose(a_pose, "a_pose"),
+            as_pose(b_pose, "b_pose"),
+            as_shells(shell, allowed=("auto", "a", "b")),
+            as_margin(margin),
+            as_integer(level, "level", 1, _core.PointSphereTree.deepest_level),
+            as_scratch(scratch),
+        )
     )
 
 

@@ -15,9 +15,15 @@ def wrench(a, b, a_pose=None, b_pose=None, **options) -> vx.Wrench:
     return vx.wrench(a, b, a_pose, b_pose, 1.0, **options)
 
 
+def deepest_per_segment(a, b, a_pose=None, b_pose=None, **options) -> vx.Contacts:
+    return vx.deepest_per_segment(a, b, a_pose, b_pose, level=3, **options)
+
+
 SEARCHES = (vx.contacts, vx.testing.contacts_flat)
-WITH_MARGIN = (*SEARCHES, vx.collide, vx.contacts_batch, vx.collide_batch)
-QUERIES = (*SEARCHES, vx.collide, vx.distance, wrench)
+FEW = (vx.manifold, deepest_per_segment)
+WITH_MARGIN = (*SEARCHES, *FEW, vx.collide, vx.contacts_batch, vx.collide_batch)
+ONE_SHELL = (*FEW, wrench)
+QUERIES = (*SEARCHES, *FEW, vx.collide, vx.distance, wrench)
 BATCHES = (vx.contacts_batch, vx.collide_batch)
 
 
@@ -522,7 +528,7 @@ def test_a_pair_without_the_shell_asked_for_is_refused(ball: vx.Model, query):
         query(ball, vx.Plane(), shell="b")
     with pytest.raises(vx.SettingsError, match="body a has no point shell"):
         query(vx.Plane(), ball, shell="a")
-    if query is not wrench:
+    if query not in ONE_SHELL:
         with pytest.raises(vx.SettingsError, match="body b has no point shell"):
             query(ball, vx.Plane(), shell="both")
 
@@ -530,14 +536,15 @@ def test_a_pair_without_the_shell_asked_for_is_refused(ball: vx.Model, query):
 @pytest.mark.parametrize("query", [*QUERIES, *BATCHES])
 @pytest.mark.parametrize("shell", ["c", "", None, 0, ["a"], "A", ("a", "b")])
 def test_a_wrong_shell_is_refused(ball: vx.Model, query, shell):
-    choices = "'auto', 'a' or 'b'" if query is wrench else "'auto', 'a', 'b' or 'both'"
+    choices = "'auto', 'a' or 'b'" if query in ONE_SHELL else "'auto', 'a', 'b' or 'both'"
     with pytest.raises(vx.SettingsError, match=choices):
         query(ball, ball, shell=shell)
 
 
-def test_a_wrench_of_both_shells_is_refused(ball: vx.Model):
+@pytest.mark.parametrize("query", ONE_SHELL)
+def test_both_shells_are_refused_where_there_is_one_answer(ball: vx.Model, query):
     with pytest.raises(vx.SettingsError, match="'auto', 'a' or 'b', not 'both'"):
-        wrench(ball, ball, shell="both")
+        query(ball, ball, shell="both")
 
 
 @pytest.mark.parametrize("query", WITH_MARGIN)
@@ -547,7 +554,7 @@ def test_a_wrong_margin_is_refused(ball: vx.Model, query, margin):
         query(ball, vx.Plane(), margin=margin)
 
 
-@pytest.mark.parametrize("query", [*SEARCHES, vx.contacts_batch])
+@pytest.mark.parametrize("query", [*SEARCHES, vx.deepest_per_segment, vx.contacts_batch])
 @pytest.mark.parametrize("level", [0, -1, 13, 2**70, 1.0, "1"])
 def test_a_wrong_level_is_refused(ball: vx.Model, query, level):
     with pytest.raises(vx.SettingsError, match="level"):
@@ -561,6 +568,12 @@ def test_a_wrong_number_of_points_is_refused(ball: vx.Model, query, max_points):
         query(ball, vx.Plane(), max_points=max_points)
 
 
+@pytest.mark.parametrize("max_points", [0, 5, 2**70, 1.0, "1", None])
+def test_a_wrong_size_of_a_manifold_is_refused(ball: vx.Model, max_points):
+    with pytest.raises(vx.SettingsError, match="max_points"):
+        vx.manifold(ball, vx.Plane(), max_points=max_points)
+
+
 @pytest.mark.parametrize("query", SEARCHES)
 @pytest.mark.parametrize("budget", [0, -1, 2**70, 1.0, "1"])
 def test_a_wrong_budget_is_refused(ball: vx.Model, query, budget):
@@ -568,7 +581,7 @@ def test_a_wrong_budget_is_refused(ball: vx.Model, query, budget):
         query(ball, vx.Plane(), budget=budget)
 
 
-@pytest.mark.parametrize("query", [*SEARCHES, vx.distance, wrench])
+@pytest.mark.parametrize("query", [*SEARCHES, *FEW, vx.distance, wrench])
 def test_a_wrong_scratch_is_refused(ball: vx.Model, query):
     for scratch in (1, "scratch", [], vx.QueryScratch):
         with pytest.raises(vx.InputTypeError, match="scratch must be a QueryScratch"):

@@ -23,16 +23,26 @@ def describe_environment() -> dict[str, object]:
         "python": platform.python_version(),
         "libraries": {name: _find_version(name) for name in _LIBRARIES},
         "system": platform.platform(),
-        "cpu": _find_cpu(),
+        "cpu": read_cpuinfo("model name") or platform.processor(),
         "cores": len(os.sched_getaffinity(0)),
     }
+
+
+def read_cpuinfo(field: str) -> str:
+    """What the system says of its first processor; empty where it does not say."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return ""
+    values = [line.split(":", 1)[1].strip() for line in lines if line.startswith(field)]
+    return values[0] if values else ""
 
 
 def _find_commit() -> str | None:
     """Of the checkout that the package is in, with "-dirty" where it has changes; else None."""
     try:
         result = subprocess.run(
-            ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+            ["git", "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"],
             cwd=Path(__file__).parent,
             capture_output=True,
             text=True,
@@ -49,12 +59,3 @@ def _find_version(library: str) -> str | None:
         return metadata.version(library)
     except metadata.PackageNotFoundError:
         return None
-
-
-def _find_cpu() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()
