@@ -8,102 +8,41 @@ parts that fit one another, half are about the fit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import parts
 import pytest
 import solids
 import voxshell as vx
-from manifold3d import Manifold
 from mesh_judges import MeshPair
+from parts import MM, Part, random_rotation
 
 POSES = 1_000  # a pair
 FULLY_JUDGED = 5  # one in so many poses is judged even where the answer needs no proof
 ROUNDING = 1e-6  # metres; coordinates here are below a metre
-MM = 1e-3
-
-
-@dataclass
-class Part:
-    solid: Manifold
-    voxel_size: float
-
-    def build(self) -> vx.Model:
-        return vx.Model.from_mesh(solids.as_arrays(self.solid), voxel_size=self.voxel_size)
 
 
 @dataclass
 class Pair:
     a: Part
     b: Part
-    fit: Callable[[np.random.Generator], np.ndarray] | None = None  # b_from_a, where parts fit
-
-
-def transform(angle: float, translation: tuple[float, float, float]) -> np.ndarray:
-    """About z, then moved."""
-    pose = np.eye(4)
-    pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    pose[:3, 3] = translation
-    return pose
-
-
-PITCH = 6 * MM
-BOLT = {"radius": 10 * MM, "thread_depth": 1.5 * MM, "pitch": PITCH}
-
-
-def screwed_on(rng: np.random.Generator) -> np.ndarray:
-    turn = rng.uniform(0.3, 2.0)
-    return transform(2.0 * np.pi * turn, (0.0, 0.0, turn * PITCH))
-
-
-GEAR_TEETH, PINION_TEETH, GEAR_MODULE = 24, 12, 3 * MM
-
-
-def in_mesh(rng: np.random.Generator) -> np.ndarray:
-    roll = rng.uniform(0.0, 2.0 * np.pi)
-    pinion = transform(np.pi + np.pi / PINION_TEETH - roll * GEAR_TEETH / PINION_TEETH, (0, 0, 0))
-    axes = 0.5 * (GEAR_TEETH + PINION_TEETH) * GEAR_MODULE
-    return (
-        transform(-roll, (0, 0, 0))
-        @ transform(0.0, (axes, 0, 0))
-        @ transform(roll, (0, 0, 0))
-        @ (transform(-roll, (0, 0, 0)) @ pinion)
-    )
+    fit: parts.Fit | None = None
 
 
 def make_pair(name: str, bunny_path: Path) -> Pair:
     bunny = Part(solids.simplified_bunny(bunny_path, length=0.2, tolerance=1 * MM), 3 * MM)
     box = Part(solids.box((0.12, 0.08, 0.06)).refine_to_length(10 * MM), 3 * MM)
-    bolt = Part(solids.bolt(**BOLT, length=24 * MM, head_height=6 * MM), 0.4 * MM)
-    nut = Part(solids.nut(**BOLT, height=9 * MM, clearance=0.7 * MM), 0.4 * MM)
-    gear = Part(
-        solids.gear(GEAR_TEETH, GEAR_MODULE, 10 * MM, 8 * MM, 0.9 * MM).refine_to_length(4 * MM),
-        0.6 * MM,
-    )
-    pinion = Part(
-        solids.gear(PINION_TEETH, GEAR_MODULE, 10 * MM, 5 * MM, 0.9 * MM).refine_to_length(4 * MM),
-        0.6 * MM,
-    )
     return {
         "bunny-bunny": Pair(bunny, bunny),
         "bunny-box": Pair(bunny, box),
-        "nut-bolt": Pair(nut, bolt, screwed_on),
-        "pinion-gear": Pair(pinion, gear, in_mesh),
-        "bolt-box": Pair(bolt, Part(solids.box((30 * MM,) * 3).refine_to_length(3 * MM), 0.4 * MM)),
+        "nut-bolt": Pair(parts.nut(), parts.bolt(), parts.screwed_on),
+        "pinion-gear": Pair(parts.pinion(), parts.gear(), parts.in_mesh),
+        "bolt-box": Pair(
+            parts.bolt(), Part(solids.box((30 * MM,) * 3).refine_to_length(3 * MM), 0.4 * MM)
+        ),
     }[name]
-
-
-def random_rotation(rng: np.random.Generator) -> np.ndarray:
-    w, x, y, z = (lambda q: q / np.linalg.norm(q))(rng.normal(size=4))
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def place(

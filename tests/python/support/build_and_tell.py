@@ -29,7 +29,7 @@ def main(mesh: str, resolution: str, places: str) -> None:
     answer = {
         "distances": model.field.sample(points).tolist(),
         "shell": len(model.shell),
-        "voxel_size": model.field.voxel_size,
+        "confidence": model.field.sign_confidence,
         "warnings": [
             str(warning.message)
             for warning in caught

@@ -12,6 +12,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,7 @@ WHEEL = [
     "--platform=manylinux2014_x86_64",
     "--platform=manylinux_2_17_x86_64",
 ]
+PAUSES = (0, 5, 20)  # seconds before each attempt
 WHEEL_SHA256 = "5d858abf7c12a21ef3ed351cf81dac1b5e486ec25c9ab59bfc84beb89034edff"
 
 
@@ -46,21 +48,24 @@ class Faults:
 def fetch(names: list[str]) -> Path:
     """The folder that has these files of pybullet_data.
 
-    Skips the test, with a reason, where there is neither a copy nor a network; in CI, which has
-    one, that is a failure.
+    Skips the test, with a reason, where there is neither a copy nor, in several attempts, a network;
+    in CI, which has one, that is a failure.
     """
-    if not all((FOLDER / name).is_file() for name in names):
+    if all((FOLDER / name).is_file() for name in names):
+        return FOLDER
+    said = ""
+    for pause in PAUSES:
+        time.sleep(pause)
         try:
             _download(names)
         except (OSError, subprocess.SubprocessError) as error:
-            said = getattr(error, "stderr", None) or str(error)
-            reason = (
-                f"pybullet's wheel, which has the meshes, cannot be had from PyPI: {said[-300:]}"
-            )
-            if os.environ.get("CI") == "true":
-                pytest.fail(reason)
-            pytest.skip(reason)
-    return FOLDER
+            said = str(getattr(error, "stderr", None) or error)
+        else:
+            return FOLDER
+    reason = f"pybullet's wheel, which has the meshes, cannot be had from PyPI: {said[-300:]}"
+    if os.environ.get("CI") == "true":
+        pytest.fail(reason)
+    pytest.skip(reason)
 
 
 def _download(names: list[str]) -> None:
