@@ -1,25 +1,42 @@
 #include "voxshell/bullet/collision_configuration.h"
 
 #include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <string>
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 
 #include "model_algorithm.h"
+#include "posed_pair.h"
 
 namespace voxshell::bullet {
 namespace {
 
-bool is_model(int type) { return type == FAST_CONCAVE_MESH_PROXYTYPE; }
-
-/// Shape types that ModelAlgorithm meets with a field or shell of their own.
-bool has_field(int type) {
-  return is_model(type) || type == STATIC_PLANE_PROXYTYPE || type == BOX_SHAPE_PROXYTYPE ||
-         type == SPHERE_SHAPE_PROXYTYPE;
+/// How the model of a pair meets the other shape; none where neither is a model.
+std::optional<Meeting> meeting_of(int type0, int type1) {
+  const Meeting meetings[] = {meeting_with(type0), meeting_with(type1)};
+  if (meetings[0] == Meeting::kModel) return meetings[1];
+  if (meetings[1] == Meeting::kModel) return meetings[0];
+  return std::nullopt;
 }
 
-bool is_served(int type0, int type1) {
-  return (is_model(type0) && has_field(type1)) || (is_model(type1) && has_field(type0));
+std::string refusal_of(const char* name) {
+  return std::string("a ModelShape cannot meet a ") + name +
+         ": use a triangle mesh, a convex shape, a compound of them, or a model in its place";
 }
+
+/// For pairs that nobody serves.
+class RefusingCreateFunc : public btCollisionAlgorithmCreateFunc {
+ public:
+  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo&,
+                                                 const btCollisionObjectWrapper* a,
+                                                 const btCollisionObjectWrapper* b) override {
+    const bool model_is_a = meeting_with(a->getCollisionShape()->getShapeType()) == Meeting::kModel;
+    throw std::logic_error(refusal_of((model_is_a ? b : a)->getCollisionShape()->getName()));
+  }
+};
 
 /// The pools of the base class must hold our algorithm, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
@@ -30,12 +47,40 @@ btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo 
 
 }  // namespace
 
+Result<std::monostate> check_served(const btCollisionShape& shape) {
+  if (meeting_with(shape.getShapeType()) == Meeting::kUnserved) {
+    return Error{ErrorCode::kInvalidArgument, refusal_of(shape.getName())};
+  }
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+      if (auto checked = check_served(*compound.getChildShape(i)); !checked) return checked;
+    }
+  }
+  return std::monostate{};
+}
+
 struct CollisionConfiguration::CreateFunctions {
   explicit CreateFunctions(const ContactSettings& contact_settings) : settings(contact_settings) {}
 
   ContactSettings settings;
   ModelAlgorithmCreateFunc simulation{settings, Purpose::kSimulation};
   ModelAlgorithmCreateFunc contact_test{settings, Purpose::kContactTest};
+  RefusingCreateFunc refusing;
+
+  /// Ours for a pair of types, or null.
+  btCollisionAlgorithmCreateFunc* of(int type0, int type1, ModelAlgorithmCreateFunc& served) {
+    switch (meeting_of(type0, type1).value_or(Meeting::kNever)) {
+      case Meeting::kModel:
+      case Meeting::kField:
+      case Meeting::kTriangles:
+        return &served;
+      case Meeting::kUnserved:
+        return &refusing;
+      default:
+        return nullptr;
+    }
+  }
 };
 
 CollisionConfiguration::CollisionConfiguration(const ContactSettings& settings,
@@ -47,13 +92,15 @@ CollisionConfiguration::~CollisionConfiguration() = default;
 
 btCollisionAlgorithmCreateFunc* CollisionConfiguration::getCollisionAlgorithmCreateFunc(int type0,
                                                                                         int type1) {
-  if (is_served(type0, type1)) return &create_functions_->simulation;
+  if (auto* ours = create_functions_->of(type0, type1, create_functions_->simulation)) return ours;
   return btDefaultCollisionConfiguration::getCollisionAlgorithmCreateFunc(type0, type1);
 }
 
 btCollisionAlgorithmCreateFunc* CollisionConfiguration::getClosestPointsAlgorithmCreateFunc(
     int type0, int type1) {
-  if (is_served(type0, type1)) return &create_functions_->contact_test;
+  if (auto* ours = create_functions_->of(type0, type1, create_functions_->contact_test)) {
+    return ours;
+  }
   return btDefaultCollisionConfiguration::getClosestPointsAlgorithmCreateFunc(type0, type1);
 }
 

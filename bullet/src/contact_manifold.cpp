@@ -14,7 +14,6 @@ void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
                        const btCollisionObject* object1) {
   // Through Bullet's pointers, which users may have set to rules of their own.
   point.m_combinedFriction = gCalculateCombinedFrictionCallback(object0, object1);
-  point.m_combinedRestitution = gCalculateCombinedRestitutionCallback(object0, object1);
   point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(object0, object1);
   point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(object0, object1);
   const int flags = object0->getCollisionFlags() | object1->getCollisionFlags();
@@ -73,6 +72,8 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
     point.m_partId1 = wrap1.m_partId;
     point.m_index0 = point.m_index1 = static_cast<int>(contact.id);
     combine_materials(point, wrap0.getCollisionObject(), wrap1.getCollisionObject());
+    point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
+    point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
     for (int i = 0; i < before_count; ++i) {
       const auto slot = static_cast<std::size_t>(i);
       if (!carried[slot] && before[slot].m_index0 == point.m_index0) {

@@ -15,13 +15,15 @@ struct WorldContact {
   std::uint32_t id;  ///< of the shell's point
   Vec3 point_a;
   Vec3 point_b;
-  Vec3 normal;   ///< unit, on b, pointing towards a
-  double depth;  ///< positive where the bodies overlap
+  Vec3 normal;                 ///< unit, on b, pointing towards a
+  double depth;                ///< positive where the bodies overlap
+  double restitution = 0.0;    ///< what the solver is to take for it
+  double first_impulse = 0.0;  ///< where the solver is to start if the point is new, N s
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
-/// it held before are carried over, so that the solver starts warm; material properties are those
-/// of the two objects, and Bullet's contact callbacks are honoured.
+/// it held before are carried over, so that the solver starts warm; other material properties
+/// are those of the two objects, and Bullet's contact callbacks are honoured.
 void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
                    const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 

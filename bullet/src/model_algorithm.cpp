@@ -4,79 +4,22 @@
 #include <chrono>
 #include <new>
 #include <optional>
+#include <span>
 #include <typeinfo>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
-#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
-#include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include "rest_margin.h"
+#include "contact_rule.h"
+#include "extreme_contact.h"
+#include "posed_pair.h"
 #include "voxshell/bullet/convert.h"
-#include "voxshell/bullet/model_shape.h"
 #include "voxshell/manifold.h"
 
 namespace voxshell::bullet {
 namespace {
 
 constexpr int kDefaultLevel = 4;
-
-/// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
-class Side {
- public:
-  explicit Side(const btCollisionObjectWrapper& wrap)
-      : wrap_(wrap), world_from_geometry_(from_bullet(wrap.getWorldTransform())) {
-    const btCollisionShape* shape = wrap.getCollisionShape();
-    switch (shape->getShapeType()) {
-      case FAST_CONCAVE_MESH_PROXYTYPE: {
-        const auto* model_shape = static_cast<const ModelShape*>(shape);
-        world_from_geometry_ = world_from_geometry_ * model_shape->body_from_model();
-        participant_ = {&model_shape->model().field(), &model_shape->model().shell()};
-        return;
-      }
-      case STATIC_PLANE_PROXYTYPE: {
-        const auto* plane = static_cast<const btStaticPlaneShape*>(shape);
-        analytic_ = PlaneField{from_bullet(plane->getPlaneNormal()),
-                               static_cast<double>(plane->getPlaneConstant())};
-        break;
-      }
-      case BOX_SHAPE_PROXYTYPE:
-        analytic_ = BoxField{
-            from_bullet(static_cast<const btBoxShape*>(shape)->getHalfExtentsWithMargin())};
-        break;
-      case SPHERE_SHAPE_PROXYTYPE:
-        analytic_ =
-            SphereField{static_cast<double>(static_cast<const btSphereShape*>(shape)->getRadius())};
-        break;
-      default:
-        btAssert(!"ModelAlgorithm is registered for the shapes above only");
-        return;
-    }
-    participant_ = {&*analytic_, nullptr};
-  }
-  Side(const Side&) = delete;
-  Side& operator=(const Side&) = delete;
-
-  const Participant& participant() const { return participant_; }
-  const Pose& world_from_geometry() const { return world_from_geometry_; }
-  const btCollisionObjectWrapper& wrap() const { return wrap_; }
-
-  /// Velocity of the material point at `world_point`, m/s.
-  Vec3 velocity_at(const Vec3& world_point) const {
-    const btRigidBody* body = btRigidBody::upcast(wrap_.getCollisionObject());
-    if (body == nullptr) return {};
-    return from_bullet(
-        body->getVelocityInLocalPoint(to_bullet(world_point) - body->getCenterOfMassPosition()));
-  }
-
- private:
-  const btCollisionObjectWrapper& wrap_;
-  Pose world_from_geometry_;
-  std::optional<Field> analytic_;
-  Participant participant_;
-};
 
 /// Adds the time from its making to its end.
 class Stopwatch {
@@ -100,49 +43,6 @@ class Stopwatch {
 };
 
 }  // namespace
-
-/// The two sides with their roles settled.
-struct ModelAlgorithm::PosedPair {
-  PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap)
-      : a(a_wrap),
-        b(b_wrap),
-        // One of the two is a model, or the algorithm would not have been made.
-        shell_is_a(*choose_shell(a.participant(), b.participant(), ShellChoice::kAutomatic) ==
-                   PairBody::kA) {}
-
-  const Side& shell_side() const { return shell_is_a ? a : b; }
-  const Side& field_side() const { return shell_is_a ? b : a; }
-  const PointShell& shell() const { return *shell_side().participant().shell; }
-  const Field& field() const { return *field_side().participant().field; }
-  Pose field_from_shell() const {
-    return field_side().world_from_geometry().inverse() * shell_side().world_from_geometry();
-  }
-
-  /// Makes the other body the shell where it may lie inside the one that is. For pairs without
-  /// contact.
-  bool swap_roles_if_enclosed() {
-    if (!is_enclosed(field_side().participant(), shell_side().participant(),
-                     field_from_shell().inverse())) {
-      return false;
-    }
-    shell_is_a = !shell_is_a;
-    return true;
-  }
-
-  WorldContact to_world(const Contact& contact) const {
-    const Pose& world_from_shell = shell_side().world_from_geometry();
-    const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
-    const Vec3 out_of_field = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
-    const auto depth = static_cast<double>(contact.depth);
-    const Vec3 on_field = on_shell + depth * out_of_field;
-    return {contact.id, shell_is_a ? on_shell : on_field, shell_is_a ? on_field : on_shell,
-            shell_is_a ? out_of_field : -out_of_field, depth};
-  }
-
-  Side a;
-  Side b;
-  bool shell_is_a;
-};
 
 ModelAlgorithm::ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
                                const ContactSettings& settings, Purpose purpose)
@@ -169,28 +69,23 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   // its result is of a class of its own.
   const bool simulates =
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
-  NarrowPhaseTimings* timings = simulates ? settings_.timings : nullptr;
-  double margin = 0.0;
-  std::span<const Contact> found;
-  const auto ask = [&] {
-    margin = simulates ? rest_margin(pair)
-                       : static_cast<double>(result->m_closestPointDistanceThreshold);
-    found = find_contacts(pair.field(), pair.shell(), pair.field_from_shell(),
-                          {.margin = static_cast<float>(margin)}, scratch_);
-  };
-  {
-    const Stopwatch watch(timings, &NarrowPhaseTimings::query);
-    ask();
-    if (found.empty() && pair.swap_roles_if_enclosed()) ask();
-  }
-  contacts_.assign(found.begin(), found.end());
   if (!simulates) {
+    const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
+    find_near(pair, margin, Wanted::kAll);
     report(pair, *result);
     return;
   }
+
+  std::optional<ContactRule> rule;
   {
-    const Stopwatch watch(timings, &NarrowPhaseTimings::reduction);
-    drop_fast_approaches(pair, margin, static_cast<double>(info.m_timeStep));
+    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
+    rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
+    const bool all = settings_.mode == ContactMode::kRegular && !rule->sweeps();
+    find_near(pair, rule->margin(), all ? Wanted::kAll : Wanted::kOneASegment);
+  }
+  {
+    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
+    rule->apply(contacts_);
   }
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
@@ -202,25 +97,48 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     // look through.
     release_manifolds();
   } else if (settings_.mode == ContactMode::kRegular) {
-    fill_regular(pair);
+    fill_regular(pair, *rule);
   } else {
-    fill_segmented(pair, pair.shell().tree());
+    fill_segmented(pair, *rule);
   }
 }
 
-/// Keeps penetrating points, and of those within the margin the slow ones.
-void ModelAlgorithm::drop_fast_approaches(const PosedPair& pair, double margin, double time_step) {
-  std::erase_if(contacts_, [&](const Contact& contact) {
-    if (contact.depth > 0.0f) return false;
-    const WorldContact world = pair.to_world(contact);
-    const Vec3 velocity = pair.a.velocity_at(world.point_a) - pair.b.velocity_at(world.point_b);
-    const double approach = -dot(velocity, world.normal);
-    return approach * time_step > margin;
-  });
+/// Fills contacts_, ascending by id, with the points within the margin or the deepest of these of
+/// each segment.
+void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
+  // Of surfaces thickened by Bullet's margins, contacts are points that near.
+  const auto reach = static_cast<float>(margin + pair.thickness());
+  if (pair.has_triangles()) {
+    const Model& model = *pair.field_side().model();
+    const std::vector<Contact>& found = triangle_contacts_.find(
+        *pair.shell_side().triangles(), model, pair.field_from_shell(), level(), reach);
+    contacts_.assign(found.begin(), found.end());
+    return;
+  }
+  const auto ask = [&] {
+    const std::span<const Contact> found =
+        wanted == Wanted::kAll
+            ? find_contacts(pair.field(), pair.shell(), pair.field_from_shell(), {.margin = reach},
+                            scratch_)
+            : find_deepest_per_segment(pair.field(), pair.shell(), pair.field_from_shell(), level(),
+                                       reach, scratch_);
+    contacts_.assign(found.begin(), found.end());
+  };
+  ask();
+  if (contacts_.empty() && pair.swap_roles_if_enclosed()) ask();
+  if (const auto extreme = find_extreme_contact(pair, static_cast<float>(margin)))
+    contacts_.push_back(*extreme);
 }
 
-double ModelAlgorithm::rest_margin(const PosedPair& pair) const {
-  return settings_.margin >= 0.0 ? settings_.margin : default_rest_margin(pair.shell());
+int ModelAlgorithm::level() const {
+  return settings_.level > 0 ? std::min(settings_.level, PointSphereTree::kMaxLevel)
+                             : kDefaultLevel;
+}
+
+/// The number that a contact's manifold goes by.
+std::uint32_t ModelAlgorithm::segment_of(const PosedPair& pair, const Contact& contact) const {
+  if (pair.has_triangles() || contact.id == kExtremeContact) return contact.id;
+  return pair.shell().tree().segment(contact.id, level());
 }
 
 void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
@@ -244,7 +162,7 @@ void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
   result.setPersistentManifold(before);
 }
 
-void ModelAlgorithm::fill_regular(const PosedPair& pair) {
+void ModelAlgorithm::fill_regular(const PosedPair& pair, const ContactRule& rule) {
   ManifoldPoints chosen;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
@@ -253,27 +171,22 @@ void ModelAlgorithm::fill_regular(const PosedPair& pair) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   std::array<WorldContact, kManifoldSize> world;
   for (std::size_t i = 0; i < chosen.count; ++i) {
-    world[i] = pair.to_world(contacts_[chosen.indices[i]]);
+    world[i] = rule.to_world(contacts_[chosen.indices[i]]);
   }
   if (active_.empty()) active_.push_back({0, take_manifold(pair)});
   fill_manifold(*active_[0].manifold, std::span(world).first(chosen.count), pair.a.wrap(),
                 pair.b.wrap());
 }
 
-void ModelAlgorithm::fill_segmented(const PosedPair& pair, const PointSphereTree& tree) {
-  const int level =
-      settings_.level > 0 ? std::min(settings_.level, PointSphereTree::kMaxLevel) : kDefaultLevel;
-  {
-    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-    select_deepest_per_segment(contacts_, tree, level, deepest_);
-  }
+/// For contacts_ that are one a segment.
+void ModelAlgorithm::fill_segmented(const PosedPair& pair, const ContactRule& rule) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   // Both lists ascend by segment: manifolds of segments that lost their contacts are emptied first,
   // so that segments which gained some can have them.
   auto old = active_.begin();
   next_.clear();
-  for (const std::uint32_t index : deepest_) {
-    const std::uint32_t segment = tree.segment(contacts_[index].id, level);
+  for (const Contact& contact : contacts_) {
+    const std::uint32_t segment = segment_of(pair, contact);
     for (; old != active_.end() && old->segment < segment; ++old) idle_.push_back(old->manifold);
     const bool continues = old != active_.end() && old->segment == segment;
     next_.push_back({segment, continues ? (old++)->manifold : nullptr});
@@ -286,7 +199,7 @@ void ModelAlgorithm::fill_segmented(const PosedPair& pair, const PointSphereTree
   for (std::size_t i = 0; i < active_.size(); ++i) {
     SegmentManifold& entry = active_[i];
     if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
-    const WorldContact world = pair.to_world(contacts_[deepest_[i]]);
+    const WorldContact world = rule.to_world(contacts_[i]);
     fill_manifold(*entry.manifold, std::span(&world, 1), pair.a.wrap(), pair.b.wrap());
   }
 }

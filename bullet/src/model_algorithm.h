@@ -8,10 +8,10 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
-#include "contact_manifold.h"
+#include "contact_rule.h"
+#include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
-#include "voxshell/pair.h"
 
 namespace voxshell::bullet {
 
@@ -19,7 +19,7 @@ namespace voxshell::bullet {
 /// once.
 enum class Purpose { kSimulation, kContactTest };
 
-/// Narrow phase of a pair in which at least one shape is a ModelShape.
+/// Narrow phase of a ModelShape and a shape that it meets by a field, a shell or triangles.
 class ModelAlgorithm : public btCollisionAlgorithm {
  public:
   ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const ContactSettings& settings,
@@ -41,24 +41,26 @@ class ModelAlgorithm : public btCollisionAlgorithm {
     std::uint32_t segment;
     btPersistentManifold* manifold;
   };
-  struct PosedPair;
+  enum class Wanted { kAll, kOneASegment };
 
-  double rest_margin(const PosedPair& pair) const;
-  void drop_fast_approaches(const PosedPair& pair, double margin, double time_step);
+  void find_near(PosedPair& pair, double margin, Wanted wanted);
+  int level() const;
+  std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
-  void fill_regular(const PosedPair& pair);
-  void fill_segmented(const PosedPair& pair, const PointSphereTree& tree);
+  void fill_regular(const PosedPair& pair, const ContactRule& rule);
+  void fill_segmented(const PosedPair& pair, const ContactRule& rule);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
   const ContactSettings& settings_;
   Purpose purpose_;
+  ContactRule::Memory memory_;
   QueryScratch scratch_;
-  bool shell_was_a_ = true;              ///< whose ids and segments active_ is by
-  std::vector<Contact> contacts_;        ///< of this step, without those that are still too fast
-  std::vector<std::uint32_t> deepest_;   ///< indices into contacts_, one a segment
-  std::vector<SegmentManifold> active_;  ///< ascending by segment; the manifolds with points
-  std::vector<SegmentManifold> next_;    ///< the same, of this step
+  bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
+  TriangleContacts triangle_contacts_;
+  std::vector<Contact> contacts_;            ///< of this step, ascending by id
+  std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
+  std::vector<SegmentManifold> next_;        ///< the same, of this step
   std::vector<btPersistentManifold*> idle_;  ///< empty ones, kept for later steps
 };
 

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <LinearMath/btMatrix3x3.h>
 
 #include "rest_margin.h"
+#include "transform_bounds.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -15,17 +20,6 @@ namespace {
 
 /// Contact points of a model never merge: two points of a shell are two contacts.
 constexpr btScalar kBreakingThreshold = btScalar(1e-6);
-
-/// The bounds of `box` after a rigid transform.
-Bounds transform_bounds(const Pose& pose, const Bounds& box) {
-  const Vec3 centre = pose.transform_point(box.centre());
-  const Vec3 half = 0.5 * box.extents();
-  const auto reach = [&](const Vec3& row) {
-    return std::abs(row.x) * half.x + std::abs(row.y) * half.y + std::abs(row.z) * half.z;
-  };
-  const Vec3 r{reach(pose.rotation.row_x), reach(pose.rotation.row_y), reach(pose.rotation.row_z)};
-  return {centre - r, centre + r};
-}
 
 }  // namespace
 
@@ -74,6 +68,39 @@ BodyFrame compute_principal_frame(const MassProperties& mass_properties) {
           {moment(0), moment(1), moment(2)}};
 }
 
+/// The mesh as Bullet keeps meshes, in the body's frame.
+struct ModelShape::Triangles {
+  Triangles(const TriangleMesh& mesh, const Pose& body_from_model)
+      : vertices(copy_vertices(mesh, body_from_model)),
+        array(static_cast<int>(mesh.triangles().size()), indices_of(mesh),
+              static_cast<int>(sizeof(Triangle)), static_cast<int>(mesh.vertices().size()),
+              vertices.data(), 3 * sizeof(btScalar)),
+        shape(&array, /*useQuantizedAabbCompression=*/mesh.triangles().size() < kMostQuantized) {}
+
+  static std::vector<btScalar> copy_vertices(const TriangleMesh& mesh,
+                                             const Pose& body_from_model) {
+    std::vector<btScalar> coordinates;
+    coordinates.reserve(3 * mesh.vertices().size());
+    for (const Vec3& vertex : mesh.vertices()) {
+      const btVector3 in_body = to_bullet(body_from_model.transform_point(vertex));
+      coordinates.insert(coordinates.end(), {in_body.x(), in_body.y(), in_body.z()});
+    }
+    return coordinates;
+  }
+  /// Bullet reads 32-bit indices as int, and writes none.
+  static int* indices_of(const TriangleMesh& mesh) {
+    return const_cast<int*>(reinterpret_cast<const int*>(mesh.triangles().data()));
+  }
+
+  static constexpr std::size_t kMostQuantized = std::size_t{1} << 20;  ///< of Bullet's tree
+
+  std::vector<btScalar> vertices;
+  btTriangleIndexVertexArray array;
+  btBvhTriangleMeshShape shape;
+};
+
+ModelShape::~ModelShape() = default;
+
 ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model)
     : model_(std::move(model)), body_from_model_(body_from_model) {
   // The one concave type that Bullet itself uses nowhere. CUSTOM_CONCAVE_SHAPE_TYPE equals Bullet's
@@ -104,25 +131,30 @@ void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const 
 
 btScalar ModelShape::getContactBreakingThreshold(btScalar) const { return kBreakingThreshold; }
 
+void ModelShape::setLocalScaling(const btVector3& scaling) {
+  if (scaling == unit_scaling_) return;
+  throw std::logic_error(
+      "a ModelShape cannot be scaled: its field is that of the mesh as it is; build a model from a "
+      "scaled mesh");
+}
+
+int ModelShape::calculateSerializeBufferSize() const {
+  throw std::logic_error(
+      "a ModelShape cannot be serialised by Bullet: keep the model with save_model() and make the "
+      "shape anew");
+}
+
+const char* ModelShape::serialize(void*, btSerializer*) const {
+  calculateSerializeBufferSize();
+  return nullptr;
+}
+
 void ModelShape::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
                                      const btVector3& upper) const {
-  const Bounds wanted =
-      transform_bounds(body_from_model_.inverse(), {from_bullet(lower), from_bullet(upper)});
-  const TriangleMesh& mesh = model_->mesh();
-  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
-    const auto corners = mesh.corners(i);
-    Bounds box;
-    for (const Vec3& corner : corners) box.extend(corner);
-    const bool apart = box.lower.x > wanted.upper.x || box.upper.x < wanted.lower.x ||
-                       box.lower.y > wanted.upper.y || box.upper.y < wanted.lower.y ||
-                       box.lower.z > wanted.upper.z || box.upper.z < wanted.lower.z;
-    if (apart) continue;
-    std::array<btVector3, 3> triangle;
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangle[k] = to_bullet(body_from_model_.transform_point(corners[k]));
-    }
-    callback->processTriangle(triangle.data(), 0, static_cast<int>(i));
-  }
+  std::call_once(triangles_built_, [&] {
+    triangles_ = std::make_unique<Triangles>(model_->mesh(), body_from_model_);
+  });
+  triangles_->shape.processAllTriangles(callback, lower, upper);
 }
 
 }  // namespace voxshell::bullet

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -106,14 +107,15 @@ TEST(ModelShape, InertiaIsThatOfTheBodysAxes) {
   EXPECT_NEAR(inertia.y(), h.y * h.y + h.z * h.z, 1e-7);
 }
 
-TEST(ModelShape, StaysUnscaled) {
+TEST(ModelShape, RefusesToBeScaledOrSerialised) {
   ModelShape shape(cube_model());
-  shape.setLocalScaling(btVector3(2, 3, 4));
+  shape.setLocalScaling(btVector3(1, 1, 1));
+  EXPECT_THROW(shape.setLocalScaling(btVector3(2, 2, 2)), std::logic_error);
   EXPECT_EQ(shape.getLocalScaling(), btVector3(1, 1, 1));
-  btVector3 lower;
-  btVector3 upper;
-  shape.getAabb(btTransform::getIdentity(), lower, upper);
-  EXPECT_LT(upper.x(), scalar(0.11));
+  EXPECT_THROW(static_cast<void>(shape.calculateSerializeBufferSize()), std::logic_error);
+  btCompoundShape compound;
+  compound.addChildShape(btTransform::getIdentity(), &shape);
+  EXPECT_THROW(compound.setLocalScaling(btVector3(2, 2, 2)), std::logic_error);
 }
 
 class Triangles : public btTriangleCallback {

@@ -121,44 +121,6 @@ TEST_P(OtherConvex, AnswersContactTests) {
   }
 }
 
-/// A flat mesh of Bullet's, its top at z = 0.
-struct FlatMesh {
-  std::array<btScalar, 12> vertices{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-  std::array<int, 6> indices{0, 1, 2, 0, 2, 3};
-  btTriangleIndexVertexArray array{2, indices.data(),  3 * sizeof(int),
-                                   4, vertices.data(), 3 * sizeof(btScalar)};
-};
-
-// Bullet has no algorithm for two concave shapes: such pairs pass through each other, quietly.
-TEST(OtherConcave, MeshesAndHeightfieldsOfBulletDoNotCollideWithAModel) {
-  FlatMesh flat;
-  const std::vector<float> heights(9, 0.0f);
-  for (const bool heightfield : {false, true}) {
-    TestWorld world;
-    btCollisionShape* shape = nullptr;
-    if (heightfield) {
-      shape = &world.make<btHeightfieldTerrainShape>(3, 3, heights.data(), btScalar(-1),
-                                                     btScalar(1), 2, false);
-    } else {
-      shape = &world.make<btBvhTriangleMeshShape>(&flat.array, true);
-    }
-    btRigidBody& ground = world.add(*shape, 0);
-    btRigidBody& ball = world.add_model(ball_model(), 1, {{}, {0.1, 0.05, 0.15}});
-    world.step(50);
-    EXPECT_LT(height(ball), 0.05);
-    struct Ignore : btCollisionWorld::ContactResultCallback {
-      btScalar addSingleResult(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
-                               const btCollisionObjectWrapper*, int, int) override {
-        return 0;
-      }
-    } ignore;
-    ignore.m_closestDistanceThreshold = scalar(0.1);
-    world.world.contactPairTest(&ground, &ball, ignore);
-    world.world.contactPairTest(&ball, &ground, ignore);
-    world.world.contactTest(&ball, ignore);
-  }
-}
-
 TEST(OtherConcave, GImpactInTheSameWorldCollidesAndLeavesModelPairsAlone) {
   const Soup soup = make_box({0.05, 0.05, 0.05});
   std::vector<btScalar> vertices;

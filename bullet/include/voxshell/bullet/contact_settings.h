@@ -32,6 +32,11 @@ struct ContactSettings {
   /// margin above the default with setMargin() too: compounds skip children whose bounds are apart.
   double margin = -1.0;
 
+  /// Where bodies move farther than this in a step, metres, points that are going to touch within
+  /// the step are contacts before they do, so that bodies of any speed stop at the surface, thin
+  /// ones included. Negative: a voxel. Infinity: never.
+  double sweep_beyond = -1.0;
+
   /// Where to add up times, or none. Not for worlds that dispatch on several threads.
   NarrowPhaseTimings* timings = nullptr;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
@@ -19,8 +20,10 @@ struct BodyFrame {
 BodyFrame compute_principal_frame(const MassProperties& mass_properties);
 
 /// A model as a shape of stock Bullet: static or dynamic, shared between any number of bodies. It
-/// needs a world with voxshell::bullet::CollisionConfiguration. Scaling is refused (it stays 1):
-/// build the model from a scaled mesh.
+/// needs a world with voxshell::bullet::CollisionConfiguration.
+///
+/// Two of Bullet's requests are refused with std::logic_error: scaling by anything but 1 (build the
+/// model from a scaled mesh), and serialisation (save_model() keeps the model).
 ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -28,6 +31,7 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   /// `body_from_model` places the model in the frame of the bodies that use the shape; the inverse
   /// of BodyFrame::model_from_body for dynamic bodies.
   explicit ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model = {});
+  ~ModelShape() override;
 
   const Model& model() const { return *model_; }
   const Pose& body_from_model() const { return body_from_model_; }
@@ -37,18 +41,26 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
   btScalar getContactBreakingThreshold(btScalar default_threshold) const override;
   const char* getName() const override { return "voxshell::Model"; }
-  void setLocalScaling(const btVector3&) override {}
+  void setLocalScaling(const btVector3& scaling) override;
   const btVector3& getLocalScaling() const override { return unit_scaling_; }
 
-  /// The mesh's triangles that may touch a box of the body's frame: how Bullet's ray tests, and its
-  /// algorithms for shapes that voxshell has none for, see a model.
+  int calculateSerializeBufferSize() const override;
+  const char* serialize(void*, btSerializer*) const override;
+
+  /// The mesh's triangles that may touch a box of the body's frame: how Bullet's ray and sweep
+  /// tests, its debug drawing, and its algorithms for shapes that voxshell has none for, see a
+  /// model. The first call builds their tree.
   void processAllTriangles(btTriangleCallback * callback, const btVector3& lower,
                            const btVector3& upper) const override;
 
  private:
+  struct Triangles;
+
   std::shared_ptr<const Model> model_;
   Pose body_from_model_;
   btVector3 unit_scaling_{1, 1, 1};
+  mutable std::once_flag triangles_built_;
+  mutable std::unique_ptr<Triangles> triangles_;
 };
 
 }  // namespace voxshell::bullet

@@ -1,0 +1,181 @@
+#include "contact_rule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
+#include "rest_margin.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The model that the pair's scales are taken from: the shell's, or the one that meets triangles.
+const Model& measure(const PosedPair& pair) {
+  const Model* model = pair.shell_side().model();
+  return model != nullptr ? *model : *pair.field_side().model();
+}
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
+                         Memory& memory)
+    : pair_(pair),
+      time_step_(time_step),
+      memory_(memory),
+      rest_margin_(settings.margin >= 0.0 ? settings.margin
+                                          : default_rest_margin(measure(pair).shell())),
+      motion_a_(Motion::of(*pair.a.wrap().getCollisionObject(), time_step)),
+      motion_b_(Motion::of(*pair.b.wrap().getCollisionObject(), time_step)),
+      restitution_(static_cast<double>(gCalculateCombinedRestitutionCallback(
+          pair.a.wrap().getCollisionObject(), pair.b.wrap().getCollisionObject()))),
+      margin_(rest_margin_),
+      voxel_(measure(pair).shell().spacing()),
+      owed_(memory.owed),
+      first_touch_(kNever),
+      first_count_(0) {
+  for (const Side* side : {&pair.a, &pair.b}) {
+    if (side->model() != nullptr) {
+      voxel_ = std::min(voxel_, side->model()->grid().voxel_size());
+    }
+  }
+  // The relative velocity is affine in the place: no point of the sphere moves farther.
+  const Side& measured = pair.has_triangles() ? pair.field_side() : pair.shell_side();
+  const Sphere& sphere = measure(pair).shell().tree().spheres(1)[0];
+  const Vec3 centre =
+      measured.world_from_geometry().transform_point(static_cast<Vec3>(sphere.centre));
+  const Vec3 drift = motion_a_.velocity_at(centre) + motion_a_.velocity_of_forces -
+                     motion_b_.velocity_at(centre) - motion_b_.velocity_of_forces;
+  const Vec3 spin = motion_a_.angular_velocity - motion_b_.angular_velocity;
+  const double farthest =
+      (length(drift) + length(spin) * static_cast<double>(sphere.radius)) * time_step;
+  sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : voxel_);
+  if (sweeps_) margin_ = std::max(rest_margin_, farthest);
+}
+
+void ContactRule::apply(std::vector<Contact>& contacts) {
+  std::size_t kept = 0;
+  for (const Contact& contact : contacts) {
+    const auto judged = judge(contact);
+    if (!judged) continue;
+    contacts[kept++] = *judged;
+    first_touch_ = std::min(first_touch_, impact_of(pair_.to_world(*judged)).time());
+  }
+  contacts.resize(kept);
+  memory_.owed = 0.0;
+  for (const Contact& contact : contacts) {
+    const Impact impact = impact_of(pair_.to_world(contact));
+    if (!is_first(impact)) continue;
+    ++first_count_;
+    memory_.owed = std::max(memory_.owed, rebound_of(impact).owed);
+  }
+}
+
+double ContactRule::Impact::time() const { return approach > 0.0 ? gap / approach : kNever; }
+
+ContactRule::Impact ContactRule::impact_of(const WorldContact& world) const {
+  const Vec3 velocity = motion_a_.velocity_at(world.point_a) - motion_b_.velocity_at(world.point_b);
+  const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
+  return {-world.depth, -dot(velocity, world.normal), -dot(of_forces, world.normal)};
+}
+
+/// Whether a contact is among those that touch first. Those that come later would not come at all
+/// after a rebound of the first.
+bool ContactRule::is_first(const Impact& impact) const {
+  constexpr double kAtOnce = 0.05;  // steps
+  const double time = impact.time();
+  return time < kNever && time <= first_touch_ + kAtOnce * time_step_;
+}
+
+/// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
+/// along the normal, is what a rebound at the surface would leave.
+ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
+  const double v = impact.approach;
+  const double gap = std::max(impact.gap, 0.0);
+  if (gap == 0.0 && owed_ == 0.0) return {restitution_ * v, 0.0};
+  const double g_dt = impact.approach_of_forces;
+  const double climb = 2.0 * gap * g_dt / time_step_;
+  const double energy = std::max(restitution_ * restitution_ * (v * v + climb + g_dt * v), owed_);
+  const double square = 0.25 * g_dt * g_dt + energy - climb;
+  const double speed = square > 0.0 ? std::sqrt(square) - 0.5 * g_dt : -1.0;
+  if (speed < 0.0) return {-gap / time_step_, energy};
+  return {speed, 0.0};
+}
+
+WorldContact ContactRule::to_world(const Contact& contact) const {
+  WorldContact world = pair_.to_world(contact);
+  const Impact impact = impact_of(world);
+  world.restitution = restitution_;
+  if (!(impact.approach > 0.0)) return world;
+  // A point that only stops approaching: if those that come later rebounded as well, ten iterations
+  // of Bullet's solver would leave the body with too much energy.
+  if (!is_first(impact)) {
+    world.restitution = 0.0;
+    return world;
+  }
+  const double speed = rebound_of(impact).speed;
+  // The solver aims at restitution * approach - gap / time step.
+  const double of_gap = impact.gap > 0.0 ? impact.gap / time_step_ : 0.0;
+  if (of_gap > 0.0 || owed_ > 0.0) world.restitution = (speed + of_gap) / impact.approach;
+  // From 0, ten iterations leave a body that lands on several points at once some per cent too
+  // fast; from equal shares of what turns its velocity round, they have little left to do.
+  const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
+  if (inverse_mass > 0.0) {
+    constexpr double kWarmStartingFactor = 0.85;  // of btContactSolverInfo
+    const double turned = speed + impact.approach + impact.approach_of_forces;
+    world.first_impulse = std::max(turned, 0.0) /
+                          (inverse_mass * kWarmStartingFactor * static_cast<double>(first_count_));
+  }
+  return world;
+}
+
+std::optional<Contact> ContactRule::judge(const Contact& contact) const {
+  const WorldContact world = pair_.to_world(contact);
+  const bool is_slow = impact_of(world).approach * time_step_ <= rest_margin_;
+  if (world.depth > 0.0 || (is_slow && -world.depth <= rest_margin_)) return contact;
+  if (!sweeps_) return std::nullopt;
+  return sweep(contact, world);
+}
+
+/// Follows the point by conservative advancement, its velocity constant, until it touches or the
+/// step ends.
+std::optional<Contact> ContactRule::sweep(const Contact& contact, const WorldContact& world) const {
+  const Vec3 in_world = (motion_a_.velocity_at(world.point_a) + motion_a_.velocity_of_forces -
+                         motion_b_.velocity_at(world.point_b) - motion_b_.velocity_of_forces) *
+                        time_step_;
+  const Pose field_from_world = pair_.field_side().world_from_geometry().inverse();
+  const Vec3 way = field_from_world.rotate(pair_.shell_is_a ? in_world : -in_world);
+  const double length_of_way = length(way);
+  const Pose field_from_shell = pair_.field_from_shell();
+  const Vec3 start = field_from_shell.transform_point(static_cast<Vec3>(contact.point));
+  return std::visit(
+      [&](const auto& field) -> std::optional<Contact> {
+        constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
+        constexpr double kTouching = 0.05;   // voxels
+        constexpr int kMostSteps = 64;
+        double share = 0.0;
+        Vec3f place = static_cast<Vec3f>(start);
+        double gap = -world.depth;
+        for (int i = 0; gap > kTouching * voxel_ && i < kMostSteps; ++i) {
+          share += kOfDistance * gap / length_of_way;
+          if (!(share <= 1.0)) return std::nullopt;
+          place = static_cast<Vec3f>(start + share * way);
+          gap = static_cast<double>(field.distance(place)) - pair_.thickness();
+        }
+        const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(place)));
+        const double approach = -dot(way, normal);
+        if (!(approach > 0.0)) return std::nullopt;
+        Contact touching = contact;
+        touching.normal = static_cast<Vec3f>(field_from_shell.inverse().rotate(normal));
+        touching.depth =
+            static_cast<float>(-(share * approach + std::max(gap, 0.0)) - pair_.thickness());
+        return touching;
+      },
+      pair_.field());
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contact_manifold.h"
+#include "motion.h"
+#include "posed_pair.h"
+#include "voxshell/bullet/contact_settings.h"
+
+namespace voxshell::bullet {
+
+/// Which points near a surface are contacts of this step, and what the solver is told of them:
+///   - points that penetrate;
+///   - slow points within the rest margin, or a resting body loses and finds its contacts in turn;
+///   - where the bodies move by more than a voxel in this step: points that are going to touch
+///     within it (Xu and Barbic 2016), with the gap that is left to them.
+/// docs/decisions/0003-contact-rule.md says why, and what it was measured to do.
+class ContactRule {
+ public:
+  /// What one step leaves to the next.
+  struct Memory {
+    /// Of a rebound that was stopped at the surface first, because its apex is lower than the place
+    /// where the step began: the energy that it still has, J/kg along the normal.
+    double owed = 0.0;
+  };
+
+  ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
+              Memory& memory);
+
+  /// Distance up to which points may be contacts, metres.
+  double margin() const { return margin_; }
+  /// Whether points are followed through the step.
+  bool sweeps() const { return sweeps_; }
+
+  /// Leaves those of `contacts` that are contacts, as the solver is to see them: a point that is
+  /// going to touch has the normal of the place where it will.
+  void apply(std::vector<Contact>& contacts);
+
+  /// One of those that apply() left, for the manifold.
+  WorldContact to_world(const Contact& contact) const;
+
+ private:
+  /// How the bodies meet at a contact, along its normal.
+  struct Impact {
+    double gap;                 ///< metres, negative where they overlap
+    double approach;            ///< m/s
+    double approach_of_forces;  ///< what forces add to it in the step, m/s
+
+    double time() const;  ///< when the surfaces meet or met, seconds; infinity where they part
+  };
+  /// The speed apart that a step is to end with, m/s.
+  struct Rebound {
+    double speed;
+    double owed;  ///< see Memory
+  };
+
+  Impact impact_of(const WorldContact& contact) const;
+  Rebound rebound_of(const Impact& impact) const;
+  bool is_first(const Impact& impact) const;
+  std::optional<Contact> judge(const Contact& contact) const;
+  std::optional<Contact> sweep(const Contact& contact, const WorldContact& world) const;
+
+  const PosedPair& pair_;
+  double time_step_;
+  Memory& memory_;
+  double rest_margin_;
+  Motion motion_a_;
+  Motion motion_b_;
+  double restitution_;
+  bool sweeps_ = false;
+  double margin_ = 0.0;
+  double voxel_ = 0.0;
+  double owed_;              ///< by the step before
+  double first_touch_;       ///< of the contacts, seconds from the start of the step on
+  std::size_t first_count_;  ///< how many of them touch then
+};
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include "voxshell/vector.h"
+
+namespace voxshell::bullet {
+
+/// How a body moves at the start of a step, as Bullet's solver is about to see it. World frame.
+struct Motion {
+  Vec3 centre;                ///< a point of the body
+  Vec3 velocity;              ///< of that point, m/s
+  Vec3 angular_velocity;      ///< rad/s
+  Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
+  double inverse_mass = 0.0;  ///< 1/kg; 0 where it does not move, or is a link of a multibody
+
+  /// At rest where the object has no velocity of its own.
+  static Motion of(const btCollisionObject& object, double time_step);
+
+  Vec3 velocity_at(const Vec3& world_point) const {
+    return velocity + cross(angular_velocity, world_point - centre);
+  }
+};
+
+}  // namespace voxshell::bullet

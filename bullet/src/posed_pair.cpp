@@ -1,0 +1,152 @@
+#include "posed_pair.h"
+
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+
+#include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/model_shape.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// From a frame whose z axis is the shape's axis of revolution, which is Bullet's x, y or z.
+Pose shape_from_axis(int axis) {
+  switch (axis) {
+    case 0:
+      return {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {}};
+    case 1:
+      return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {}};
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+Meeting meeting_with(int shape_type) {
+  switch (shape_type) {
+    case FAST_CONCAVE_MESH_PROXYTYPE:
+      return Meeting::kModel;
+    case STATIC_PLANE_PROXYTYPE:
+    case BOX_SHAPE_PROXYTYPE:
+    case SPHERE_SHAPE_PROXYTYPE:
+    case CAPSULE_SHAPE_PROXYTYPE:
+    case CYLINDER_SHAPE_PROXYTYPE:
+    case CONE_SHAPE_PROXYTYPE:
+      return Meeting::kField;
+    case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+    case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+    case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+    case TERRAIN_SHAPE_PROXYTYPE:
+    case GIMPACT_SHAPE_PROXYTYPE:
+      return Meeting::kTriangles;
+    case COMPOUND_SHAPE_PROXYTYPE:
+      return Meeting::kCompound;
+    case EMPTY_SHAPE_PROXYTYPE:
+      return Meeting::kNever;
+    default:
+      break;
+  }
+  return btBroadphaseProxy::isConvex(shape_type) ? Meeting::kConvex : Meeting::kUnserved;
+}
+
+Side::Side(const btCollisionObjectWrapper& wrap)
+    : wrap_(wrap), world_from_geometry_(from_bullet(wrap.getWorldTransform())) {
+  const btCollisionShape& shape = *wrap.getCollisionShape();
+  switch (meeting_with(shape.getShapeType())) {
+    case Meeting::kModel: {
+      const auto& model_shape = static_cast<const ModelShape&>(shape);
+      world_from_geometry_ = world_from_geometry_ * model_shape.body_from_model();
+      model_ = &model_shape.model();
+      participant_ = {&model_->field(), &model_->shell()};
+      return;
+    }
+    case Meeting::kTriangles:
+      triangles_ = static_cast<const btConcaveShape*>(&shape);
+      thickness_ = static_cast<double>(triangles_->getMargin());
+      return;
+    default:
+      break;
+  }
+  make_analytic(shape);
+  participant_ = {&*analytic_, nullptr};
+}
+
+void Side::make_analytic(const btCollisionShape& shape) {
+  const auto number = [](btScalar x) { return static_cast<double>(x); };
+  const auto along = [&](int axis) {
+    world_from_geometry_ = world_from_geometry_ * shape_from_axis(axis);
+  };
+  switch (shape.getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE: {
+      const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+      analytic_ = PlaneField{from_bullet(plane.getPlaneNormal()), number(plane.getPlaneConstant())};
+      return;
+    }
+    case BOX_SHAPE_PROXYTYPE:
+      analytic_ =
+          BoxField{from_bullet(static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin())};
+      return;
+    case SPHERE_SHAPE_PROXYTYPE:
+      analytic_ = SphereField{number(static_cast<const btSphereShape&>(shape).getRadius())};
+      return;
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      along(capsule.getUpAxis());
+      analytic_ = CapsuleField{number(capsule.getRadius()), 2.0 * number(capsule.getHalfHeight())};
+      return;
+    }
+    case CYLINDER_SHAPE_PROXYTYPE: {
+      const auto& cylinder = static_cast<const btCylinderShape&>(shape);
+      along(cylinder.getUpAxis());
+      analytic_ =
+          CylinderField{number(cylinder.getRadius()),
+                        2.0 * number(cylinder.getHalfExtentsWithMargin()[cylinder.getUpAxis()])};
+      return;
+    }
+    case CONE_SHAPE_PROXYTYPE: {
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      along(cone.getConeUpIndex());
+      analytic_ = ConeField{number(cone.getRadius()), number(cone.getHeight())};
+      thickness_ = number(cone.getMargin());
+      return;
+    }
+    default:
+      btAssert(!"meeting_with() says which shapes have a field");
+  }
+}
+
+PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap)
+    : a(a_wrap),
+      b(b_wrap),
+      // One of the two is a model, or the algorithm would not have been made.
+      shell_is_a(a.triangles() != nullptr ||
+                 (b.triangles() == nullptr &&
+                  *choose_shell(a.participant(), b.participant(), ShellChoice::kAutomatic) ==
+                      PairBody::kA)) {}
+
+bool PosedPair::swap_roles_if_enclosed() {
+  if (!is_enclosed(field_side().participant(), shell_side().participant(),
+                   field_from_shell().inverse())) {
+    return false;
+  }
+  shell_is_a = !shell_is_a;
+  return true;
+}
+
+WorldContact PosedPair::to_world(const Contact& contact) const {
+  const Pose& world_from_shell = shell_side().world_from_geometry();
+  const Vec3 out_of_field = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
+  const auto depth = static_cast<double>(contact.depth) + thickness();
+  const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point)) -
+                        shell_side().thickness() * out_of_field;
+  const Vec3 on_field = on_shell + depth * out_of_field;
+  return {contact.id, shell_is_a ? on_shell : on_field, shell_is_a ? on_field : on_shell,
+          shell_is_a ? out_of_field : -out_of_field, depth};
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+
+#include "contact_manifold.h"
+#include "voxshell/contacts.h"
+#include "voxshell/model.h"
+#include "voxshell/pair.h"
+
+namespace voxshell::bullet {
+
+/// How a model meets a shape of some type.
+enum class Meeting {
+  kModel,      ///< by its field and shell
+  kField,      ///< by an analytic field: the model is the shell
+  kTriangles,  ///< by its triangles in the model's field
+  kConvex,     ///< by Bullet's own algorithm, with the model's triangles
+  kCompound,   ///< child by child
+  kNever,      ///< there is nothing to touch
+  kUnserved,   ///< not at all: see check_served()
+};
+Meeting meeting_with(int shape_type);
+
+/// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
+class Side {
+ public:
+  explicit Side(const btCollisionObjectWrapper& wrap);
+  Side(const Side&) = delete;
+  Side& operator=(const Side&) = delete;
+
+  const Participant& participant() const { return participant_; }
+  const Model* model() const { return model_; }
+  /// Of sides that meet a model by triangles; else null.
+  const btConcaveShape* triangles() const { return triangles_; }
+  const Pose& world_from_geometry() const { return world_from_geometry_; }
+  const btCollisionObjectWrapper& wrap() const { return wrap_; }
+  /// Bullet's collision margin where the shape is thicker by it than its geometry, metres.
+  double thickness() const { return thickness_; }
+
+ private:
+  void make_analytic(const btCollisionShape& shape);
+
+  const btCollisionObjectWrapper& wrap_;
+  Pose world_from_geometry_;
+  std::optional<Field> analytic_;
+  Participant participant_;
+  const Model* model_ = nullptr;
+  const btConcaveShape* triangles_ = nullptr;
+  double thickness_ = 0.0;
+};
+
+/// The two sides with their roles settled. Where one is made of triangles, they are the shell.
+struct PosedPair {
+  PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap);
+
+  const Side& shell_side() const { return shell_is_a ? a : b; }
+  const Side& field_side() const { return shell_is_a ? b : a; }
+  bool has_triangles() const { return shell_side().triangles() != nullptr; }
+  const PointShell& shell() const { return *shell_side().participant().shell; }
+  const Field& field() const { return *field_side().participant().field; }
+  double thickness() const { return a.thickness() + b.thickness(); }
+  Pose field_from_shell() const {
+    return field_side().world_from_geometry().inverse() * shell_side().world_from_geometry();
+  }
+
+  /// Makes the other body the shell where it may lie inside the one that is. For pairs without
+  /// contact.
+  bool swap_roles_if_enclosed();
+
+  WorldContact to_world(const Contact& contact) const;
+
+  Side a;
+  Side b;
+  bool shell_is_a;
+};
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+
+#include "voxshell/contacts.h"
+#include "voxshell/model.h"
+#include "voxshell/pose.h"
+
+namespace voxshell::bullet {
+
+struct Triangle3f {
+  Vec3f a, b, c;
+};
+
+/// Where the triangles of one of Bullet's concave shapes reach into a model's field: a mesh or
+/// heightfield needs no field of its own, no inside and no preparation, and may change.
+///
+/// The model's bounds are cut into cells; each that a triangle reaches has one contact, the deepest
+/// of points spaced by at most sample_spacing(), moved to the deepest place near it (after Macklin
+/// et al. 2020). Its depth is the field's there, so no place of a triangle is deeper by more than
+/// the field changes over that spacing.
+class TriangleContacts : private btTriangleCallback {
+ public:
+  /// Contacts as find_contacts() gives them, ascending by id, which is the cell's number; points
+  /// and normals in the mesh's frame. There are 2^(level - 1) cells along the model's longest side.
+  /// The result lives until the next use.
+  std::vector<Contact>& find(const btConcaveShape& mesh, const Model& model,
+                             const Pose& model_from_mesh, int level, float margin);
+
+  /// The voxel, or 1/32 of the model's longest side where that is more. Metres.
+  static float sample_spacing(const Model& model);
+
+ private:
+  struct Sample {
+    std::uint32_t cell;
+    float distance;
+    float bound;             ///< no place of the piece has a smaller distance
+    std::uint32_t triangle;  ///< index into triangles_
+    Triangle3f around;       ///< the piece of the triangle that it is the middle of
+  };
+
+  void processTriangle(btVector3* corners, int part, int index) override;
+  void sample(const Triangle3f& piece, int splits);
+  Contact deepest_near(const Sample& sample, const Pose& mesh_from_model) const;
+  std::uint32_t cell_of(const Vec3f& p) const;
+
+  const GridField* field_ = nullptr;
+  Pose model_from_mesh_;
+  Bounds bounds_;        ///< what is cut into cells
+  Bounds within_reach_;  ///< of the margin: outside, triangles do not matter
+  float margin_ = 0.0f;
+  float spacing_ = 0.0f;
+  double cell_size_ = 0.0;
+  std::array<std::uint32_t, 3> cells_{};
+  std::vector<Triangle3f> triangles_;  ///< model's frame
+  std::vector<Sample> samples_;
+  std::vector<float> least_in_cell_;  ///< of their distances, the margin at most
+  std::vector<Contact> contacts_;
+};
+
+}  // namespace voxshell::bullet

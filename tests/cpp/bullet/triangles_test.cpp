@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <gtest/gtest.h>
+
+#include "support/models.h"
+#include "support/random.h"
+#include "support/world.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+using voxshell::test_support::Random;
+
+/// A static mesh of Bullet's from a height function over a square of 2 x 2 m, `cells` along a side.
+struct Terrain {
+  template <class Height>
+  Terrain(int cells, Height height_at) {
+    const int n = cells + 1;
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const double x = -1.0 + 2.0 * i / cells;
+        const double y = -1.0 + 2.0 * j / cells;
+        const double z = height_at(x, y);
+        vertices.insert(vertices.end(), {scalar(x), scalar(y), scalar(z)});
+        heights.push_back(static_cast<float>(z));
+      }
+    }
+    for (int j = 0; j < cells; ++j) {
+      for (int i = 0; i < cells; ++i) {
+        const int a = j * n + i;
+        indices.insert(indices.end(), {a, a + 1, a + n, a + 1, a + n + 1, a + n});
+      }
+    }
+    array = std::make_unique<btTriangleIndexVertexArray>(
+        static_cast<int>(indices.size() / 3), indices.data(), 3 * sizeof(int),
+        static_cast<int>(vertices.size() / 3), vertices.data(), 3 * sizeof(btScalar));
+  }
+
+  Vec3 corner(std::size_t i) const {
+    const auto at = 3 * static_cast<std::size_t>(indices[i]);
+    return {static_cast<double>(vertices[at]), static_cast<double>(vertices[at + 1]),
+            static_cast<double>(vertices[at + 2])};
+  }
+
+  std::vector<btScalar> vertices;
+  std::vector<float> heights;
+  std::vector<int> indices;
+  std::unique_ptr<btTriangleIndexVertexArray> array;
+};
+
+double flat(double, double) { return 0.0; }
+double waves(double x, double y) { return 0.05 * std::sin(7.0 * x) * std::cos(5.0 * y); }
+
+TEST(Triangles, CarryACubeOnMeshesAndHeightfieldsOfAnySize) {
+  for (const int cells : {1, 16}) {
+    const Terrain terrain(cells, flat);
+    for (const bool heightfield : {false, true}) {
+      const auto mode =
+          heightfield == (cells == 1) ? ContactMode::kRegular : ContactMode::kSegmented;
+      SCOPED_TRACE(std::to_string(cells) + (heightfield ? " heightfield" : " mesh"));
+      TestWorld world({.mode = mode});
+      btCollisionShape* shape = nullptr;
+      if (heightfield) {
+        shape = &world.make<btHeightfieldTerrainShape>(cells + 1, cells + 1, terrain.heights.data(),
+                                                       btScalar(-1), btScalar(1), 2, false);
+        shape->setLocalScaling(to_bullet(Vec3{2.0 / cells, 2.0 / cells, 1.0}));
+      } else {
+        shape = &world.make<btBvhTriangleMeshShape>(terrain.array.get(), true);
+      }
+      world.add(*shape, 0).setFriction(1);
+      btRigidBody& cube = world.add_model(cube_model(), 1, {{}, {0.1, 0.05, kCubeHalf + 0.02}});
+      cube.setFriction(1);
+      cube.setActivationState(DISABLE_DEACTIVATION);
+      world.step(200);
+      EXPECT_NEAR(height(cube), kCubeHalf, 0.0005);
+      EXPECT_LT(cube.getLinearVelocity().length(), scalar(0.01));
+      EXPECT_LT(cube.getAngularVelocity().length(), scalar(0.05));
+    }
+  }
+}
+
+TEST(Triangles, HaveNoInside) {
+  const Terrain terrain(8, flat);
+  for (const bool above : {true, false}) {
+    TestWorld world({}, {0, 0, above ? -9.81 : 9.81});
+    world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0);
+    btRigidBody& cube =
+        world.add_model(cube_model(), 1, {{}, {0, 0, (above ? 1 : -1) * (kCubeHalf + 0.02)}});
+    cube.setActivationState(DISABLE_DEACTIVATION);
+    world.step(150);
+    EXPECT_NEAR(height(cube), (above ? 1 : -1) * kCubeHalf, 0.0005);
+  }
+}
+
+struct Deepest : btCollisionWorld::ContactResultCallback {
+  btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+                           const btCollisionObjectWrapper*, int, int) override {
+    depth = std::max(depth, -static_cast<double>(point.getDistance()));
+    return 0;
+  }
+  double depth = -1.0;
+};
+
+TEST(Triangles, AreAsDeepAsTheirDeepestPlaceInTheField) {
+  const Terrain terrain(24, waves);
+  Random random(5);
+  int touching = 0;
+  for (int i = 0; i < 40; ++i) {
+    Pose pose = random.pose(0.0);
+    pose.translation = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0.0};
+    pose.translation.z = waves(pose.translation.x, pose.translation.y) + random.uniform(0.03, 0.13);
+    const auto& model = i % 2 == 0 ? blob_model() : torus_model();
+
+    // A dense sampling of every triangle.
+    const Pose model_from_world = pose.inverse();
+    double deepest = -1.0;
+    for (std::size_t t = 0; t < terrain.indices.size(); t += 3) {
+      const Vec3 a = model_from_world.transform_point(terrain.corner(t));
+      if (length(a) > 0.4) continue;
+      const Vec3 b = model_from_world.transform_point(terrain.corner(t + 1));
+      const Vec3 c = model_from_world.transform_point(terrain.corner(t + 2));
+      constexpr int kSamples = 24;
+      for (int u = 0; u <= kSamples; ++u) {
+        for (int v = 0; u + v <= kSamples; ++v) {
+          const double s = static_cast<double>(u) / kSamples;
+          const double r = static_cast<double>(v) / kSamples;
+          const auto place = static_cast<Vec3f>(a + s * (b - a) + r * (c - a));
+          deepest = std::max(deepest, -static_cast<double>(model->grid().distance(place)));
+        }
+      }
+    }
+
+    TestWorld world;
+    btRigidBody& ground =
+        world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0);
+    btRigidBody& body = world.add_model(model, 1, pose);
+    for (const bool body_first : {true, false}) {
+      Deepest found;
+      found.m_closestDistanceThreshold = scalar(0.01);
+      world.world.contactPairTest(body_first ? &body : &ground, body_first ? &ground : &body,
+                                  found);
+      if (deepest < -0.01) {
+        EXPECT_EQ(found.depth, -1.0);
+        continue;
+      }
+      ++touching;
+      EXPECT_GT(found.depth, deepest - 1e-4) << "pose " << i;
+      EXPECT_LT(found.depth, deepest + 3e-3) << "pose " << i;  // no farther than the samples are
+    }
+  }
+  EXPECT_GT(touching, 30);
+}
+
+TEST(Triangles, StopABodyThatTheyAreMuchThinnerThanAStepOf) {
+  const Terrain terrain(8, flat);
+  for (const double speed : {5.0, 50.0}) {
+    TestWorld world;
+    world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0);
+    btRigidBody& body = world.add_model(blob_model(), 1, {{}, {0.1, 0, 1.0}});
+    body.setLinearVelocity(to_bullet(Vec3{0, 0, -speed}));
+    for (int i = 0; i < 60; ++i) {
+      world.step(1, 1.0 / 60.0);
+      const btVector3& place = body.getWorldTransform().getOrigin();
+      if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.8))
+        break;  // it leaves the square
+      ASSERT_GT(place.z(), 0) << "speed " << speed << ", step " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
