@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -56,16 +57,18 @@ struct GridFieldData {
   std::array<int, 3> bricks{};  ///< along x, y, z
   Bounds surface_bounds;
   std::vector<std::uint32_t> entries;  ///< one a brick, x fastest
-  /// One a brick, two bfloat16. Upper half, rounded down: the smallest distance() in the brick less
-  /// the error of its cells, metres. Lower half, rounded up: a Lipschitz constant of distance()
-  /// that holds in the brick and the 26 around it, or simd::kNoLipschitzConstant.
-  std::vector<std::uint32_t> bounds;
+  std::vector<float> bounds;  ///< one a brick: no point in it has a smaller true distance, metres
   std::vector<std::int16_t> samples;
   std::vector<float> planes;  ///< unit normal and offset of each
-  double error = 0.0;         ///< GridField::interpolation_error(), holes apart
-  double jump = 0.0;          ///< metres; see simd::GridView
+  double node_error = 0.0;    ///< metres; see simd::GridView
   double coarse_floor = 0.0;  ///< metres; see simd::GridView
   SignReport sign;
+
+  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2: across
+  /// holes the surface is known only so well.
+  double gap() const { return sign.cap_error * sign.cap_error; }
+  /// What lies around a plane and is not of it is at least this far away, metres.
+  double plane_margin() const { return 4.0 * voxel_size; }
 };
 
 /// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
@@ -105,7 +108,9 @@ class GridField {
   /// |distance() - true distance| is at most this near the surface, metres: the true distance is
   /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
   /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
-  double interpolation_error() const { return data_.error + data_.sign.cap_error; }
+  double interpolation_error() const {
+    return std::sqrt(0.75) * data_.voxel_size + data_.node_error + data_.sign.cap_error;
+  }
 
   const SignReport& sign_report() const { return data_.sign; }
 

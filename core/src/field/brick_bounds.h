@@ -5,8 +5,7 @@
 
 namespace voxshell {
 
-/// Works out `bounds` and `jump` of a field that has everything else. False where progress asked to
-/// stop.
+/// Works out `bounds` of a field whose bricks are filled. False where progress asked to stop.
 bool compute_brick_bounds(GridFieldData& data, unsigned threads, const Progress& progress);
 
 }  // namespace voxshell

@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "field/brick_bounds.h"
 #include "field/brick_entry.h"
-#include "field/plane_extent.h"
+#include "field/plane_surroundings.h"
 
 namespace voxshell {
 namespace {
@@ -17,6 +17,7 @@ namespace {
 using simd::kBrickCells;
 
 constexpr std::string_view kStage = "distance field";
+constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 /// A progress that is one part of another.
 Progress part_of(const Progress& whole, double from, double to) {
@@ -87,6 +88,7 @@ std::optional<Error> FieldBuilder::build(GridFieldData& data) {
   if (!fill_bricks(data)) return cancelled;
   if (auto overlapping = check_overlap()) return overlapping;
   if (!compute_brick_bounds(data, threads_, part_of(progress_, 0.9, 1.0))) return cancelled;
+  measure_plane_surroundings(data, threads_);
   return std::nullopt;
 }
 
@@ -147,8 +149,7 @@ bool FieldBuilder::place_bricks(GridFieldData& data) const {
   const std::size_t count = grid_.count();
   data.entries.resize(count);
   std::size_t samples = 0;
-  std::vector<std::uint32_t> indices(count, kNoPlane);
-  std::vector<std::uint32_t> index_of_region(mesh_.triangles().size(), kNoPlane);
+  std::vector<std::uint32_t> index_of_region(mesh_.triangles().size(), kNoIndex);
   for (std::size_t brick = 0; brick < count; ++brick) {
     const BrickPlan& plan = plans_[brick];
     if (samples >= kMostPayloads * simd::kSampleAlignment) return false;
@@ -158,22 +159,16 @@ bool FieldBuilder::place_bricks(GridFieldData& data) const {
       continue;
     }
     std::uint32_t& index = index_of_region[plan.region];
-    if (index == kNoPlane) {
+    if (index == kNoIndex) {
       index = static_cast<std::uint32_t>(data.planes.size() / 4);
       const auto& plane = flat_.plane(plan.region);
       const auto normal = static_cast<Vec3f>(plane.normal);
       data.planes.insert(data.planes.end(),
                          {normal.x, normal.y, normal.z, static_cast<float>(plane.offset)});
     }
-    indices[brick] = index;
+    data.entries[brick] = BrickEntry{.is_plane = true, .first = index}.pack();
   }
   data.samples.resize(std::max<std::size_t>(samples, simd::kFewestSamples));
-  const std::vector<int> radii = measure_same_around(grid_, indices);
-  for (std::size_t brick = 0; brick < count; ++brick) {
-    if (indices[brick] == kNoPlane) continue;
-    data.entries[brick] =
-        BrickEntry{.is_plane = true, .radius = radii[brick], .first = indices[brick]}.pack();
-  }
   return true;
 }
 
@@ -228,7 +223,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     floor = std::min(floor, result.floor);
   }
   constexpr double kFloatError = 1e-3;  // voxels
-  data.error = (std::sqrt(0.75) + rounding + kFloatError) * grid_.voxel_size;
+  data.node_error = (std::max(rounding, 1.5 * kPlaneTolerance) + kFloatError) * grid_.voxel_size;
   constexpr double kRounding = kFloatError + 0.5 / simd::kQuantaPerVoxel;
   data.coarse_floor = floor < 1e30 ? (std::max(kFineMargin, floor) - kRounding) * grid_.voxel_size
                                    : static_cast<double>(simd::kNoCoarseFloor);

@@ -1,5 +1,6 @@
 #include "voxshell/grid_field.h"
 
+#include <cmath>
 #include <utility>
 
 #include "base/serial.h"
@@ -39,8 +40,11 @@ simd::GridView GridField::view() const {
   view.voxel_size = static_cast<float>(data_.voxel_size);
   view.inverse_voxel_size = static_cast<float>(1.0 / data_.voxel_size);
   view.quantum = static_cast<float>(data_.voxel_size / simd::kQuantaPerVoxel);
-  view.fine_error = static_cast<float>(data_.error);
-  view.jump = static_cast<float>(data_.jump);
+  view.node_error = static_cast<float>(data_.node_error);
+  view.fine_error = static_cast<float>(std::sqrt(0.75) * data_.voxel_size + data_.node_error);
+  view.spread = static_cast<float>(0.75 * data_.voxel_size * data_.voxel_size);
+  view.gap = static_cast<float>(data_.gap());
+  view.plane_margin = static_cast<float>(data_.plane_margin());
   view.coarse_floor = static_cast<float>(data_.coarse_floor);
   return view;
 }

@@ -89,15 +89,16 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGrid
                     report.defects.non_manifold_edges, report.defects.flipped_edges,
                     format_point(report.defects.first_location).c_str())};
   }
+  // In a cell that the limit of the inside cuts it crosses an edge.
+  report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
   const BrickGridPlan of_surface{grid, find_surface_bricks(surface->mesh, grid, kFineMargin)};
   FieldBuilder builder(surface->mesh, of_surface, settings, inside, progress);
   GridFieldData data = begin_data(mesh, grid);
+  data.sign = report;
   if (auto stopped = builder.build(data)) return *std::move(stopped);
   if (builder.overlap().inside == 0) return no_volume;
   report.method = SignMethod::kWinding;
   report.hidden_triangles = surface->hidden_triangles;
-  // In a cell that the limit of the inside cuts it crosses an edge.
-  report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
   return data;
 }
 

@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -65,8 +65,7 @@ struct Record {
   std::array<std::int64_t, 3> grid_bricks;
   Vec3 grid_surface_lower;
   Vec3 grid_surface_upper;
-  double grid_error;
-  double grid_jump;
+  double grid_node_error;
   double grid_coarse_floor;
   // Its SignReport.
   std::int64_t sign_method;
@@ -81,7 +80,7 @@ struct Record {
   // The point shell.
   double shell_spacing;
 };
-static_assert(sizeof(Record) == std::size_t{38} * 8);
+static_assert(sizeof(Record) == std::size_t{37} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>
@@ -90,7 +89,7 @@ struct Sections {
   Array<Vec3> vertices;
   Array<Triangle> triangles;
   Array<std::uint32_t> brick_entries;
-  Array<std::uint32_t> brick_bounds;
+  Array<float> brick_bounds;
   Array<std::int16_t> samples;
   Array<float> planes;
   Array<Vec3f> points;

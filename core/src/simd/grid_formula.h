@@ -232,49 +232,53 @@ VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F
   return select<F>(beyond, normalized(from_surface(place.outside, value)), value.gradient);
 }
 
-/// How two bfloat16 lie in an entry of GridView::bounds.
-template <class I>
-VOXSHELL_INLINE auto upper_half(I word) {
-  return as_float(word & static_cast<int32_t>(0xffff0000u));
-}
-template <class I>
-VOXSHELL_INLINE auto lower_half(I word) {
-  return as_float(word << 16);
-}
-
-/// No point within `radius` of p has a smaller value. Either the true distance, which is
-/// 1-Lipschitz, changes by the radius and both ends are off by the error of their cells; or, while
-/// the ball stays in the surroundings of p's brick, the interpolant changes by its own constant.
+/// Lower bounds over a ball, metres.
 template <class F>
 struct GridBound {
-  F by_distance;  ///< of the true distance over the ball, metres
-  F by_slope;     ///< of the value over the ball
+  F of_distance;  ///< of the true distance
+  F if_fine;      ///< of the value in planes and cells of one voxel
 };
 
+/// From a true distance somewhere at the ball's centre or below it.
+///
+/// A value is a mean of the distances at nodes that are spread about its point. Between two points
+/// apart by r, nodes can be paired so that the mean of their squared distances is at most
+/// r^2 + spread; so the values differ by at most the square root of that (docs/decisions/0013).
+template <class F>
+VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, F distance, F radius) {
+  const F squared = radius * radius + grid.gap;
+  const F by_gap = grid.gap == 0.0f ? radius : square_root(squared);
+  return {distance - by_gap, distance - square_root(squared + grid.spread) - grid.node_error};
+}
+
+/// From the value at the ball's centre.
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>& place,
                                         const GridValue<F>& value, F radius) {
+  const F size = value.cell_size;
+  const F spread = grid.spread * (size * size);
+  F d = value.distance - square_root(radius * radius + grid.gap + spread) - grid.node_error * size;
+  F other_end = select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
   const auto beyond = is_beyond(place.outside);
-  F here = value.distance;
-  if (any(beyond)) here = select(beyond, bound_outside(place.outside, here), here);
-  const F slope = lower_half(gather(grid.bounds, place.brick));
-  const F by_slope = here - slope * radius - grid.jump;
-  const auto is_local = (beyond == 0) & (radius <= kBrickCells * grid.voxel_size);
-  return {here - grid.fine_error * value.cell_size - radius,
-          select(is_local, by_slope, splat<F>(-kNoLipschitzConstant))};
+  if (any(beyond)) {
+    const F outside = bound_outside(place.outside, value.distance);
+    d = select(beyond, outside - grid.fine_error * size - radius - square_root(splat<F>(grid.gap)),
+               d);
+    other_end = select(beyond, splat<F>(grid.fine_error), other_end);
+  }
+  return {d, d - other_end};
 }
 
-/// Of the value over the ball, from the bounds of the true distance and by slope.
+/// Of the value over the ball.
 template <class F>
 VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   // Large cells can be met only where the true distance allows it, with values beyond the floor.
-  const F d = bound.by_distance;
-  const F if_fine = d - grid.fine_error;
+  const F d = bound.of_distance;
   const F if_coarse = d - kBrickCells * grid.fine_error;
   const F floor = splat<F>(grid.coarse_floor);
-  const F above = minimum(if_fine, maximum(if_coarse, floor));
+  const F above = minimum(bound.if_fine, maximum(if_coarse, floor));
   const F far = select(d > 0.0f, above, if_coarse);
-  return maximum(select(absolute(d) <= floor, if_fine, far), bound.by_slope);
+  return select(absolute(d) <= floor, bound.if_fine, far);
 }
 
 template <class F>

@@ -8,7 +8,8 @@ namespace voxshell::simd {
 ///   bits 0-1   log2 of n: (n + 1)^3 samples, n = 1, 2, 4 or 8 to a side, x fastest
 ///   bit  2     a plane instead of samples
 ///   bits 3-6   samples: the exponent e of their scale, quantum * 2^e
-///              plane: how many bricks around it, in each direction, hold the same plane
+///              plane: how many bricks around it, in each direction, hold the same plane or neither
+///              it nor the surface within plane_margin; the grid may end there
 ///   bits 7-31  samples: index of the first in units of kSampleAlignment; plane: its index
 inline constexpr int kBrickCells = 8;
 inline constexpr int kBrickShift = 3;
@@ -21,8 +22,6 @@ inline constexpr int kSampleAlignment = 4;
 inline constexpr int kQuantaPerVoxel = 256;
 /// Samples that a lane without any may read all the same.
 inline constexpr int kFewestSamples = 1024;
-/// Says that a brick has none that is of use.
-inline constexpr float kNoLipschitzConstant = 1e30f;
 /// Says that no brick has cells larger than a voxel.
 inline constexpr float kNoCoarseFloor = 1e30f;
 
@@ -30,7 +29,7 @@ inline constexpr float kNoCoarseFloor = 1e30f;
 struct GridView {
   uint64_t serial;          ///< of the field; see base/serial.h
   const uint32_t* entries;  ///< one a brick, x fastest
-  const uint32_t* bounds;   ///< one a brick: two bfloat16, see GridField::bounds_
+  const float* bounds;      ///< one a brick: no point in it has a smaller true distance, metres
   const int16_t* samples;   ///< at least kFewestSamples
   const float* planes;      ///< normal x, y, z and offset of each
   float origin[3];          ///< of the first cell
@@ -41,13 +40,16 @@ struct GridView {
   float voxel_size;
   float inverse_voxel_size;
   float quantum;  ///< a sample's unit at scale exponent 0, metres
-  /// |value - true distance| in cells of one voxel, metres. In larger cells it is as many times
-  /// that as they are voxels wide.
+  /// |node or plane - true distance| and |value - true distance| in cells of one voxel, metres. In
+  /// larger cells they are as many times that as these are voxels wide.
+  float node_error;
   float fine_error;
-  /// Where a brick has a local Lipschitz constant, the values at two points of its surroundings,
-  /// at most kBrickCells voxels apart, differ by at most that times their separation plus this,
-  /// metres: bricks that hold different numbers of nodes do not agree on the face between them.
-  float jump;
+  /// Trilinear weights spread nodes about a point; the mean of their squared distances from it is
+  /// at most this in cells of one voxel, metres^2, and grows with the square of the cell's size.
+  float spread;
+  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2.
+  float gap;
+  float plane_margin;  ///< up to which a plane serves for all that is around it, metres
   /// In a brick with cells larger than a voxel no point is nearer to the surface than this and no
   /// value nearer to zero, metres; or kNoCoarseFloor.
   float coarse_floor;

@@ -83,11 +83,11 @@ VOXSHELL_INLINE F8 bound_extent(const PosedView<GridView>& posed, const Block& b
   return bound_extent(block, to_shell(posed, Triple<float>{plane[0], plane[1], plane[2]}));
 }
 
-/// Balls that lie, as float32 places their points, within bricks of one plane.
+/// Balls that lie, as float32 places their points, where nothing but one plane is within a margin.
 VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
-                             const GridValue<F8>& value, F8 radii, float slack) {
+                             const GridValue<F8>& value, F8 radii, float slack, float margin) {
   const I8 is_plane = (value.entry & kPlaneBit) != 0;
-  if (!any(is_plane)) return I8{};
+  if (!any(is_plane) || margin + slack > grid.plane_margin) return I8{};
   constexpr float kHalf = 0.5f * kBrickCells;
   const Triple<F8>& w = place.within;
   const F8 off_centre =
@@ -112,17 +112,16 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
   }
   const auto place = locate(grid, p);
   // First by what is known of the whole brick.
-  F8 least = upper_half(gather(grid.bounds, place.brick));
+  F8 least = gather(grid.bounds, place.brick);
   const I8 beyond = is_beyond(place.outside);
   if (any(beyond)) least = select(beyond, maximum(least, length(place.outside)), least);
-  const F8 coarse =
-      combine<F8>(grid, {least - block.radii, splat<F8>(-kNoLipschitzConstant)}) - posed.slack;
+  const F8 coarse = combine(grid, bound_ball(grid, least, block.radii)) - posed.slack;
   const unsigned lanes = lanes_below(coarse, margin) & block.lanes;
   if (lanes == 0) return {coarse, I8{}, 0};
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
   F8 bound =
       maximum(coarse, combine(grid, bound_ball(grid, place, value, block.radii)) - posed.slack);
-  const I8 tags = find_tags(grid, place, value, block.radii, posed.slack);
+  const I8 tags = find_tags(grid, place, value, block.radii, posed.slack, margin);
   if (const unsigned tagged = bits(tags != 0) & lanes; tagged != 0) {
     const auto first = static_cast<uint32_t>(tags[__builtin_ctz(tagged)]);
     const F8 by_plane = value.distance - bound_extent(posed, block, first) - posed.slack;
@@ -257,6 +256,8 @@ void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& 
   }
 }
 
+inline constexpr float kFarthest = 1e30f;
+
 /// One sphere that waits to be looked into.
 struct Waiting {
   float rank;  ///< the smaller, the sooner
@@ -365,7 +366,7 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
 
 template <class V>
 bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
-  BestFirst walk({-kNoLipschitzConstant, 0, 0, 0});
+  BestFirst walk({-kFarthest, 0, 0, 0});
   while (!walk.is_done()) {
     const Waiting node = walk.take();
     if (node.level < tree.level_count) {
@@ -467,7 +468,7 @@ class ManifoldScore {
 inline void rank_seeds(const TreeView& tree, const Seeds& seeds, const ManifoldScore& score,
                        float* ranks) {
   if (seeds.level == 0) {
-    ranks[0] = -kNoLipschitzConstant;
+    ranks[0] = -kFarthest;
     return;
   }
   for (uint32_t i = 0; i < seeds.nodes.count; i += kLanes) {

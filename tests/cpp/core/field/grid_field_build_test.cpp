@@ -36,8 +36,7 @@ TEST(GridFieldBuild, SamplesAreTheSameBitsWithAnyNumberOfThreads) {
     EXPECT_EQ(other.bounds, one.bounds);
     EXPECT_EQ(other.samples, one.samples);
     EXPECT_EQ(other.planes, one.planes);
-    EXPECT_EQ(other.error, one.error);
-    EXPECT_EQ(other.jump, one.jump);
+    EXPECT_EQ(other.node_error, one.node_error);
     EXPECT_EQ(other.coarse_floor, one.coarse_floor);
   }
 }

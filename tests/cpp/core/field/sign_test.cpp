@@ -29,15 +29,6 @@ double distance_at(const GridField& field, const Vec3& p) {
   return static_cast<double>(field.distance(static_cast<Vec3f>(p)));
 }
 
-/// Without the triangles whose corners all lie above z = `height`.
-Soup opened(Soup soup, double height) {
-  std::erase_if(soup.triangles, [&](const Triangle& t) {
-    return soup.vertices[t[0]].z > height && soup.vertices[t[1]].z > height &&
-           soup.vertices[t[2]].z > height;
-  });
-  return soup;
-}
-
 /// Where two fields differ by more than `tolerance`, among places `far` or more from `around`.
 void expect_same(const GridField& a, const GridField& b, double reach, double tolerance) {
   Random random(300);

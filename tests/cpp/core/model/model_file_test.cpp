@@ -83,7 +83,7 @@ void expect_equal(const Model& a, const Model& b) {
   const GridFieldData& f = a.grid().data();
   const GridFieldData& g = b.grid().data();
   expect_equal<std::uint32_t>(f.entries, g.entries);
-  expect_equal<std::uint32_t>(f.bounds, g.bounds);
+  expect_equal<float>(f.bounds, g.bounds);
   expect_equal<std::int16_t>(f.samples, g.samples);
   expect_equal<float>(f.planes, g.planes);
   EXPECT_EQ(f.voxel_size, g.voxel_size);
@@ -91,8 +91,7 @@ void expect_equal(const Model& a, const Model& b) {
   EXPECT_EQ(f.bricks, g.bricks);
   EXPECT_EQ(f.surface_bounds.lower, g.surface_bounds.lower);
   EXPECT_EQ(f.surface_bounds.upper, g.surface_bounds.upper);
-  EXPECT_EQ(f.error, g.error);
-  EXPECT_EQ(f.jump, g.jump);
+  EXPECT_EQ(f.node_error, g.node_error);
   EXPECT_EQ(f.coarse_floor, g.coarse_floor);
   expect_equal(a.shell().points(), b.shell().points());
   expect_equal(a.shell().normals(), b.shell().normals());
@@ -253,7 +252,7 @@ TEST(ModelBytes, WithAWrongHeaderAreRefused) {
   };
   expect_refused(with(0, 'V'), "does not begin as one");
   expect_refused(with(4, '\n'), "does not begin as one");
-  for (const std::uint32_t version : {0u, 1u, 3u, 0xffffffffu}) {
+  for (const std::uint32_t version : {0u, 1u, 2u, 4u, 0xffffffffu}) {
     expect_refused(with(offsetof(Header, version), version), "version " + std::to_string(version));
   }
   for (const std::uint32_t count : {0u, 11u, 13u, 0xffffffffu}) {
@@ -338,10 +337,8 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
     expect_refused(in_record(offsetof(Record, grid_voxel_size), size), "the voxel size is");
   }
   for (const double value : {kNan, kInfinity, -1.0}) {
-    expect_refused(in_record(offsetof(Record, grid_error), value), "an error, jump or floor");
-    expect_refused(in_record(offsetof(Record, grid_jump), value), "an error, jump or floor");
-    expect_refused(in_record(offsetof(Record, grid_coarse_floor), value),
-                   "an error, jump or floor");
+    expect_refused(in_record(offsetof(Record, grid_node_error), value), "its error or floor");
+    expect_refused(in_record(offsetof(Record, grid_coarse_floor), value), "its error or floor");
     expect_refused(in_record(offsetof(Record, shell_spacing), value), "the spacing is");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -397,12 +394,11 @@ TEST(ModelBytes, WithEntriesBeyondTheArraysAreRefused) {
   }
   ASSERT_TRUE(small_model().grid().data().planes.empty());
   expect_refused(with(4u), "brick 2 holds plane 0");
-  for (const std::uint32_t bounds :
-       {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x00007fc0u, 0x0000bf80u}) {
+  for (const float bound : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     FileBytes bytes = small_file();
-    write_at(bytes, item(bytes, kBounds, 2), bounds);
+    write_at(bytes, item(bytes, kBounds, 2), bound);
     fix_checksum(bytes);
-    expect_refused(bytes, "the bounds of brick 2");
+    expect_refused(bytes, "the bound of brick 2");
   }
 }
 

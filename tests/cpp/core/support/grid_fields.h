@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdlib>
 #include <utility>
@@ -8,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/grid_bricks.h"
 #include "support/meshes.h"
 #include "support/random.h"
 #include "voxshell/bounds.h"
@@ -66,15 +66,15 @@ inline bool is_in(const Bounds& bounds, const Vec3f& p) {
   return squared_distance(bounds, static_cast<Vec3>(p)) == 0.0;
 }
 
-/// As GridFieldData::bounds says it.
-inline double lowest_in(const GridField& field, std::size_t brick) {
-  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] & 0xffff0000u));
-}
-inline double local_constant(const GridField& field, std::size_t brick) {
-  return static_cast<double>(std::bit_cast<float>(field.data().bounds[brick] << 16));
-}
-inline bool has_local_constant(const GridField& field, std::size_t brick) {
-  return local_constant(field, brick) < 1e29;
+/// Whether all bricks that p or its surroundings lie in hold planes or cells of one voxel.
+inline bool is_fine_around(const GridField& field, const Vec3& p) {
+  const double h = field.voxel_size();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 offset{(corner & 1) != 0 ? h : -h, (corner & 2) != 0 ? h : -h,
+                      (corner & 4) != 0 ? h : -h};
+    if (cell_size_of(field, brick_at(field, p + offset)) != 1.0) return false;
+  }
+  return true;
 }
 
 inline double distance_at(const GridField& field, const Vec3& p) {

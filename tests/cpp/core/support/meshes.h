@@ -180,4 +180,13 @@ inline Soup make_torus(double major, double minor, std::uint32_t around, std::ui
   return soup;
 }
 
+/// Without the triangles whose corners all lie above z = `height`.
+inline Soup opened(Soup soup, double height) {
+  std::erase_if(soup.triangles, [&](const Triangle& t) {
+    return soup.vertices[t[0]].z > height && soup.vertices[t[1]].z > height &&
+           soup.vertices[t[2]].z > height;
+  });
+  return soup;
+}
+
 }  // namespace voxshell::test_support
