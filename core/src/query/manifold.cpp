@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <utility>
 
 #include "query/posed.h"
 #include "query/scratch.h"
@@ -90,15 +91,16 @@ void select_deepest_per_segment(std::span<const Contact> contacts, const PointSp
 
 namespace {
 
-/// What is left of the tree when there are enough spheres to choose from. One search begins at the
-/// root; several share what lies near the surface.
-template <class V>
-simd::Seeds find_seeds(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
-                       bool are_shared, QueryScratch::State& state) {
-  return walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state,
-                   [&](const simd::Seeds& left) {
-                     return are_shared && left.nodes.count <= simd::kMostSeeds / 8;
-                   });
+/// So many spheres are worth more levels of the walk before they are searched.
+constexpr std::uint32_t kFew = simd::kMostSeeds / 8;
+
+/// Listing the points of what is left is the fastest search then.
+bool are_slots(const simd::Seeds& seeds, const simd::TreeView& tree) {
+  return seeds.level == tree.level_count;
+}
+
+simd::FoundPoint get(const simd::PointList& points, std::uint32_t i) {
+  return {points.id[i], points.distance[i], {points.x[i], points.y[i], points.z[i]}};
 }
 
 void append(simd::PointList& points, const simd::FoundPoint& found) {
@@ -108,6 +110,25 @@ void append(simd::PointList& points, const simd::FoundPoint& found) {
   points.y[points.count] = found.point[1];
   points.z[points.count] = found.point[2];
   ++points.count;
+}
+
+simd::FoundPoint choose_deepest(const simd::PointList& points) {
+  if (points.count == 0) return {simd::kNone, 0.0f, {}};
+  const float* deepest = std::min_element(points.distance, points.distance + points.count);
+  return get(points, static_cast<std::uint32_t>(deepest - points.distance));
+}
+
+/// Of points ascending by id.
+void keep_deepest_per_segment(simd::PointList& points, const PointSphereTree& tree, int level) {
+  const std::uint32_t count = std::exchange(points.count, 0u);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t last = points.count - 1;
+    const bool continues = points.count > 0 && tree.segment(points.id[last], level) ==
+                                                   tree.segment(points.id[i], level);
+    if (continues && points.distance[i] >= points.distance[last]) continue;
+    if (continues) --points.count;
+    append(points, get(points, i));
+  }
 }
 
 }  // namespace
@@ -121,17 +142,33 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
   const simd::TreeView tree = view_tree(shell);
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    // Searches for points far apart prune little: slots are worth twice as much.
+    const auto go_on = [&](const simd::Seeds& left) {
+      const bool slots_follow = left.level == tree.level_count - 1;
+      return max_points > 1 && left.nodes.count <= (slots_follow ? 2 * kFew : kFew);
+    };
+    const simd::Seeds seeds =
+        walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state, go_on);
     simd::PointList points = state.empty_points();
     simd::FoundPoint found{simd::kNone, 0.0f, {}};
-    simd::ManifoldSearch search{};
-    const simd::Seeds seeds = find_seeds(posed, tree, margin, max_points > 1, state);
-    kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
-    while (found.id != simd::kNone) {
-      append(points, found);
-      if (points.count == max_points) break;
-      std::copy_n(found.point, 3, search.chosen[search.count++]);
-      found = kernels.find_widest(posed, tree, seeds, search, margin);
+    if (are_slots(seeds, tree)) {
+      kernels.evaluate(posed, tree, seeds.nodes, margin, points);
+      found = choose_deepest(points);
+    } else {
+      kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
     }
+    simd::ManifoldSearch search{};
+    std::array<simd::FoundPoint, kManifoldSize> chosen;
+    std::size_t count = 0;
+    while (found.id != simd::kNone) {
+      chosen[count++] = found;
+      if (count == max_points) break;
+      std::copy_n(found.point, 3, search.chosen[search.count++]);
+      found = are_slots(seeds, tree) ? kernels.choose_widest(points, search)
+                                     : kernels.find_widest(posed, tree, seeds, search, margin);
+    }
+    points.count = 0;
+    for (std::size_t i = 0; i < count; ++i) append(points, chosen[i]);
     kernels.complete(posed, tree, points, state.contact_data());
     state.contact_count = points.count;
   });
@@ -146,26 +183,24 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
   state.reserve(shell);
   const simd::TreeView tree = view_tree(shell);
   const int depth = 2 * (level - 1);
-  if (depth > tree.depth) {
-    // Segments finer than what the walk ends at hold a bucket each.
-    const auto all = find_contacts(field, shell, field_from_shell, {.margin = margin}, scratch);
-    select_deepest_per_segment(all, shell.tree(), level, state.chosen);
-    Contact* contacts = state.contact_data();
-    for (std::size_t i = 0; i < state.chosen.size(); ++i) contacts[i] = contacts[state.chosen[i]];
-    state.contact_count = state.chosen.size();
-    state.survivors.are_contacts_kept = false;
-    return scratch.contacts();
-  }
-  const std::size_t segments = std::size_t{1} << depth;
-  simd::FoundPoint* best = state.reserve_found(segments);
-  std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    const simd::Seeds seeds = find_seeds(posed, tree, margin, true, state);
-    kernels.find_deepest(posed, tree, seeds, depth, margin, best);
+    // Segments finer than slots have a bucket each.
+    const simd::Seeds seeds = walk_down(
+        posed, tree, margin, 0.0f, SphereBounds::kWanted, state,
+        [&](const simd::Seeds& left) { return depth > tree.depth || left.nodes.count <= kFew; });
     simd::PointList points = state.empty_points();
-    for (std::size_t i = 0; i < segments; ++i) {
-      if (best[i].id != simd::kNone) append(points, best[i]);
+    if (are_slots(seeds, tree)) {
+      kernels.evaluate(posed, tree, seeds.nodes, margin, points);
+      keep_deepest_per_segment(points, shell.tree(), level);
+    } else {
+      const std::size_t segments = std::size_t{1} << depth;
+      simd::FoundPoint* best = state.reserve_found(segments);
+      std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
+      kernels.find_deepest(posed, tree, seeds, depth, margin, best);
+      for (std::size_t i = 0; i < segments; ++i) {
+        if (best[i].id != simd::kNone) append(points, best[i]);
+      }
     }
     kernels.complete(posed, tree, points, state.contact_data());
     state.contact_count = points.count;

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "simd/query_kernels.h"
 #include "voxshell/contacts.h"
@@ -64,7 +63,6 @@ struct QueryScratch::State {
   std::size_t contact_count = 0;
   Buffer<simd::FoundPoint> found;  ///< one a segment
   std::size_t found_capacity = 0;
-  std::vector<std::uint32_t> chosen;  ///< places among the contacts
   Buffer<float> gradient_x, gradient_y, gradient_z;
   std::size_t gradient_capacity = 0;
 

@@ -351,7 +351,9 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
         continue;
       }
       const Block block = load_block(tree, node.level, node.index, 0.0f);
-      const Balls balls = test_balls(posed, block, node.tag, margin);
+      // A shorter reach than the margin lets planes serve.
+      const float reach = node.level > 0 ? limit(node.level - 1, node.index) + posed.slack : margin;
+      const Balls balls = test_balls(posed, block, node.tag, reach < margin ? reach : margin);
       walk.begin_siblings();
       for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -541,9 +543,28 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Se
   return best;
 }
 
+inline FoundPoint choose_widest(const PointList& points, const ManifoldSearch& search) {
+  fill_up(points);
+  const ManifoldScore score(search);
+  FoundPoint best{kNone, 0.0f, {}};
+  float best_score = 0.0f;
+  for (uint32_t i = 0; i < points.count; i += kLanes) {
+    const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
+    const F8 scores = score.evaluate(p);
+    for (unsigned lanes = bits(scores > best_score); lanes != 0; lanes &= lanes - 1) {
+      const int lane = __builtin_ctz(lanes);
+      if (!(scores[lane] > best_score)) continue;
+      const uint32_t at = i + static_cast<uint32_t>(lane);
+      best = make_found(points.id[at], points.distance[at], p, lane);
+      best_score = scores[lane];
+    }
+  }
+  return best;
+}
+
 template <class V>
 inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,        &evaluate<V>,     &complete<V>,
                                                   &differentiate<V>, &find_deepest<V>, &find_any<V>,
-                                                  &find_widest<V>};
+                                                  &find_widest<V>,   &choose_widest};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

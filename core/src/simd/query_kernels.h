@@ -74,6 +74,8 @@ struct QueryKernels {
   /// The point below `margin` that makes the manifold's area largest, ties to the smaller id.
   FoundPoint (*find_widest)(const PosedView<V>&, const TreeView&, const Seeds&,
                             const ManifoldSearch&, float margin);
+  /// The same of listed points.
+  FoundPoint (*choose_widest)(const PointList& points, const ManifoldSearch&);
 };
 
 /// The views that there are kernels for.
