@@ -9,8 +9,8 @@ namespace voxshell {
 enum class SphereBounds { kUnwanted, kWanted };
 
 /// Walks the tree breadth first, a level at a time, as long as `go_on(what is left)` says so and
-/// something is left. Uses the state's node buffers, and so forgets the survivors in them. Without
-/// bounds, what is left has none, and the walk is faster.
+/// something is left; where nothing is, all levels are done. Uses the state's node buffers, and so
+/// forgets the survivors in them. Without bounds, what is left has none, and the walk is faster.
 template <class V, class GoOn>
 simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
                       float growth, SphereBounds bounds, QueryScratch::State& state,
@@ -26,6 +26,7 @@ simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tre
     std::swap(left.nodes, next);
     ++left.level;
   }
+  if (left.nodes.count == 0) left.level = tree.level_count;
   return left;
 }
 

@@ -237,36 +237,48 @@ template <class F>
 struct GridBound {
   F of_distance;  ///< of the true distance
   F if_fine;      ///< of the value in planes and cells of one voxel
+  F if_coarse;    ///< of the value in cells up to a whole brick
 };
 
-/// From a true distance somewhere at the ball's centre or below it.
+/// From a lower bound of the true distance at the ball's centre.
 ///
 /// A value is a mean of the distances at nodes that are spread about its point. Between two points
-/// apart by r, nodes can be paired so that the mean of their squared distances is at most
-/// r^2 + spread; so the values differ by at most the square root of that (docs/decisions/0013).
+/// apart by r, nodes can be paired so that the mean of their squared distances is at most r^2 plus
+/// the spread of one (cells of one voxel) or of both (others); so the values differ by at most the
+/// square root of that (docs/decisions/0013).
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, F distance, F radius) {
+  constexpr float kCoarse = kBrickCells;
   const F squared = radius * radius + grid.gap;
-  const F by_gap = grid.gap == 0.0f ? radius : square_root(squared);
-  return {distance - by_gap, distance - square_root(squared + grid.spread) - grid.node_error};
+  return {distance - (grid.gap == 0.0f ? radius : square_root(squared)),
+          distance - square_root(squared + grid.spread) - grid.node_error,
+          distance - square_root(squared + kCoarse * kCoarse * grid.spread) -
+              kCoarse * grid.node_error};
 }
 
 /// From the value at the ball's centre.
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>& place,
                                         const GridValue<F>& value, F radius) {
+  constexpr float kCoarse = kBrickCells;
   const F size = value.cell_size;
-  const F spread = grid.spread * (size * size);
-  F d = value.distance - square_root(radius * radius + grid.gap + spread) - grid.node_error * size;
-  F other_end = select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
+  const F squared = radius * radius + grid.gap + grid.spread * (size * size);
+  const F base = value.distance - grid.node_error * size;
+  GridBound<F> bound;
+  bound.of_distance = base - square_root(squared);
+  bound.if_fine =
+      bound.of_distance - select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
+  bound.if_coarse =
+      base - square_root(squared + kCoarse * kCoarse * grid.spread) - kCoarse * grid.node_error;
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
     const F outside = bound_outside(place.outside, value.distance);
-    d = select(beyond, outside - grid.fine_error * size - radius - square_root(splat<F>(grid.gap)),
-               d);
-    other_end = select(beyond, splat<F>(grid.fine_error), other_end);
+    const F d = outside - grid.fine_error * size - radius - square_root(splat<F>(grid.gap));
+    bound.of_distance = select(beyond, d, bound.of_distance);
+    bound.if_fine = select(beyond, d - grid.fine_error, bound.if_fine);
+    bound.if_coarse = select(beyond, d - kCoarse * grid.fine_error, bound.if_coarse);
   }
-  return {d, d - other_end};
+  return bound;
 }
 
 /// Of the value over the ball.
@@ -274,10 +286,9 @@ template <class F>
 VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   // Large cells can be met only where the true distance allows it, with values beyond the floor.
   const F d = bound.of_distance;
-  const F if_coarse = d - kBrickCells * grid.fine_error;
   const F floor = splat<F>(grid.coarse_floor);
-  const F above = minimum(bound.if_fine, maximum(if_coarse, floor));
-  const F far = select(d > 0.0f, above, if_coarse);
+  const F above = minimum(bound.if_fine, maximum(bound.if_coarse, floor));
+  const F far = select(d > 0.0f, above, bound.if_coarse);
   return select(absolute(d) <= floor, bound.if_fine, far);
 }
 

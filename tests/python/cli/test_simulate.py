@@ -142,7 +142,10 @@ def test_ctrl_c_ends_with_130_and_no_torn_files(tmp_path, cone):
         time.sleep(0.05)
     time.sleep(1.0)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    try:
+        _, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert "Traceback" not in errors
     assert list(out.iterdir()) == []
