@@ -245,7 +245,7 @@ struct GridBound {
 /// A value is a mean of the distances at nodes that are spread about its point. Between two points
 /// apart by r, nodes can be paired so that the mean of their squared distances is at most r^2 plus
 /// the spread of one (cells of one voxel) or of both (others); so the values differ by at most the
-/// square root of that (docs/decisions/0013).
+/// square root of that (docs/decisions/0014).
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, F distance, F radius) {
   constexpr float kCoarse = kBrickCells;
