@@ -57,7 +57,6 @@ struct GridFieldData {
   std::array<int, 3> bricks{};  ///< along x, y, z
   Bounds surface_bounds;
   std::vector<std::uint32_t> entries;  ///< one a brick, x fastest
-  std::vector<float> bounds;  ///< one a brick: no point in it has a smaller true distance, metres
   std::vector<std::int16_t> samples;
   std::vector<float> planes;  ///< unit normal and offset of each
   double node_error = 0.0;    ///< metres; see simd::GridView

@@ -7,7 +7,6 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "field/brick_bounds.h"
 #include "field/brick_entry.h"
 #include "field/plane_surroundings.h"
 
@@ -87,7 +86,6 @@ std::optional<Error> FieldBuilder::build(GridFieldData& data) {
   }
   if (!fill_bricks(data)) return cancelled;
   if (auto overlapping = check_overlap()) return overlapping;
-  if (!compute_brick_bounds(data, threads_, part_of(progress_, 0.9, 1.0))) return cancelled;
   measure_plane_surroundings(data, threads_);
   return std::nullopt;
 }
@@ -212,7 +210,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
       }
     }
   };
-  if (!parallel_for(ny * nz, threads_, kStage, part_of(progress_, 0.3, 0.9), fill_row)) {
+  if (!parallel_for(ny * nz, threads_, kStage, part_of(progress_, 0.3, 1.0), fill_row)) {
     return false;
   }
   double rounding = 0.0;

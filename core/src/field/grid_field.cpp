@@ -18,7 +18,7 @@ std::array<int, 3> GridField::shape() const {
 }
 
 std::size_t GridField::nbytes() const {
-  return sizeof(std::uint32_t) * (data_.entries.size() + data_.bounds.size()) +
+  return sizeof(std::uint32_t) * data_.entries.size() +
          sizeof(std::int16_t) * data_.samples.size() + sizeof(float) * data_.planes.size();
 }
 
@@ -26,7 +26,6 @@ simd::GridView GridField::view() const {
   simd::GridView view{};
   view.serial = serial_;
   view.entries = data_.entries.data();
-  view.bounds = data_.bounds.data();
   view.samples = data_.samples.data();
   view.planes = data_.planes.data();
   for (int axis = 0; axis < 3; ++axis) {

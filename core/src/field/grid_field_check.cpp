@@ -53,11 +53,9 @@ Result<std::monostate> check_sizes(const GridFieldData& data) {
       return invalid(format_text("it is %d bricks wide", bricks));
     count *= static_cast<std::uint64_t>(bricks);
   }
-  if (count > std::numeric_limits<std::int32_t>::max() || count != data.entries.size() ||
-      count != data.bounds.size()) {
-    return invalid(format_text("%d x %d x %d bricks have %zu entries and %zu bounds",
-                               data.bricks[0], data.bricks[1], data.bricks[2], data.entries.size(),
-                               data.bounds.size()));
+  if (count > std::numeric_limits<std::int32_t>::max() || count != data.entries.size()) {
+    return invalid(format_text("%d x %d x %d bricks have %zu entries", data.bricks[0],
+                               data.bricks[1], data.bricks[2], data.entries.size()));
   }
   if (data.samples.size() < simd::kFewestSamples || data.planes.size() % 4 != 0) {
     return invalid(format_text("it has %zu samples and %zu numbers for planes", data.samples.size(),
@@ -75,9 +73,6 @@ Result<std::monostate> check_bricks(const GridFieldData& data) {
       return invalid(format_text("brick %zu holds %s %zu to %zu of %zu", i,
                                  entry.is_plane ? "plane" : "samples", entry.first,
                                  entry.first + want - 1, have));
-    }
-    if (!std::isfinite(data.bounds[i])) {
-      return invalid(format_text("the bound of brick %zu is not a number", i));
     }
   }
   return std::monostate{};

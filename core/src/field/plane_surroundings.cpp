@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdlib>
+#include <vector>
 
 #include "base/parallel.h"
 #include "field/brick_entry.h"
-#include "field/plane_brick.h"
 
 namespace voxshell {
 namespace {
@@ -15,13 +17,53 @@ namespace {
 constexpr int kMostAround = 7;  // bricks
 static_assert(kMostAround <= simd::kFieldMask);
 
+using Place = std::array<int, 3>;
+
+/// A plane that bricks of a grid hold.
+class PlaneOfBricks {
+ public:
+  PlaneOfBricks(const GridFieldData& data, std::size_t index)
+      : normal_(static_cast<Vec3>(
+            Vec3f{data.planes[4 * index], data.planes[4 * index + 1], data.planes[4 * index + 2]})),
+        edge_(simd::kBrickCells * data.voxel_size),
+        at_origin_(dot(normal_, data.origin) - static_cast<double>(data.planes[4 * index + 3])) {}
+
+  /// Its smallest distance in a box whose corners are told in bricks from the grid's, metres.
+  double lowest_in(const Vec3& lower, const Vec3& upper) const {
+    Vec3 lowest;
+    for (int axis = 0; axis < 3; ++axis) {
+      lowest[axis] = normal_[axis] > 0.0 ? lower[axis] : upper[axis];
+    }
+    return at_origin_ + edge_ * dot(normal_, lowest);
+  }
+
+ private:
+  Vec3 normal_;
+  double edge_;
+  double at_origin_;
+};
+
+Vec3 corner_of(const Place& place) { return {1.0 * place[0], 1.0 * place[1], 1.0 * place[2]}; }
+
+double find_lowest_value(const GridFieldData& data, const BrickEntry& entry, const Place& place) {
+  if (entry.is_plane) {
+    const Vec3 corner = corner_of(place);
+    return PlaneOfBricks(data, entry.first).lowest_in(corner, corner + Vec3{1, 1, 1});
+  }
+  const auto begin = data.samples.begin() + static_cast<std::ptrdiff_t>(entry.first);
+  const auto nodes = static_cast<std::ptrdiff_t>(cube(static_cast<std::size_t>(entry.cells) + 1));
+  const double unit = data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
+  return *std::min_element(begin, begin + nodes) * unit;
+}
+
 class Surroundings {
  public:
-  Surroundings(const GridFieldData& data, std::size_t plane)
-      : data_(data), plane_index_(plane), plane_(data, plane), margin_(data.plane_margin()) {}
+  Surroundings(const GridFieldData& data, const std::vector<double>& lowest_values,
+               std::size_t plane)
+      : data_(data), lowest_values_(lowest_values), plane_index_(plane), plane_(data, plane) {}
 
-  /// How many bricks around one matter not, in every direction; at least `known` of them.
-  int measure(const std::array<int, 3>& centre, int known) const {
+  /// How many bricks around one matter not, in every direction; `known` of them do not.
+  int measure(const Place& centre, int known) const {
     int around = known;
     while (around < kMostAround && is_clear(centre, around + 1)) ++around;
     return around;
@@ -29,8 +71,8 @@ class Surroundings {
 
  private:
   /// Whether all bricks that are `away` from the centre along some axis, and no farther along any,
-  /// hold the plane, or neither it nor the surface comes near.
-  bool is_clear(const std::array<int, 3>& centre, int away) const {
+  /// hold the plane, or neither it nor the field is below the margin there.
+  bool is_clear(const Place& centre, int away) const {
     const auto [x, y, z] = centre;
     for (int k = -away; k <= away; ++k) {
       for (int j = -away; j <= away; ++j) {
@@ -43,63 +85,71 @@ class Surroundings {
     return true;
   }
 
-  bool is_clear_at(const std::array<int, 3>& place) const {
+  bool is_clear_at(const Place& place) const {
     // Beyond the grid no value is below that of the nearest place at its border.
-    const Vec3 lower{1.0 * place[0], 1.0 * place[1], 1.0 * place[2]};
+    const Vec3 lower = corner_of(place);
     const Vec3 upper = lower + Vec3{1, 1, 1};
-    std::array<int, 3> nearest{};
+    Place nearest{};
     Vec3 nearest_lower;
     Vec3 nearest_upper;
     for (int axis = 0; axis < 3; ++axis) {
-      const int bricks = data_.bricks[static_cast<std::size_t>(axis)];
-      nearest[static_cast<std::size_t>(axis)] =
-          std::clamp(place[static_cast<std::size_t>(axis)], 0, bricks - 1);
-      nearest_lower[axis] = std::clamp(lower[axis], 0.0, 1.0 * bricks);
-      nearest_upper[axis] = std::clamp(upper[axis], 0.0, 1.0 * bricks);
+      const auto k = static_cast<std::size_t>(axis);
+      nearest[k] = std::clamp(place[k], 0, data_.bricks[k] - 1);
+      nearest_lower[axis] = std::clamp(lower[axis], 0.0, 1.0 * data_.bricks[k]);
+      nearest_upper[axis] = std::clamp(upper[axis], 0.0, 1.0 * data_.bricks[k]);
     }
     const auto brick = static_cast<std::size_t>(
         nearest[0] + data_.bricks[0] * (nearest[1] + data_.bricks[1] * nearest[2]));
     const BrickEntry entry = BrickEntry::unpack(data_.entries[brick]);
     const bool is_same = entry.is_plane && entry.first == plane_index_;
     if (is_same && place == nearest) return true;
-    const double value = is_same ? plane_.lowest_in(nearest_lower, nearest_upper)
-                                 : static_cast<double>(data_.bounds[brick]);
-    return value >= margin_ && plane_.lowest_in(lower, upper) >= margin_;
+    const double value =
+        is_same ? plane_.lowest_in(nearest_lower, nearest_upper) : lowest_values_[brick];
+    const double margin = data_.plane_margin();
+    return value >= margin && plane_.lowest_in(lower, upper) >= margin;
   }
 
   const GridFieldData& data_;
+  const std::vector<double>& lowest_values_;
   std::size_t plane_index_;
   PlaneOfBricks plane_;
-  double margin_;
 };
 
 }  // namespace
 
 void measure_plane_surroundings(GridFieldData& data, unsigned threads) {
+  if (data.planes.empty()) return;
   const auto [nx, ny, nz] = data.bricks;
-  std::vector<int> around(data.entries.size(), 0);
-  const auto measure_row = [&](std::size_t row) {
-    std::array<int, 3> place{0, static_cast<int>(row) % ny, static_cast<int>(row) / ny};
-    std::size_t brick = row * static_cast<std::size_t>(nx);
-    BrickEntry last;
-    for (; place[0] < nx; ++place[0], ++brick) {
-      const BrickEntry entry = BrickEntry::unpack(data.entries[brick]);
-      if (entry.is_plane) {
-        const bool continues = last.is_plane && last.first == entry.first;
-        const int known = continues ? std::max(around[brick - 1] - 1, 0) : 0;
-        around[brick] = Surroundings(data, entry.first).measure(place, known);
+  const auto for_each_row = [&](const auto& visit) {
+    const auto visit_row = [&](std::size_t row) {
+      Place place{0, static_cast<int>(row) % ny, static_cast<int>(row) / ny};
+      std::size_t brick = row * static_cast<std::size_t>(nx);
+      for (; place[0] < nx; ++place[0], ++brick) {
+        visit(brick, place, BrickEntry::unpack(data.entries[brick]));
       }
-      last = entry;
-    }
+    };
+    parallel_for(static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), threads, {}, {},
+                 visit_row);
   };
-  parallel_for(static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), threads, {}, {},
-               measure_row);
-  for (std::size_t brick = 0; brick < around.size(); ++brick) {
-    BrickEntry entry = BrickEntry::unpack(data.entries[brick]);
-    if (!entry.is_plane) continue;
+  std::vector<double> lowest_values(data.entries.size());
+  for_each_row([&](std::size_t brick, const Place& place, const BrickEntry& entry) {
+    lowest_values[brick] = find_lowest_value(data, entry, place);
+  });
+  std::vector<int> around(data.entries.size(), 0);
+  for_each_row([&](std::size_t brick, const Place& place, const BrickEntry& entry) {
+    if (!entry.is_plane) return;
+    int known = 0;
+    if (place[0] > 0) {
+      const BrickEntry last = BrickEntry::unpack(data.entries[brick - 1]);
+      if (last.is_plane && last.first == entry.first) known = std::max(around[brick - 1] - 1, 0);
+    }
+    around[brick] = Surroundings(data, lowest_values, entry.first).measure(place, known);
+  });
+  for_each_row([&](std::size_t brick, const Place&, BrickEntry entry) {
+    if (!entry.is_plane) return;
     entry.radius = around[brick];
     data.entries[brick] = entry.pack();
-  }
+  });
 }
 
 }  // namespace voxshell

@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint32_t kVersion = 4;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -89,7 +89,6 @@ struct Sections {
   Array<Vec3> vertices;
   Array<Triangle> triangles;
   Array<std::uint32_t> brick_entries;
-  Array<float> brick_bounds;
   Array<std::int16_t> samples;
   Array<float> planes;
   Array<Vec3f> points;
@@ -98,7 +97,7 @@ struct Sections {
   Array<Sphere> spheres;
   Array<float> blocks;
 };
-inline constexpr std::uint32_t kSectionCount = 12;
+inline constexpr std::uint32_t kSectionCount = 11;
 
 /// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
 /// Returns false where it did.
@@ -106,10 +105,10 @@ template <class AnySections, class Visit>
 bool visit_sections(AnySections& s, const Visit& visit) {
   return visit(1u, "record", s.record) && visit(2u, "vertices", s.vertices) &&
          visit(3u, "triangles", s.triangles) && visit(4u, "brick entries", s.brick_entries) &&
-         visit(5u, "brick bounds", s.brick_bounds) && visit(6u, "samples", s.samples) &&
-         visit(7u, "planes", s.planes) && visit(8u, "points", s.points) &&
-         visit(9u, "normals", s.normals) && visit(10u, "areas", s.areas) &&
-         visit(11u, "spheres", s.spheres) && visit(12u, "sphere blocks", s.blocks);
+         visit(5u, "samples", s.samples) && visit(6u, "planes", s.planes) &&
+         visit(7u, "points", s.points) && visit(8u, "normals", s.normals) &&
+         visit(9u, "areas", s.areas) && visit(10u, "spheres", s.spheres) &&
+         visit(11u, "sphere blocks", s.blocks);
 }
 
 inline constexpr std::uint64_t kTableEnd =

@@ -182,7 +182,6 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
       .bricks = {},
       .surface_bounds = {record.grid_surface_lower, record.grid_surface_upper},
       .entries = std::move(sections.brick_entries),
-      .bounds = std::move(sections.brick_bounds),
       .samples = std::move(sections.samples),
       .planes = std::move(sections.planes),
       .node_error = record.grid_node_error,

@@ -53,7 +53,6 @@ Sections<View> view_sections(const Model& model, const Record& record) {
           .vertices = model.mesh().vertices(),
           .triangles = model.mesh().triangles(),
           .brick_entries = grid.entries,
-          .brick_bounds = grid.bounds,
           .samples = grid.samples,
           .planes = grid.planes,
           .points = shell.points(),

@@ -240,23 +240,12 @@ struct GridBound {
   F if_coarse;    ///< of the value in cells up to a whole brick
 };
 
-/// From a lower bound of the true distance at the ball's centre.
+/// From the value at the ball's centre.
 ///
 /// A value is a mean of the distances at nodes that are spread about its point. Between two points
 /// apart by r, nodes can be paired so that the mean of their squared distances is at most r^2 plus
 /// the spread of one (cells of one voxel) or of both (others); so the values differ by at most the
 /// square root of that (docs/decisions/0014).
-template <class F>
-VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, F distance, F radius) {
-  constexpr float kCoarse = kBrickCells;
-  const F squared = radius * radius + grid.gap;
-  return {distance - (grid.gap == 0.0f ? radius : square_root(squared)),
-          distance - square_root(squared + grid.spread) - grid.node_error,
-          distance - square_root(squared + kCoarse * kCoarse * grid.spread) -
-              kCoarse * grid.node_error};
-}
-
-/// From the value at the ball's centre.
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>& place,
                                         const GridValue<F>& value, F radius) {
@@ -272,8 +261,9 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
       base - square_root(squared + kCoarse * kCoarse * grid.spread) - kCoarse * grid.node_error;
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
-    const F outside = bound_outside(place.outside, value.distance);
-    const F d = outside - grid.fine_error * size - radius - square_root(splat<F>(grid.gap));
+    // Nor is the surface nearer than the grid.
+    const F seen = bound_outside(place.outside, value.distance) - grid.fine_error * size;
+    const F d = maximum(seen, length(place.outside)) - radius - square_root(splat<F>(grid.gap));
     bound.of_distance = select(beyond, d, bound.of_distance);
     bound.if_fine = select(beyond, d - grid.fine_error, bound.if_fine);
     bound.if_coarse = select(beyond, d - kCoarse * grid.fine_error, bound.if_coarse);

@@ -29,7 +29,6 @@ inline constexpr float kNoCoarseFloor = 1e30f;
 struct GridView {
   uint64_t serial;          ///< of the field; see base/serial.h
   const uint32_t* entries;  ///< one a brick, x fastest
-  const float* bounds;      ///< one a brick: no point in it has a smaller true distance, metres
   const int16_t* samples;   ///< at least kFewestSamples
   const float* planes;      ///< normal x, y, z and offset of each
   float origin[3];          ///< of the first cell

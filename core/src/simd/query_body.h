@@ -111,16 +111,9 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
     return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin) & block.lanes};
   }
   const auto place = locate(grid, p);
-  // First by what is known of the whole brick.
-  F8 least = gather(grid.bounds, place.brick);
-  const I8 beyond = is_beyond(place.outside);
-  if (any(beyond)) least = select(beyond, maximum(least, length(place.outside)), least);
-  const F8 coarse = combine(grid, bound_ball(grid, least, block.radii)) - posed.slack;
-  const unsigned lanes = lanes_below(coarse, margin) & block.lanes;
-  if (lanes == 0) return {coarse, I8{}, 0};
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  F8 bound =
-      maximum(coarse, combine(grid, bound_ball(grid, place, value, block.radii)) - posed.slack);
+  F8 bound = combine(grid, bound_ball(grid, place, value, block.radii)) - posed.slack;
+  const unsigned lanes = lanes_below(bound, margin) & block.lanes;
   const I8 tags = find_tags(grid, place, value, block.radii, posed.slack, margin);
   if (const unsigned tagged = bits(tags != 0) & lanes; tagged != 0) {
     const auto first = static_cast<uint32_t>(tags[__builtin_ctz(tagged)]);

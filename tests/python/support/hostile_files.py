@@ -17,7 +17,6 @@ NAMES = (
     "vertices",
     "triangles",
     "brick entries",
-    "brick bounds",
     "samples",
     "planes",
     "points",
@@ -170,11 +169,11 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
 
     record = by_name["record"]
     for i in range(record.item_size // 8):
-        if i in (1, 3, 5, 10, 11, 12, 22, *range(24, 30)):
+        if i in (1, 3, 5, 10, 11, 12, 21, *range(23, 29)):
             continue  # integers
         yield changed("record", 0, 8 * i, "d", nan)
         yield changed("record", 0, 8 * i, "d", infinity)
-    for i in (5, 22, 24):
+    for i in (5, 21, 23):
         for choice in (3, -1, 2**40):
             yield changed("record", 0, 8 * i, "q", choice)
     for i in (10, 11, 12):
@@ -198,5 +197,3 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
             yield changed("triangles", 0, 4 * column, "I", index)
     for entry in (2**32 - 1, 2**32 - 5, 0x80000003, 4, 0xFFFFFF84):
         yield changed("brick entries", 0, 0, "I", entry)
-    for bounds in (0x7FC00000, 0x7F800000, 0x00007FC0, 0x0000BF80):
-        yield changed("brick bounds", 0, 0, "I", bounds)

@@ -45,22 +45,6 @@ TEST(GridFieldBounds, ValuesDifferByNoMoreThanTheirNodesCan) {
   }
 }
 
-TEST(GridFieldBounds, BoundsOfBricksHoldAndAreClose) {
-  Random random(84);
-  for (const auto& [name, mesh, voxel_size] : bodies()) {
-    const GridField field = build(mesh, voxel_size);
-    for (std::size_t brick = 0; brick < field.data().entries.size(); ++brick) {
-      double lowest = 1e30;
-      visit_nodes(field, brick,
-                  [&](const Vec3&, double value) { lowest = std::min(lowest, value); });
-      const double expected = lowest - field.interpolation_error() * cell_size_of(field, brick);
-      const auto bound = static_cast<double>(field.data().bounds[brick]);
-      ASSERT_LE(bound, expected + 1e-6) << name;
-      ASSERT_GE(bound, expected - 1e-5 * std::abs(expected) - 1e-6) << name;
-    }
-  }
-}
-
 /// The smallest value that can be found in a ball: at random, downhill, and at the grid's nodes.
 float find_smallest(const GridField& field, const Vec3& centre, double radius, Random& random) {
   float smallest = field.distance(static_cast<Vec3f>(centre));
