@@ -250,10 +250,12 @@ TEST(ModelBytes, WithAWrongHeaderAreRefused) {
   };
   expect_refused(with(0, 'V'), "does not begin as one");
   expect_refused(with(4, '\n'), "does not begin as one");
-  for (const std::uint32_t version : {0u, 1u, kVersion - 1, kVersion + 1, 0xffffffffu}) {
+  for (const std::uint32_t version :
+       {0u, 1u, model_format::kVersion - 1, model_format::kVersion + 1, 0xffffffffu}) {
     expect_refused(with(offsetof(Header, version), version), "version " + std::to_string(version));
   }
-  for (const std::uint32_t count : {0u, kSectionCount - 1, kSectionCount + 1, 0xffffffffu}) {
+  for (const std::uint32_t count :
+       {0u, model_format::kSectionCount - 1, model_format::kSectionCount + 1, 0xffffffffu}) {
     expect_refused(with(offsetof(Header, section_count), count), "sections");
   }
   for (const std::uint64_t size : {std::uint64_t{0}, std::uint64_t{64}, ~std::uint64_t{0}}) {
