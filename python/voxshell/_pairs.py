@@ -36,7 +36,7 @@ _SINGLE_MAX = float(np.finfo(np.float32).max)
 def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | None]:
     """The field and the shell that the core wants of a body."""
     if isinstance(body, Model):
-        return body.field._core, body.shell._core
+        return body._field._core, body._shell._core
     if isinstance(body, Field):
         return body._core, None
     raise InputTypeError(f"{name} must be a Model, Plane, Box or Sphere, not {type(body).__name__}")
@@ -52,6 +52,8 @@ def as_shells(shell: Any, allowed: Iterable[str] = SHELLS) -> _core.Shells:
 
 def as_margin(value: Any, name: str = "margin") -> float:
     """Metres, as the core takes them."""
+    if type(value) is float and -_SINGLE_MAX <= value <= _SINGLE_MAX:
+        return value
     margin = as_real(value, name)
     if abs(margin) > _SINGLE_MAX:
         raise SettingsError(f"{name} must fit single precision, not {margin:g} m")
