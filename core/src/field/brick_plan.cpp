@@ -10,6 +10,11 @@ namespace {
 
 using simd::kBrickCells;
 
+/// How far distances inside may be off, voxels: half of it everywhere would cost 1.5 MB more of a
+/// bunny of 300 voxels. Less about peaks, where depths are largest.
+constexpr double kToleranceInside = 1.0;
+constexpr double kToleranceAtPeaks = 0.5;
+
 /// True where a field may be linear between distances at a brick's corners.
 bool are_affine(const std::array<double, 8>& d) {
   constexpr double kTolerance = 1.0 / 128.0;  // voxels
@@ -28,31 +33,64 @@ bool are_affine(const std::array<double, 8>& d) {
 int choose_cells(const std::array<double, 8>& corners, double at_centre) {
   double mean = 0.0;
   for (const double d : corners) mean += d / 8.0;
-  const bool is_inside = corners[0] < 0.0;
-  const double depth = std::abs(at_centre);
-  const double error = std::abs(depth - std::abs(mean));
-  double tolerance = std::max(depth / 32.0, 1.0 / 8.0);
-  if (is_inside) tolerance = std::min(tolerance, 1.0);
-  if (is_inside) {
-    // Deep inside a slope well below one tells of a ridge or peak, where depths are largest.
-    Vec3 slope{};
-    for (std::size_t i = 0; i < 8; ++i) {
-      for (int axis = 0; axis < 3; ++axis) {
-        slope[axis] += ((i >> axis & 1) != 0 ? 0.25 : -0.25) * corners[i] / kBrickCells;
-      }
-    }
-    const double steepness = length(slope);
-    if (steepness < 0.5) return kBrickCells;
-    if (steepness < 0.85) return 4;
-  }
+  const double error = std::abs(at_centre - std::abs(mean));
+  double tolerance = std::max(at_centre / 32.0, 1.0 / 8.0);
+  if (corners[0] < 0.0) tolerance = std::min(tolerance, kToleranceInside);
   if (error <= tolerance) return 1;
   return error <= 3.0 * tolerance ? 2 : 4;
 }
 
+/// Slopes cancel out about a peak, and where the sides of a ridge face each other.
+bool is_peak(const std::array<double, 8>& corners) {
+  Vec3 slope{};
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      slope[axis] += ((i >> axis & 1) != 0 ? 0.25 : -0.25) * corners[i] / kBrickCells;
+    }
+  }
+  return length(slope) < 0.5;
+}
+
+/// Every second node along each axis of a brick, x fastest.
+constexpr int kHalfNodes = kBrickCells / 2 + 1;
+using HalfNodes = std::array<double, cube(kHalfNodes)>;
+
+/// Where std::lerp would take special care of its ends.
+double mix(double a, double b, double share) { return a + share * (b - a); }
+
+/// How far trilinear cells, this many along each axis, are off at most.
+double find_largest_error(const HalfNodes& nodes, int cells) {
+  const int step = (kHalfNodes - 1) / cells;
+  const auto at = [&](int x, int y, int z) {
+    return nodes[static_cast<std::size_t>(x + kHalfNodes * (y + kHalfNodes * z))];
+  };
+  double largest = 0.0;
+  for (int z = 0; z < kHalfNodes; ++z) {
+    for (int y = 0; y < kHalfNodes; ++y) {
+      for (int x = 0; x < kHalfNodes; ++x) {
+        // The two nodes of the cells along each axis, the same where one lies on the place.
+        const auto below = [&](int i) { return i / step * step; };
+        const auto above = [&](int i) { return (i + step - 1) / step * step; };
+        const auto share = [&](int i) { return static_cast<double>(i % step) / step; };
+        const auto along_x = [&](int j, int k) {
+          return mix(at(below(x), j, k), at(above(x), j, k), share(x));
+        };
+        const auto along_y = [&](int k) {
+          return mix(along_x(below(y), k), along_x(above(y), k), share(y));
+        };
+        const double mean = mix(along_y(below(z)), along_y(above(z)), share(z));
+        largest = std::max(largest, std::abs(mean - at(x, y, z)));
+      }
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
-BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick,
-                             const std::array<double, 8>& corners, bool is_fine, Work& work) const {
+BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, bool is_fine,
+                             Work& work) const {
+  const auto corners = lattice_.corners_of(brick);
   work.nearest = tree_.find_nearest(centre_of(brick), work.nearest.guess);
   BrickPlan plan{.at_centre = work.nearest.distance};
   const auto at_centre = static_cast<double>(plan.at_centre);
@@ -62,12 +100,51 @@ BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick,
     plan.cells = kBrickCells;
   } else {
     plan.cells = choose_cells(corners, at_centre);
+    if (corners[0] < 0.0) {
+      plan.cells = std::max(plan.cells, choose_cells_at_ridges(brick, work.nearest.triangle));
+    }
   }
   return plan;
 }
 
-/// Whether the distances at a brick's nodes are those to the plane that triangle `nearest`, the
-/// one nearest to its centre, lies in.
+/// Depths have ridges and peaks inside, where they are largest and where cells cut them. Between
+/// the corners of a brick they are told by the points of the surface that are nearest to the
+/// corners and the centre, some of which are nearest, or nearly so, to any place in the brick.
+int BrickPlanner::choose_cells_at_ridges(const std::array<std::size_t, 3>& brick,
+                                         std::uint32_t nearest_to_centre) const {
+  const Vec3 centre = centre_of(brick);
+  const double h = grid_.voxel_size;
+  std::array<Vec3, 9> nearest;  // voxels, from the centre
+  const auto find_nearest = [&](const Vec3& offset, std::uint32_t triangle) {
+    const Vec3 from = grid_.origin + h * (centre + offset);
+    return offset + (closest_point_on_triangle(from, mesh_.corners(triangle)) - from) / h;
+  };
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Vec3 offset{(i & 1) != 0 ? kHalfEdge : -kHalfEdge, (i & 2) != 0 ? kHalfEdge : -kHalfEdge,
+                      (i & 4) != 0 ? kHalfEdge : -kHalfEdge};
+    nearest[i] = find_nearest(offset, lattice_.triangles[lattice_.corner(brick, i)]);
+  }
+  nearest[8] = find_nearest({}, nearest_to_centre);
+  HalfNodes depths;
+  std::size_t node = 0;
+  for (int k = 0; k < kHalfNodes; ++k) {
+    for (int j = 0; j < kHalfNodes; ++j) {
+      for (int i = 0; i < kHalfNodes; ++i, ++node) {
+        const Vec3 offset{2.0 * i - kHalfEdge, 2.0 * j - kHalfEdge, 2.0 * k - kHalfEdge};
+        double least = squared_length(offset - nearest[0]);
+        for (const Vec3& point : nearest) least = std::min(least, squared_length(offset - point));
+        depths[node] = std::sqrt(least);
+      }
+    }
+  }
+  const double tolerance =
+      is_peak(lattice_.corners_of(brick)) ? kToleranceAtPeaks : kToleranceInside;
+  if (find_largest_error(depths, 1) <= tolerance) return 1;
+  const double error = find_largest_error(depths, 2);
+  if (error <= tolerance) return 2;
+  return error <= 2.0 * tolerance ? 4 : kBrickCells;  // a ridge's halves with the cells
+}
+
 bool BrickPlanner::is_plane(const std::array<std::size_t, 3>& brick,
                             const std::array<double, 8>& corners, double at_centre,
                             std::uint32_t nearest, Work& work) const {

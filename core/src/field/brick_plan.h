@@ -22,16 +22,19 @@ inline constexpr double kHalfDiagonal = 1.7320508075688772 * kHalfEdge;
 /// Signed distances at the corners of all bricks.
 struct CornerLattice {
   std::array<std::size_t, 3> nodes;
-  std::vector<float> distances;  ///< voxels
+  std::vector<float> distances;          ///< voxels
+  std::vector<std::uint32_t> triangles;  ///< the nearest ones
 
   std::size_t index(std::size_t x, std::size_t y, std::size_t z) const {
     return x + nodes[0] * (y + nodes[1] * z);
   }
+  std::size_t corner(const std::array<std::size_t, 3>& brick, std::size_t i) const {
+    return index(brick[0] + (i & 1), brick[1] + (i >> 1 & 1), brick[2] + (i >> 2));
+  }
   std::array<double, 8> corners_of(const std::array<std::size_t, 3>& brick) const {
     std::array<double, 8> corners{};
     for (std::size_t i = 0; i < 8; ++i) {
-      corners[i] = static_cast<double>(
-          distances[index(brick[0] + (i & 1), brick[1] + (i >> 1 & 1), brick[2] + (i >> 2))]);
+      corners[i] = static_cast<double>(distances[corner(brick, i)]);
     }
     return corners;
   }
@@ -55,9 +58,9 @@ inline Vec3 centre_of(const std::array<std::size_t, 3>& brick) {
 /// Says how bricks are to be held.
 class BrickPlanner {
  public:
-  BrickPlanner(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
-               const FlatRegions& flat)
-      : mesh_(mesh), grid_(grid), tree_(tree), flat_(flat) {}
+  BrickPlanner(const TriangleMesh& mesh, const BrickGrid& grid, const CornerLattice& lattice,
+               const DistanceTree& tree, const FlatRegions& flat)
+      : mesh_(mesh), grid_(grid), lattice_(lattice), tree_(tree), flat_(flat) {}
 
   /// What one thread plans with.
   struct Work {
@@ -68,15 +71,17 @@ class BrickPlanner {
   };
 
   /// A brick that is fine holds all nodes, unless it holds a plane.
-  BrickPlan plan(const std::array<std::size_t, 3>& brick, const std::array<double, 8>& corners,
-                 bool is_fine, Work& work) const;
+  BrickPlan plan(const std::array<std::size_t, 3>& brick, bool is_fine, Work& work) const;
 
  private:
+  int choose_cells_at_ridges(const std::array<std::size_t, 3>& brick,
+                             std::uint32_t nearest_to_centre) const;
   bool is_plane(const std::array<std::size_t, 3>& brick, const std::array<double, 8>& corners,
                 double at_centre, std::uint32_t nearest, Work& work) const;
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;
+  const CornerLattice& lattice_;
   const DistanceTree& tree_;
   const FlatRegions& flat_;
 };

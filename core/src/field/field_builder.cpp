@@ -103,6 +103,7 @@ bool FieldBuilder::measure_corners() {
   lattice_.nodes = {grid_.bricks[0] + 1, grid_.bricks[1] + 1, grid_.bricks[2] + 1};
   const auto [nx, ny, nz] = lattice_.nodes;
   lattice_.distances.resize(nx * ny * nz);
+  lattice_.triangles.resize(nx * ny * nz);
   std::vector<OverlapCount> overlaps(ny * nz);
   const auto measure_row = [&](std::size_t row) {
     const std::size_t j = row % ny;
@@ -117,6 +118,7 @@ bool FieldBuilder::measure_corners() {
       nearest = tree_.find_nearest(in_voxels, nearest.guess);
       const float distance = nearest.distance;
       lattice_.distances[lattice_.index(i, j, k)] = layers[i] > 0 ? -distance : distance;
+      lattice_.triangles[lattice_.index(i, j, k)] = nearest.triangle;
       count_overlap(layers[i], distance,
                     grid_.node(kBrickCells * i, kBrickCells * j, kBrickCells * k), overlaps[row]);
     }
@@ -130,12 +132,11 @@ bool FieldBuilder::measure_corners() {
 bool FieldBuilder::plan_bricks() {
   plans_.resize(grid_.count());
   const std::size_t nx = grid_.bricks[0];
-  const BrickPlanner planner(mesh_, grid_, tree_, flat_);
+  const BrickPlanner planner(mesh_, grid_, lattice_, tree_, flat_);
   const auto plan_row = [&](std::size_t row) {
     BrickPlanner::Work work;
     for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
-      const auto place = grid_.place(brick);
-      plans_[brick] = planner.plan(place, lattice_.corners_of(place), is_fine_[brick] != 0, work);
+      plans_[brick] = planner.plan(grid_.place(brick), is_fine_[brick] != 0, work);
     }
   };
   return parallel_for(grid_.bricks[1] * grid_.bricks[2], threads_, kStage,

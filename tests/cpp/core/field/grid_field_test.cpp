@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/closest_point.h"
 #include "support/brute_force.h"
 #include "support/grid_bricks.h"
 #include "support/grid_fields.h"
@@ -157,6 +158,28 @@ TEST(GridField, ErrorInsideTheGridIsWithinTheInterpolationError) {
     }
     EXPECT_LE(worst, field.interpolation_error() + 1e-6) << name;
     EXPECT_GT(worst, 0.05 * voxel_size) << name;  // or the sampling missed where it is hard
+  }
+}
+
+TEST(GridField, RidgesOfDepthAreCutByAboutAVoxel) {
+  Random random(85);
+  const auto turned = [&](const Soup& soup) { return transformed(soup, random.pose(0.3)).mesh(); };
+  const std::vector<Body> all{{"box", turned(make_box({0.5, 0.4, 0.3})), 0.005},
+                              {"blob", turned(make_blob(0.5, 3)), 0.005},
+                              {"torus", turned(make_torus(0.5, 0.2, 40, 30)), 0.004}};
+  for (const auto& [name, mesh, voxel_size] : all) {
+    const GridField field = build(mesh, voxel_size);
+    const ClosestPointTree closest(mesh);
+    int deep = 0;
+    double worst = 0.0;
+    while (deep < 8000) {
+      const Vec3 p = point_in(random, mesh.bounds());
+      if (distance_at(field, p) > -10.0 * voxel_size) continue;
+      ++deep;
+      const double depth = std::sqrt(closest.find_closest(p).squared_distance);
+      worst = std::max(worst, std::abs(distance_at(field, p) + depth));
+    }
+    EXPECT_LE(worst, 1.25 * voxel_size) << name;
   }
 }
 
