@@ -14,7 +14,8 @@ namespace voxshell::bullet {
 ///   - points that penetrate;
 ///   - slow points within the rest margin, or a resting body loses and finds its contacts in turn;
 ///   - where the bodies move by more than a voxel in this step: points that are going to touch
-///     within it (Xu and Barbic 2016), with the gap that is left to them.
+///     within it (Xu and Barbic 2016), with the gap that is left to them; and where there are any
+///     contacts, those that move on might after the solver has turned the body.
 /// docs/decisions/0003-contact-rule.md says why, and what it was measured to do.
 class ContactRule {
  public:
@@ -30,6 +31,8 @@ class ContactRule {
 
   /// Distance up to which points may be contacts, metres.
   double margin() const { return margin_; }
+  /// Up to which slow points count as contacts, metres.
+  double rest_margin() const { return rest_margin_; }
   /// Whether points are followed through the step.
   bool sweeps() const { return sweeps_; }
 
@@ -46,6 +49,7 @@ class ContactRule {
     double gap;                 ///< metres, negative where they overlap
     double approach;            ///< m/s
     double approach_of_forces;  ///< what forces add to it in the step, m/s
+    double speed;               ///< in any direction, m/s
 
     double time() const;  ///< when the surfaces meet or met, seconds; infinity where they part
   };
@@ -57,8 +61,9 @@ class ContactRule {
 
   Impact impact_of(const WorldContact& contact) const;
   Rebound rebound_of(const Impact& impact) const;
+  bool is_slow(const Impact& impact) const;
+  bool is_resting(const Impact& impact) const;
   bool is_first(const Impact& impact) const;
-  std::optional<Contact> judge(const Contact& contact) const;
   std::optional<Contact> sweep(const Contact& contact, const WorldContact& world) const;
 
   const PosedPair& pair_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <new>
 #include <optional>
 #include <span>
@@ -77,11 +78,13 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   }
 
   std::optional<ContactRule> rule;
+  bool is_regular = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-    const bool all = settings_.mode == ContactMode::kRegular && !rule->sweeps();
-    find_near(pair, rule->margin(), all ? Wanted::kAll : Wanted::kOneASegment);
+    // Four points do not hold a body that turns while it is stopped: fast steps take all segments.
+    is_regular = settings_.mode == ContactMode::kRegular && !rule->sweeps();
+    find_near(pair, rule->margin(), is_regular ? Wanted::kAll : Wanted::kOneASegment);
   }
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
@@ -96,7 +99,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to
     // look through.
     release_manifolds();
-  } else if (settings_.mode == ContactMode::kRegular) {
+  } else if (is_regular) {
     fill_regular(pair, *rule);
   } else {
     fill_segmented(pair, *rule);
@@ -166,7 +169,16 @@ void ModelAlgorithm::fill_regular(const PosedPair& pair, const ContactRule& rule
   ManifoldPoints chosen;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
+    drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
     chosen = select_manifold(contacts_);
+    // Points that change from step to step keep a body rocking: those of the step before stay as
+    // long as none is deeper by much.
+    const ManifoldPoints before = points_of_last_step();
+    constexpr std::size_t kCarrying = 3;
+    if (before.count >= kCarrying &&
+        depth_of(chosen) <= depth_of(before) + static_cast<float>(rule.rest_margin()) / 4.0f) {
+      chosen = before;
+    }
   }
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   std::array<WorldContact, kManifoldSize> world;
@@ -174,8 +186,43 @@ void ModelAlgorithm::fill_regular(const PosedPair& pair, const ContactRule& rule
     world[i] = rule.to_world(contacts_[chosen.indices[i]]);
   }
   if (active_.empty()) active_.push_back({0, take_manifold(pair)});
+  for (; active_.size() > 1; active_.pop_back()) {  // of a fast step before
+    m_dispatcher->releaseManifold(active_.back().manifold);
+  }
   fill_manifold(*active_[0].manifold, std::span(world).first(chosen.count), pair.a.wrap(),
                 pair.b.wrap());
+}
+
+/// Drops points outside the surface that are farther from it than the nearest by more than `band`:
+/// within a margin, points that carry nothing would span the largest area, and those that carry the
+/// body would go without.
+void ModelAlgorithm::drop_idle_points(float band) {
+  const auto deepest = std::ranges::max_element(contacts_, {}, &Contact::depth);
+  const float least = std::min(deepest->depth - band, 0.0f);
+  std::erase_if(contacts_, [&](const Contact& contact) { return contact.depth < least; });
+}
+
+/// The depth of the deepest.
+float ModelAlgorithm::depth_of(const ManifoldPoints& points) const {
+  float depth = -std::numeric_limits<float>::infinity();
+  for (const std::uint32_t index : points.chosen()) {
+    depth = std::max(depth, contacts_[index].depth);
+  }
+  return depth;
+}
+
+/// Those of contacts_ that were in the one manifold, if all that were are still contacts.
+ManifoldPoints ModelAlgorithm::points_of_last_step() const {
+  ManifoldPoints points;
+  if (active_.size() != 1) return points;
+  const btPersistentManifold& manifold = *active_[0].manifold;
+  for (int i = 0; i < manifold.getNumContacts(); ++i) {
+    const auto id = static_cast<std::uint32_t>(manifold.getContactPoint(i).m_index0);
+    const auto found = std::ranges::lower_bound(contacts_, id, {}, &Contact::id);
+    if (found == contacts_.end() || found->id != id) return {};
+    points.indices[points.count++] = static_cast<std::uint32_t>(found - contacts_.begin());
+  }
+  return points;
 }
 
 /// For contacts_ that are one a segment.

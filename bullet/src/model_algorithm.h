@@ -12,6 +12,7 @@
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
+#include "voxshell/manifold.h"
 
 namespace voxshell::bullet {
 
@@ -48,6 +49,9 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
+  void drop_idle_points(float band);
+  float depth_of(const ManifoldPoints& points) const;
+  ManifoldPoints points_of_last_step() const;
   void fill_regular(const PosedPair& pair, const ContactRule& rule);
   void fill_segmented(const PosedPair& pair, const ContactRule& rule);
   btPersistentManifold* take_manifold(const PosedPair& pair);

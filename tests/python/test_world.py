@@ -89,10 +89,10 @@ def test_rebound_is_true(ball, restitution, phase):
         energies.append(10.0 * z + 0.5 * v * v)
 
     world.step(200, callback=note)
-    hit = next(i for i in range(len(heights)) if heights[i] < 0.1)
-    apex = max(heights[hit:], default=0.1)
+    rising = np.flatnonzero(np.diff(heights) > 1e-6)
+    apex = max(heights[rising[0] :]) if rising.size else 0.1
     ratio = (apex - 0.1) / (start - 0.1)
-    assert ratio == pytest.approx(restitution**2, abs=0.03)
+    assert ratio == pytest.approx(restitution**2, abs=0.02)
     assert max(energies) <= 10.0 * start * 1.01
 
 
@@ -110,7 +110,7 @@ def test_contacts_describe_a_resting_brick(brick):
         np.testing.assert_allclose(
             contact["point_a"] - contact["point_b"],
             -contact["depth"] * contact["normal"],
-            atol=1e-6,
+            atol=1e-5,  # and the slip that friction remembers
         )
     # They carry the weight: their impulses in a step are mass times gravity times the step.
     assert contacts["impulse"].sum() == pytest.approx(2.0 * 9.81 / 200.0, rel=0.05)

@@ -6,7 +6,9 @@ namespace voxshell::bullet {
 
 enum class ContactMode {
   kAutomatic,  ///< what rests most calmly: segmented
-  kRegular,    ///< one manifold of at most four points: the deepest, then area
+  /// One manifold of at most four points: the deepest, then area. Segmented in steps that sweep
+  /// (see ContactSettings::sweep_beyond).
+  kRegular,
   kSegmented,  ///< a manifold of one point, the deepest, for each segment of a level
 };
 
