@@ -42,7 +42,6 @@ int main() {
   voxshell::bullet::ModelShape ring(*model);  // voxshell, as any other shape
   btBoxShape table(btVector3(1, 1, 0.1));
   btSphereShape ball(0.06);
-
   btVector3 inertia;
   ring.calculateLocalInertia(1, inertia);
   btRigidBody table_body(0, nullptr, &table), ball_body(0, nullptr, &ball);
