@@ -56,7 +56,9 @@ int main(int argc, char** argv) {
   }
   voxshell::benchmarks::Bodies bodies(settings);
   voxshell::benchmarks::register_build_cases(bodies);
+  voxshell::benchmarks::register_load_cases(bodies);
   voxshell::benchmarks::register_query_cases(bodies);
+  voxshell::benchmarks::register_batch_cases(bodies);
   voxshell::benchmarks::register_scaling_cases(bodies);
   benchmark::AddCustomContext("compiler", VOXSHELL_COMPILER);
   benchmark::AddCustomContext("flags", VOXSHELL_FLAGS);
