@@ -20,7 +20,7 @@ struct WorldContact {
   double restitution = 0.0;    ///< what the solver is to take for it
   double first_impulse = 0.0;  ///< where the solver is to start if the point is new, N s
   double softness = 0.0;       ///< speed that an impulse leaves, times the time step, s/kg
-  double slip_limit = 0.0;     ///< from where on a point slides instead of being pulled back, metres
+  double slip_limit = 0.0;  ///< from where on a point slides instead of being pulled back, metres
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id

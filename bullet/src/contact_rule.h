@@ -59,7 +59,7 @@ class ContactRule {
     double owed;  ///< see Memory
   };
 
-  Impact impact_of(const WorldContact& contact) const;
+  Impact impact_of(const WorldContact& world) const;
   Rebound rebound_of(const Impact& impact) const;
   bool is_slow(const Impact& impact) const;
   bool is_resting(const Impact& impact) const;

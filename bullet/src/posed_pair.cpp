@@ -73,7 +73,7 @@ Side::Side(const btCollisionObjectWrapper& wrap)
       break;
   }
   make_analytic(shape);
-  participant_ = {&*analytic_, nullptr};
+  if (analytic_) participant_ = {&*analytic_, nullptr};
 }
 
 void Side::make_analytic(const btCollisionShape& shape) {

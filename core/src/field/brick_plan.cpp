@@ -62,7 +62,8 @@ double mix(double a, double b, double share) { return a + share * (b - a); }
 double find_largest_error(const HalfNodes& nodes, int cells) {
   const int step = (kHalfNodes - 1) / cells;
   const auto at = [&](int x, int y, int z) {
-    return nodes[static_cast<std::size_t>(x + kHalfNodes * (y + kHalfNodes * z))];
+    const int node = x + kHalfNodes * (y + kHalfNodes * z);
+    return nodes[static_cast<std::size_t>(node)];
   };
   double largest = 0.0;
   for (int z = 0; z < kHalfNodes; ++z) {

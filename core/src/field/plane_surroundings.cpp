@@ -98,8 +98,8 @@ class Surroundings {
       nearest_lower[axis] = std::clamp(lower[axis], 0.0, 1.0 * data_.bricks[k]);
       nearest_upper[axis] = std::clamp(upper[axis], 0.0, 1.0 * data_.bricks[k]);
     }
-    const auto brick = static_cast<std::size_t>(
-        nearest[0] + data_.bricks[0] * (nearest[1] + data_.bricks[1] * nearest[2]));
+    const int index = nearest[0] + data_.bricks[0] * (nearest[1] + data_.bricks[1] * nearest[2]);
+    const auto brick = static_cast<std::size_t>(index);
     const BrickEntry entry = BrickEntry::unpack(data_.entries[brick]);
     const bool is_same = entry.is_plane && entry.first == plane_index_;
     if (is_same && place == nearest) return true;
