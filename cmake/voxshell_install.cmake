@@ -14,16 +14,22 @@ foreach(target IN LISTS targets)
   target_compile_features(${target} PUBLIC cxx_std_20)
 endforeach()
 
+# A Python wheel carries the modules alone.
+set(component COMPONENT development)
+if(DEFINED SKBUILD)
+  list(APPEND component EXCLUDE_FROM_ALL)
+endif()
+
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/voxshell")
 install(TARGETS ${targets} EXPORT voxshell_targets
-        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-        LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
+        LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
         INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(DIRECTORY core/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(DIRECTORY core/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" ${component})
 if(VOXSHELL_BUILD_BULLET)
-  install(DIRECTORY bullet/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+  install(DIRECTORY bullet/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" ${component})
 endif()
-install(EXPORT voxshell_targets NAMESPACE voxshell:: DESTINATION "${package_dir}")
+install(EXPORT voxshell_targets NAMESPACE voxshell:: DESTINATION "${package_dir}" ${component})
 
 configure_package_config_file(cmake/voxshell-config.cmake.in voxshell-config.cmake
                               INSTALL_DESTINATION "${package_dir}")
@@ -31,4 +37,4 @@ write_basic_package_version_file(voxshell-config-version.cmake COMPATIBILITY Sam
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/voxshell-config.cmake"
               "${CMAKE_CURRENT_BINARY_DIR}/voxshell-config-version.cmake"
               cmake/find_bullet.cmake
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" ${component})
