@@ -4,7 +4,6 @@
 #include <fstream>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -27,6 +26,7 @@
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <gtest/gtest.h>
 #ifdef __SANITIZE_ADDRESS__
+#include <optional>
 #include <sanitizer/lsan_interface.h>
 #endif
 
