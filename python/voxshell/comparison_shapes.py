@@ -128,11 +128,11 @@ class ConvexHull(ConvexDecomposition):
         return f"ConvexHull({len(self.hulls[0])} points)"
 
 
-def as_margin(value: float) -> float:
-    """A margin of at least 0, metres."""
-    margin = as_real(value, "margin")
+def as_margin(value: float, name: str = "margin") -> float:
+    """A length of at least 0, metres."""
+    margin = as_real(value, name)
     if margin < 0.0:
-        raise SettingsError(f"margin must be at least 0, not {margin:g}")
+        raise SettingsError(f"{name} must be at least 0, not {margin:g}")
     return margin
 
 

@@ -177,15 +177,20 @@ void bind_simulation(nb::module_& module) {
       .def(
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
-             double split_impulse_threshold, bullet::ContactMode mode, int level, double margin) {
+             double split_impulse_threshold, bullet::ContactMode mode, int level, double margin,
+             double sweep_beyond) {
             new (self) Simulation({.gravity = to_vec3(gravity),
                                    .time_step = time_step,
                                    .sleeping = sleeping,
                                    .split_impulse_threshold = split_impulse_threshold,
-                                   .contact = {.mode = mode, .level = level, .margin = margin}});
+                                   .contact = {.mode = mode,
+                                               .level = level,
+                                               .margin = margin,
+                                               .sweep_beyond = sweep_beyond}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
-          nb::arg("split_impulse_threshold"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"))
+          nb::arg("split_impulse_threshold"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"),
+          nb::arg("sweep_beyond"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, double mass,

@@ -9,6 +9,7 @@ from rich.console import Console
 
 import voxshell
 from voxshell.cli.cache import cache
+from voxshell.cli.reproduce import reproduce
 from voxshell.cli.simulate import simulate
 from voxshell.errors import VoxshellError
 
@@ -18,6 +19,7 @@ app = App(
     version=voxshell.__version__,
 )
 app.command(simulate)
+app.command(reproduce)
 app.command(cache)
 
 

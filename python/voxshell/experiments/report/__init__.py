@@ -1,0 +1,1 @@
+"""What experiments say: verdicts, figures, replays and the page, from parts' data alone."""

@@ -1,0 +1,13 @@
+"""All experiments, in the order in which the report tells them."""
+
+from __future__ import annotations
+
+from voxshell.experiments.experiment import Experiment
+from voxshell.experiments.report.ball import BALL
+
+EXPERIMENTS: tuple[Experiment, ...] = (BALL,)
+
+
+def find_experiment(name: str) -> Experiment:
+    """The experiment of that name."""
+    return next(each for each in EXPERIMENTS if each.name == name)

@@ -1,0 +1,159 @@
+"""Running parts: on all cores, one at a time where they are timed, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from voxshell.errors import MissingExtraError, SettingsError, VoxshellError
+from voxshell.experiments.part import Outcome, Part, compute_fingerprint, compute_part
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from voxshell.experiments.store import Store
+
+    Done = Callable[[Part], object]
+
+
+class RunError(VoxshellError, RuntimeError):
+    """A part of an experiment failed; the message says which and why."""
+
+
+def run_parts(
+    work: Sequence[tuple[Store, Part]],
+    *,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    done: Done | None = None,
+) -> None:
+    """Computes the parts that are not done yet and stores them as they finish.
+
+    Untimed parts come first, on all cores or on a cluster; timed ones follow, one at a time in a
+    process of their own on this machine.
+
+    Args:
+        work: Parts, and where each is kept.
+        jobs: Processes for untimed parts; one a core by default.
+        scheduler: Address of a Dask scheduler, such as "tcp://10.0.0.1:8786", for untimed parts.
+        done: Called with each part when it is stored.
+
+    Raises:
+        RunError: A part failed.
+        SettingsError: The cluster cannot be reached, or runs other code.
+        MissingExtraError: A cluster is asked for, and Dask is not installed.
+    """
+    missing = [(store, part) for store, part in work if not store.has(part)]
+    # Long ones first, so that no core waits for a last long one.
+    missing.sort(key=lambda each: -each[1].cost)
+    for untimed_store, part, outcome in _compute(missing, jobs, scheduler):
+        untimed_store.put(part, outcome)
+        if done is not None:
+            done(part)
+
+
+def _compute(
+    missing: list[tuple[Store, Part]], jobs: int | None, scheduler: str | None
+) -> Iterator[tuple[Store, Part, Outcome]]:
+    untimed = [(store, part) for store, part in missing if not part.timed]
+    timed = [(store, part) for store, part in missing if part.timed]
+    if untimed and scheduler is not None:
+        yield from _compute_on_cluster(untimed, scheduler)
+    elif untimed:
+        count = len(os.sched_getaffinity(0)) if jobs is None else jobs
+        yield from _compute_here(untimed, min(count, len(untimed)))
+    if timed:
+        yield from _compute_here(timed, 1)
+
+
+def _compute_here(
+    work: list[tuple[Store, Part]], jobs: int
+) -> Iterator[tuple[Store, Part, Outcome]]:
+    with _open_pool(jobs) as pool:
+        futures = {pool.submit(compute_part, part): (store, part) for store, part in work}
+        for future in as_completed(futures):
+            store, part = futures.pop(future)
+            try:
+                outcome = future.result()
+            except BrokenProcessPool as error:
+                raise RunError("a worker process was killed; the same command goes on") from error
+            except Exception as error:
+                raise RunError(f"{part.name}: {type(error).__name__}: {error}") from error
+            yield store, part, outcome
+
+
+@contextmanager
+def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """A pool that ends at once when the block is left by an error or an interrupt."""
+    before = set(multiprocessing.active_children())
+    # Forking would copy the threads of Bullet's and our builds in whatever state they are.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_worker)
+    try:
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - before:
+            process.terminate()
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def _begin_worker() -> None:
+    """Leaves interrupts to the parent, and ends with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+def _compute_on_cluster(
+    work: list[tuple[Store, Part]], address: str
+) -> Iterator[tuple[Store, Part, Outcome]]:
+    try:
+        from distributed import Client
+        from distributed import as_completed as completed
+    except ImportError as error:
+        raise MissingExtraError("a cluster needs Dask: pip install voxshell[dask]") from error
+    try:
+        client = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise SettingsError(f"no Dask scheduler answers at {address}: {error}") from error
+    with client:
+        fingerprints: Any = client.run(compute_fingerprint)
+        _check_workers(fingerprints, address)
+        futures = {
+            client.submit(compute_part, part, key=f"{part.name}-{part.address}", pure=False): each
+            for each in work
+            for part in [each[1]]
+        }
+        for future in completed(list(futures)):
+            store, part = futures.pop(future)
+            try:
+                outcome = future.result()
+            except Exception as error:
+                raise RunError(f"{part.name}: {type(error).__name__}: {error}") from error
+            yield store, part, outcome
+
+
+def _check_workers(fingerprints: dict[str, str], address: str) -> None:
+    """Refuses workers whose results could differ."""
+    if not fingerprints:
+        raise SettingsError(f"the scheduler at {address} has no workers; start some first")
+    other = sorted(name for name, code in fingerprints.items() if code != compute_fingerprint())
+    if other:
+        raise SettingsError(
+            f"{len(other)} of {len(fingerprints)} workers run another build of voxshell "
+            f"(first {other[0]}); install the same one everywhere"
+        )

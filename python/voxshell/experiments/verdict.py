@@ -1,0 +1,74 @@
+"""What was published, what came out here, and what to say of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of an experiment.
+
+    Attributes:
+        quantity: What, in words.
+        published: As the thesis reports it, a number in ``unit`` or words; None for what it lacks.
+        here: From this run's data; NaN where it could not be measured.
+        unit: Of both, "" for pure numbers.
+        reproduced: Whether the published behaviour shows here; None where nothing was published.
+        bar: What ours should be, in words; "" where nothing is demanded.
+        holds: Whether it is; None where nothing is demanded.
+        note: What explains the figure or a shortfall.
+    """
+
+    quantity: str
+    published: float | str | None
+    here: float
+    unit: str
+    reproduced: bool | None = None
+    bar: str = ""
+    holds: bool | None = None
+    note: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """In a few words, for tables.
+
+        Example:
+            >>> Row("apex", 0.5, 0.5, "m", reproduced=True, bar="<= 1", holds=False).verdict
+            'reproduced, falls short'
+        """
+        said = {True: "reproduced", False: "not reproduced", None: ""}[self.reproduced]
+        kept = {True: "holds", False: "falls short", None: ""}[self.holds]
+        return ", ".join(word for word in (said, kept) if word) or "for information"
+
+
+def at_most(value: float, limit: float) -> bool:
+    """Whether a measured value is there and not above a limit."""
+    return math.isfinite(value) and value <= limit
+
+
+def at_least(value: float, limit: float) -> bool:
+    """Whether a measured value is there and not below a limit."""
+    return math.isfinite(value) and value >= limit
+
+
+def format_value(value: float | str | None) -> str:
+    """Three digits that matter, or the words.
+
+    Example:
+        >>> [format_value(v) for v in (0.50512, 1387.94, 3, "roughly", None, float("nan"), float("inf"))]
+        ['0.505', '1390', '3', 'roughly', '', '-', 'inf']
+    """
+    if value is None or isinstance(value, str):
+        return value or ""
+    if math.isnan(value):
+        return "-"
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    if value == 0.0:
+        return "0"
+    digits = max(2 - math.floor(math.log10(abs(value))), 0)
+    rounded = round(value, 2 - math.floor(math.log10(abs(value))))
+    text = f"{rounded:.{digits}f}" if abs(rounded) >= 1e-4 else f"{value:.2e}"
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text

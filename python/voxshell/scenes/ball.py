@@ -1,0 +1,158 @@
+"""A ball dropped on a ground: the first experiment of the thesis (section 5.3).
+
+World frame: z up, the ground's surface at z = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell._arguments import as_integer, as_positive
+from voxshell.body_shapes import mesh_of
+from voxshell.errors import SettingsError
+from voxshell.model import Model
+from voxshell.shapes import Box, Plane, Sphere
+from voxshell.world import Body, World
+
+if TYPE_CHECKING:
+    from voxshell.body_shapes import Shape
+
+GROUND_HALF_EXTENTS = (0.4, 0.4, 0.1)
+"""Of the block under the ball, metres: it meets the ball's lowest part only."""
+
+_SUBDIVISIONS = 6
+"""Of the icosahedron: 81,920 triangles, within 0.1 mm of a sphere of 0.5 m."""
+
+Ground = Literal["voxels", "plane", "box"]
+Rule = Literal["published", "voxshell"]
+"""Which points are contacts: the one that penetrates deepest, or those of this package's rule."""
+
+PUBLISHED_RULE = {"contact": "segmented", "level": 1, "margin": 0.0, "sweep_beyond": math.inf}
+"""As arguments of World."""
+
+
+@dataclass(frozen=True)
+class BallSettings:
+    """Settings of the bouncing ball.
+
+    Attributes:
+        radius: Metres.
+        mass: Kilograms.
+        height: Of the ball's centre at the start, metres.
+        gravity: m/s2, downwards.
+        rate: Steps a second.
+        steps: How many.
+        restitutions: Of the ball; the ground's is 1.
+        low_points, high_points: Of the two shells.
+        voxel_size: Of ball and ground, metres.
+        phases: How many start heights are tried,
+        phase_reach: within this of ``height``, metres.
+
+    Raises:
+        SettingsError: A number is out of range.
+    """
+
+    radius: float = 0.5
+    mass: float = 1.0
+    height: float = 1.0
+    gravity: float = 10.0
+    rate: float = 200.0
+    steps: int = 300
+    restitutions: tuple[float, ...] = (0.1, 0.5, 0.9)
+    low_points: int = 275
+    high_points: int = 25_880
+    voxel_size: float = 0.005
+    phases: int = 50
+    phase_reach: float = 0.005
+
+    def __post_init__(self) -> None:
+        for name in (
+            *("radius", "mass", "height", "gravity", "rate"),
+            *("voxel_size", "phase_reach"),
+        ):
+            as_positive(getattr(self, name), name)
+        for name in ("steps", "low_points", "high_points", "phases"):
+            as_integer(getattr(self, name), name, 1, 2**31 - 1)
+        if self.height <= self.radius:
+            raise SettingsError(
+                f"height must be above radius, {self.radius:g}, for the ball to fall"
+            )
+        if not self.restitutions or not all(0.0 <= c <= 1.0 for c in self.restitutions):
+            raise SettingsError(f"restitutions must be from 0 to 1, not {self.restitutions}")
+
+    @property
+    def way_a_step(self) -> float:
+        """How far the ball moves in the step in which it arrives, metres."""
+        return math.sqrt(2.0 * self.gravity * (self.height - self.radius)) / self.rate
+
+
+@cache
+def build_ball(radius: float, voxel_size: float, points: int) -> Model:
+    """A sphere's model about its origin, its pole of the shell straight down."""
+    from trimesh.creation import icosphere
+
+    mesh = icosphere(subdivisions=_SUBDIVISIONS, radius=radius)
+    return Model.from_mesh(mesh, voxel_size=voxel_size, target_points=points)
+
+
+@cache
+def build_ground(voxel_size: float) -> Model:
+    """The block's model about its middle."""
+    return Model.from_mesh(mesh_of(Box(GROUND_HALF_EXTENTS)), voxel_size=voxel_size)
+
+
+def build_world(
+    settings: BallSettings,
+    *,
+    points: int | None,
+    ground: Ground,
+    rule: Rule,
+    restitution: float,
+    height: float,
+) -> tuple[World, Body]:
+    """The ball at its start.
+
+    Args:
+        settings: Of the experiment.
+        points: Of the ball's shell; None for Bullet's own sphere.
+        ground: The block as a model, an endless plane, or Bullet's box.
+        rule: Which points are contacts.
+        restitution: Of the ball.
+        height: Of its centre, metres.
+    """
+    world = World(
+        gravity=(0.0, 0.0, -settings.gravity),
+        time_step=1.0 / settings.rate,
+        sleeping=False,
+        **(PUBLISHED_RULE if rule == "published" else {}),
+    )
+    blocks: dict[Ground, Shape] = {"box": Box(GROUND_HALF_EXTENTS), "plane": Plane()}
+    shape = build_ground(settings.voxel_size) if ground == "voxels" else blocks[ground]
+    world.add(
+        shape,
+        mass=0.0,
+        pose=_lifted(0.0 if ground == "plane" else -GROUND_HALF_EXTENTS[2]),
+        restitution=1.0,
+        name="ground",
+    )
+    ball = world.add(
+        Sphere(settings.radius)
+        if points is None
+        else build_ball(settings.radius, settings.voxel_size, points),
+        mass=settings.mass,
+        pose=_lifted(height),
+        restitution=restitution,
+        name="ball",
+    )
+    return world, ball
+
+
+def _lifted(height: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[2, 3] = height
+    return pose

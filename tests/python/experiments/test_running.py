@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import toy_parts
+from voxshell.experiments import part as part_module
+from voxshell.experiments.part import Part, compute_part
+from voxshell.experiments.running import RunError, run_parts
+from voxshell.experiments.store import Store
+
+SQUARES = Part("squares", toy_parts.squares, {"count": 5})
+
+
+def test_parts_are_kept_whole_with_what_made_them(tmp_path):
+    store = Store(tmp_path)
+    store.put(SQUARES, compute_part(SQUARES))
+    table = store.get(SQUARES)["numbers"]
+    np.testing.assert_array_equal(table["square"], [0.0, 1.0, 4.0, 9.0, 16.0])
+    assert table["n"].dtype == np.int64
+    manifest = store.manifest(SQUARES)
+    assert manifest["arguments"] == {"count": 5}
+    assert manifest["environment"]["cpu"]
+    assert manifest["environment"]["libraries"]["numpy"] == np.__version__
+    assert [path.name for path in tmp_path.iterdir()] == [f"squares-{SQUARES.address}"]
+
+
+def test_address_tells_settings_and_code_apart(monkeypatch):
+    assert SQUARES.address == Part("other name", toy_parts.squares, {"count": 5}).address
+    assert SQUARES.address != replace(SQUARES, arguments={"count": 6}).address
+    assert SQUARES.address != replace(SQUARES, function=toy_parts.fail).address
+    before = SQUARES.address
+    monkeypatch.setattr(part_module, "compute_fingerprint", lambda: "other code")
+    assert SQUARES.address != before
+
+
+def test_uneven_columns_are_an_error():
+    with pytest.raises(
+        ValueError, match=r"columns of numbers differ in length: \{'a': 2, 'b': 3\}"
+    ):
+        compute_part(Part("uneven", toy_parts.uneven))
+
+
+def test_finished_parts_are_not_run_again(tmp_path):
+    store = Store(tmp_path / "store")
+    parts = [
+        Part(f"note-{i}", toy_parts.note, {"folder": str(tmp_path), "name": f"{i}"})
+        for i in range(3)
+    ]
+    run_parts([(store, part) for part in parts[:2]], jobs=2)
+    finished = []
+    run_parts([(store, part) for part in parts], jobs=2, done=finished.append)
+    assert finished == parts[2:]
+    assert [len((tmp_path / f"{i}").read_text().splitlines()) for i in range(3)] == [1, 1, 1]
+
+
+def test_timed_parts_run_alone_and_last(tmp_path):
+    store = Store(tmp_path / "store")
+    parts = [
+        Part(
+            f"note-{i}",
+            toy_parts.note,
+            {"folder": str(tmp_path), "name": "spans" if i % 2 else "untimed"},
+            timed=bool(i % 2),
+        )
+        for i in range(6)
+    ]
+    run_parts([(store, part) for part in parts], jobs=2)
+    spans = np.loadtxt(tmp_path / "spans")
+    untimed = np.loadtxt(tmp_path / "untimed")
+    assert len(set(spans[:, 2])) == 1  # one process
+    assert (spans[1:, 0] >= spans[:-1, 1]).all()
+    assert spans[0, 0] >= untimed[:, 1].max()
+
+
+def test_failed_part_is_named(tmp_path):
+    with pytest.raises(RunError, match="bad: ValueError: the ball is square"):
+        run_parts([(Store(tmp_path), Part("bad", toy_parts.fail))], jobs=1)
+
+
+def test_killed_worker_is_an_error_and_the_next_run_goes_on(tmp_path):
+    store = Store(tmp_path / "store")
+    work = [
+        (store, SQUARES),
+        (store, Part("deadly", toy_parts.die_once, {"folder": str(tmp_path)})),
+    ]
+    with pytest.raises(RunError, match="worker process was killed"):
+        run_parts(work, jobs=1)
+    run_parts(work, jobs=1)
+    assert all(store.has(part) for _, part in work)
+
+
+def test_what_a_killed_run_left_is_swept(tmp_path):
+    store = Store(tmp_path)
+    (tmp_path / ".unfinished-x").mkdir()
+    (tmp_path / ".unfinished-x" / "numbers.parquet").write_bytes(b"torn")
+    store.sweep()
+    assert list(tmp_path.iterdir()) == []

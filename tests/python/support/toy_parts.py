@@ -1,0 +1,45 @@
+"""Parts of experiments that are quick, slow, wrong or deadly, at the top level so that workers find them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+
+
+def squares(count: int) -> dict:
+    return {"numbers": {"n": np.arange(count), "square": np.arange(count) ** 2.0}}
+
+
+def nap(seconds: float, number: int) -> dict:
+    time.sleep(seconds)
+    return {"numbers": {"number": np.array([number])}}
+
+
+def note(folder: str, name: str) -> dict:
+    """Leaves a line with its beginning and end."""
+    start = time.monotonic()
+    time.sleep(0.05)
+    with (Path(folder) / name).open("a") as file:
+        file.write(f"{start} {time.monotonic()} {os.getpid()}\n")
+    return {"done": {"pid": np.array([os.getpid()])}}
+
+
+def fail() -> dict:
+    raise ValueError("the ball is square")
+
+
+def uneven() -> dict:
+    return {"numbers": {"a": np.zeros(2), "b": np.zeros(3)}}
+
+
+def die_once(folder: str) -> dict:
+    """Kills its own process the first time."""
+    marker = Path(folder) / "died"
+    if not marker.exists():
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"numbers": {"answer": np.array([42])}}
