@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.ball import BALL
+from voxshell.experiments.report.stack import STACK
 
-EXPERIMENTS: tuple[Experiment, ...] = (BALL,)
+EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK)
 
 
 def find_experiment(name: str) -> Experiment:

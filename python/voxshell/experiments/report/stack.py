@@ -1,0 +1,188 @@
+"""What the stack of spheres says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.experiments import stack
+from voxshell.experiments.experiment import Experiment, Picture
+from voxshell.experiments.motion import restore
+from voxshell.experiments.report.figures import OURS, PEERS, as_rgb, open_figure
+from voxshell.experiments.verdict import Row, at_least
+from voxshell.meshes import Mesh
+from voxshell.scenes.stack import StackSettings
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from voxshell.experiments.experiment import Results
+
+RULE_NAMES = {"published": "published rule", "voxshell": "our rule"}
+
+
+def describe(settings: StackSettings) -> str:
+    """The set-up in words."""
+    return (
+        f"{settings.count} spheres of {settings.radius:g} m and {settings.mass:g} kg on an analytic "
+        f"plane, one exactly above the other, each turned at random ({settings.seeds} seeds), at "
+        f"{settings.rate:g} Hz, nothing sleeps. Collapsed: the top has fallen by a radius. Shells of "
+        f"{', '.join(f'{n:,}' for n in settings.resolutions)} points, and Bullet's own spheres."
+    )
+
+
+def reduce(settings: StackSettings, results: Results) -> list[Row]:
+    """The verdicts."""
+    rows = []
+    for rule in stack.RULES:
+        medians = [_median(results, f"{rule}-{points}") for points in settings.resolutions]
+        rows += [
+            Row(
+                f"time to collapse, median, {points:,} points, {RULE_NAMES[rule]}",
+                "collapses in the end" if rule == "published" else None,
+                median,
+                "s",
+                reproduced=bool(np.isfinite(_collapses(results, f"{rule}-{points}")).all())
+                if rule == "published"
+                else None,
+                note=_spread(results, f"{rule}-{points}"),
+            )
+            for points, median in zip(settings.resolutions, medians, strict=True)
+        ]
+        growth = medians[-1] / medians[0]
+        rises = bool(np.all(np.diff(medians) >= 0.0) and growth > 1.0)
+        rows.append(
+            Row(
+                f"growth of that time from {settings.resolutions[0]:,} to "
+                f"{settings.resolutions[-1]:,} points, {RULE_NAMES[rule]}",
+                "finer stands longer" if rule == "published" else None,
+                growth,
+                "",
+                reproduced=rises and len(medians) >= 3 if rule == "published" else None,
+                note="never shorter at the next resolution"
+                if rises
+                else f"medians {', '.join(f'{m:.3g}' for m in medians)} s do not rise throughout",
+            )
+        )
+    finest = settings.resolutions[-1]
+    worst = float(_collapses(results, f"voxshell-{finest}").min())
+    stood = min(worst, settings.seconds)
+    rows += [
+        Row(
+            f"{settings.count} fine spheres stand, worst seed, our rule",
+            None,
+            stood,
+            "s",
+            bar=f">= {settings.seconds:g}",
+            holds=at_least(stood, settings.seconds),
+            note="perfect spheres have no stable stack: what stands rests on facets and friction",
+        ),
+        Row(
+            "time to collapse, median, Bullet's spheres",
+            None,
+            _median(results, "bullet"),
+            "s",
+            note=_spread(results, "bullet"),
+        ),
+    ]
+    return rows
+
+
+def draw(settings: StackSettings, results: Results, folder: Path) -> list[Picture]:
+    """Time to collapse over points, height of the top over time, a replay."""
+    with open_figure(folder / "collapse.png", width=11, height=4) as figure:
+        left, right = figure.subplots(1, 2)
+        for rule, color in (("published", "#43aa8b"), ("voxshell", OURS)):
+            times = [_collapses(results, f"{rule}-{n}") for n in settings.resolutions]
+            shown = [np.minimum(t, settings.seconds) for t in times]
+            for points, each in zip(settings.resolutions, shown, strict=True):
+                left.plot(np.full(len(each), points), each, "o", color=color, ms=4, alpha=0.5)
+            medians = [float(np.median(each)) for each in shown]
+            left.plot(settings.resolutions, medians, color=color, label=RULE_NAMES[rule])
+        left.axhline(
+            min(_median(results, "bullet"), settings.seconds),
+            color=PEERS[1],
+            label="Bullet's spheres",
+        )
+        left.set(
+            xscale="log", yscale="log", xlabel="points of a shell", ylabel="time to collapse, s"
+        )
+        left.legend(fontsize=8, frameon=False)
+        shades = np.linspace(0.75, 0.0, len(settings.resolutions))
+        for points, shade in zip(settings.resolutions, shades, strict=True):
+            curve = results[f"published-{points}"]["heights"]
+            first = curve["seed"] == 0
+            right.plot(
+                curve["step"][first],
+                curve["top"][first],
+                color=str(shade),
+                label=f"{points:,} points",
+            )
+        bullet = results["bullet"]["heights"]
+        first = bullet["seed"] == 0
+        right.plot(
+            bullet["step"][first], bullet["top"][first], color=PEERS[1], label="Bullet's spheres"
+        )
+        right.set(xlabel="step", ylabel="height of the top's centre, m", xscale="symlog")
+        right.legend(fontsize=8, frameon=False)
+    _save_replay(settings, results, folder / "replay.html")
+    return [
+        Picture("collapse.png", "Left: time to collapse over the shells' points, a dot a seed, lines through medians. Right: the top's height, published rule, first seed."),
+        Picture("replay.html", "Coarse and fine stacks, and Bullet's, side by side."),
+    ]  # fmt: skip
+
+
+def _save_replay(settings: StackSettings, results: Results, path: Path) -> None:
+    from trimesh.creation import box, icosphere
+
+    from voxshell.viewer.lanes import arrange_lanes
+    from voxshell.viewer.replay import save_replay
+
+    sphere = icosphere(subdivisions=3, radius=settings.radius)
+    plate = box((4.0, 4.0, 0.02))
+    plate.apply_translation((0.0, 0.0, -0.01))
+    coarse, fine = settings.resolutions[0], settings.resolutions[-1]
+    recordings = {}
+    for name, label, color in (
+        (f"published-{coarse}", f"{coarse:,} points\npublished rule", "#43aa8b"),
+        (f"published-{fine}", f"{fine:,} points\npublished rule", "#43aa8b"),
+        (f"voxshell-{fine}", f"{fine:,} points\nour rule", OURS),
+        ("bullet", "Bullet's spheres", PEERS[1]),
+    ):
+        surfaces = {
+            f"sphere {n + 1}": (Mesh(sphere.vertices, sphere.faces), as_rgb(color))
+            for n in range(settings.count)
+        }
+        ground = {"ground": (Mesh(plate.vertices, plate.faces), None)}
+        recordings[label] = restore(results[name], ground | surfaces, 4.0 / settings.rate)
+    save_replay(
+        path, arrange_lanes(recordings), title="Stacks of spheres", caption=describe(settings)
+    )
+
+
+def _collapses(results: Results, name: str) -> np.ndarray:
+    return results[name]["runs"]["collapse"]
+
+
+def _median(results: Results, name: str) -> float:
+    return float(np.median(_collapses(results, name)))
+
+
+def _spread(results: Results, name: str) -> str:
+    times = _collapses(results, name)
+    return f"{times.min():.3g} to {times.max():.3g} s over {len(times)} seeds"
+
+
+STACK = Experiment(
+    name="stack",
+    title="Stack of spheres",
+    question="How long does a stack of spheres stand, and do finer shells help?",
+    describe=describe,
+    settings=StackSettings(),
+    quick=replace(StackSettings(), seeds=5, seconds=20.0),
+    plan=stack.plan,
+    reduce=reduce,
+    draw=draw,
+)

@@ -1,0 +1,87 @@
+"""The stack of spheres: how long it stands."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.experiments.motion import tabulate
+from voxshell.experiments.part import Part
+from voxshell.scenes.stack import StackSettings, build_world
+
+if TYPE_CHECKING:
+    from voxshell.experiments.part import Tables
+    from voxshell.scenes.ball import Rule
+
+RULES: tuple[Rule, ...] = ("published", "voxshell")
+KEPT_EVERY = 5
+"""Steps between the heights that are kept."""
+
+RECORDED_SECONDS = 4.0
+"""Of the stack that is shown."""
+
+
+def plan(settings: StackSettings) -> list[Part]:
+    """A part for each resolution and rule, with all seeds."""
+    variants: list[tuple[str, Rule, int | None]] = [
+        (f"{rule}-{points}", rule, points) for rule in RULES for points in settings.resolutions
+    ]
+    variants.append(("bullet", "published", None))
+    return [
+        Part(
+            name,
+            run_stacks,
+            {"settings": settings, "points": points, "rule": rule},
+            cost=0.02 * settings.seeds * settings.seconds,
+        )
+        for name, rule, points in variants
+    ]
+
+
+def run_stacks(settings: StackSettings, points: int | None, rule: Rule) -> Tables:
+    """Every seed until its stack has collapsed, or has stood long enough."""
+    collapses, curves = [], []
+    for seed in range(settings.seeds):
+        collapse, curve = _stand(settings, points, rule, seed)
+        collapses.append((seed, collapse))
+        curves.append(curve)
+    seeds, seconds = np.array(collapses, dtype=np.float64).T
+    return {
+        "runs": {"seed": seeds.astype(np.int64), "collapse": seconds},
+        "heights": {key: np.concatenate([c[key] for c in curves]) for key in curves[0]},
+        **_record(settings, points, rule),
+    }
+
+
+def _stand(
+    settings: StackSettings, points: int | None, rule: Rule, seed: int
+) -> tuple[float, dict[str, Any]]:
+    """When the top has fallen by a radius, seconds, infinite if it has not; and its height."""
+    world, bodies = build_world(settings, points=points, rule=rule, seed=seed)
+    start = bodies[-1].pose[2, 3]
+    steps, heights = [0], [start]
+    collapse = math.inf
+    for step in range(1, round(settings.seconds * settings.rate) + 1):
+        world.step()
+        height = bodies[-1].pose[2, 3]
+        if step % KEPT_EVERY == 0:
+            steps.append(step)
+            heights.append(height)
+        if height < start - settings.radius:
+            collapse = step / settings.rate
+            break
+    return collapse, {
+        "seed": np.full(len(steps), seed),
+        "step": np.array(steps),
+        "top": np.array(heights),
+    }
+
+
+def _record(settings: StackSettings, points: int | None, rule: Rule) -> Tables:
+    """Poses of the first seed's stack, for the replay."""
+    world, _ = build_world(settings, points=points, rule=rule, seed=0)
+    recorder = world.record(every=4)
+    world.step(round(min(RECORDED_SECONDS, settings.seconds) * settings.rate))
+    return tabulate(recorder.recording())
