@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.ball import BALL
+from voxshell.experiments.report.rates import RATES
 from voxshell.experiments.report.stack import STACK
 
-EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK)
+EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, RATES)
 
 
 def find_experiment(name: str) -> Experiment:

@@ -1,0 +1,204 @@
+"""Low rates: down to how many steps a second the ground carries the bunny."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from voxshell._arguments import as_positive
+from voxshell.errors import SettingsError
+from voxshell.experiments.part import Part
+from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose, find_lowest
+from voxshell.shapes import Plane
+from voxshell.world import World
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.experiments.part import Tables
+
+Rule = Literal["published", "voxshell"]
+Ground = Literal["plane", "slab"]
+
+SLAB_HALF_EXTENTS = (0.5, 0.5, 0.025)
+"""Metres: 5 cm thick, less than a step's way at low rates."""
+
+LEVELS = (1, 2, 3, 4, 5)
+LEAST_STEPS = 12
+"""Of a run, however few seconds these are."""
+
+REST_SECONDS = 0.5
+"""At the end of a run, that count as rest."""
+
+
+@dataclass(frozen=True)
+class RatesSettings(BunnySettings):
+    """Settings of the low rates.
+
+    Attributes:
+        height: Of the lowest vertex at the start, metres.
+        rates: Steps a second that are tried, descending.
+        seconds: Of each run.
+        throw_speeds: Downwards at the start of the throws, m/s,
+        throw_rate: which run with so many steps a second.
+    """
+
+    orientations: int = 10
+    height: float = 0.5
+    rates: tuple[float, ...] = (200, 100, 60, 50, 40, 30, 25, 20, 15, 10, 7.5, 5, 3, 2, 1)
+    seconds: float = 5.0
+    throw_speeds: tuple[float, ...] = (5.0, 50.0)
+    throw_rate: float = 60.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("height", "seconds", "throw_rate"):
+            as_positive(getattr(self, name), name)
+        if not self.rates or sorted(set(self.rates), reverse=True) != list(self.rates):
+            raise SettingsError(f"rates must descend, not {self.rates}")
+        if min(self.rates) <= 0.0:
+            raise SettingsError(f"rates must be above 0, not {self.rates}")
+
+
+def plan(settings: RatesSettings) -> list[Part]:
+    """A part for each rule, ground and way to make contacts."""
+    cost = 2e-4 * settings.orientations * settings.seconds * sum(settings.rates)
+    falls = [
+        Part(
+            f"fall-{rule}-{ground}-{mode}",
+            run_falls,
+            {"settings": settings, "rule": rule, "ground": ground, "mode": mode},
+            cost=cost,
+        )
+        for rule in ("published", "voxshell")
+        for ground in ("plane", "slab")
+        for mode in (*(f"level {level}" for level in LEVELS), "regular")
+    ]
+    throws = [
+        Part(
+            f"throw-{ground}-{mode}",
+            run_throws,
+            {"settings": settings, "ground": ground, "mode": mode},
+            cost=cost / 4,
+        )
+        for ground in ("plane", "slab")
+        for mode in ("level 4", "regular")
+    ]
+    return falls + throws
+
+
+def run_falls(settings: RatesSettings, rule: Rule, ground: Ground, mode: str) -> Tables:
+    """Every rate and orientation from rest."""
+    return _tabulate(
+        [
+            (rate, 0.0, orientation)
+            for rate in settings.rates
+            for orientation in range(settings.orientations)
+        ],
+        settings,
+        rule,
+        ground,
+        mode,
+    )
+
+
+def run_throws(settings: RatesSettings, ground: Ground, mode: str) -> Tables:
+    """Every speed and orientation, at one rate, with our rule."""
+    return _tabulate(
+        [
+            (settings.throw_rate, speed, orientation)
+            for speed in settings.throw_speeds
+            for orientation in range(settings.orientations)
+        ],
+        settings,
+        "voxshell",
+        ground,
+        mode,
+    )
+
+
+def _tabulate(
+    cases: list[tuple[float, float, int]],
+    settings: RatesSettings,
+    rule: Rule,
+    ground: Ground,
+    mode: str,
+) -> Tables:
+    rows = []
+    for rate, speed, orientation in cases:
+        lowest, middle, sideways = _land(settings, rule, ground, mode, rate, speed, orientation)
+        rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
+        rows.append(
+            (rate, speed, orientation, -lowest.min(), -rest.min(), middle[-1], sideways[-1])
+        )
+    names = ("rate", "speed", "orientation", "deepest", "rest_depth", "middle", "sideways")
+    return {"runs": dict(zip(names, np.array(rows).T, strict=True))}
+
+
+def _land(
+    settings: RatesSettings,
+    rule: Rule,
+    ground: Ground,
+    mode: str,
+    rate: float,
+    speed: float,
+    orientation: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Heights of the lowest vertex and of the centre of mass, and its way sideways, each step."""
+    world = World(time_step=1.0 / rate, sleeping=False, **_contact_arguments(rule, mode))
+    if ground == "plane":
+        world.add(Plane(), mass=0.0)
+    else:
+        pose = np.eye(4)
+        pose[2, 3] = -SLAB_HALF_EXTENTS[2]
+        world.add(build_block(SLAB_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=pose)
+    mesh = settings.build_mesh()
+    body = world.add(
+        settings.build_model(),
+        mass=settings.mass,
+        pose=compute_pose(mesh, orientation, settings.height),
+        inertia=settings.mass_properties,
+    )
+    body.linear_velocity = (0.0, 0.0, -speed)
+    steps = max(round(settings.seconds * rate), LEAST_STEPS)
+    lowest, middle, sideways = np.zeros((3, steps))
+    for step in range(steps):
+        world.step()
+        pose = body.pose
+        lowest[step] = find_lowest(mesh, pose)
+        middle[step] = pose[2, 3]
+        sideways[step] = math.hypot(pose[0, 3], pose[1, 3])
+    return lowest, middle, sideways
+
+
+def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:
+    """The same as arguments of World."""
+    arguments: dict[str, Any] = {"contact": "regular"}
+    if mode != "regular":
+        arguments = {"contact": "segmented", "level": int(mode.removeprefix("level "))}
+    if rule == "published":
+        arguments |= {"margin": 0.0, "sweep_beyond": math.inf}
+    return arguments
+
+
+def find_lowest_rate(rates: NDArray[np.float64], held: NDArray[np.bool_]) -> float:
+    """The lowest rate down from the highest at which every run was held; infinite if none.
+
+    Args:
+        rates: (n,) steps a second, of each run.
+        held: (n,) whether the ground carried the body.
+
+    Example:
+        >>> import numpy as np
+        >>> find_lowest_rate(np.array([50, 50, 20, 20, 10]), np.array([1, 1, 1, 0, 1], bool))
+        50.0
+    """
+    lowest = math.inf
+    for rate in sorted(set(rates.tolist()), reverse=True):
+        if not held[rates == rate].all():
+            break
+        lowest = float(rate)
+    return lowest

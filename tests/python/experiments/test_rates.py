@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from voxshell.errors import SettingsError
+from voxshell.experiments import rates
+from voxshell.experiments.part import compute_part
+from voxshell.experiments.rates import RatesSettings
+from voxshell.experiments.report.rates import RATES, is_carried
+
+SETTINGS = replace(
+    RatesSettings(),
+    orientations=1,
+    rates=(50, 10),
+    seconds=1.5,
+    fine_points=2_000,
+    voxel_size=0.004,
+)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return {part.name: compute_part(part).tables for part in rates.plan(SETTINGS)}
+
+
+def test_more_segments_hold_at_lower_rates(results):
+    rows = {row.quantity: row for row in RATES.reduce(SETTINGS, results)}
+    one = rows["lowest rate that holds, L = 1, published rule, half-space"].here
+    five = rows["lowest rate that holds, L = 5, published rule, half-space"]
+    assert five.reproduced is (five.here < one)
+    assert all(
+        r.reproduced is not None for r in rows.values() if r.published in (10.0, "less at higher L")
+    )
+    thrown = rows["went through when thrown at 50 m/s, 60 Hz, level 4, half-space"]
+    assert thrown.holds
+
+
+def test_bars_are_held_to_the_data(results):
+    name = "fall-voxshell-plane-level 4"
+    runs = {key: values.copy() for key, values in results[name]["runs"].items()}
+    runs["rest_depth"][:] = 0.0041
+    runs["middle"][:] = -0.1
+    rows = {r.quantity: r for r in RATES.reduce(SETTINGS, {**results, name: {"runs": runs}})}
+    assert rows["lowest rate that holds, level 4, our rule, half-space"].holds is False
+    assert rows["deepest at rest from 50 to 5 Hz, level 4, our rule, half-space"].holds is False
+
+
+def test_lowest_rate_ends_where_one_run_is_lost():
+    every = np.array([50.0, 20.0, 10.0])
+    assert rates.find_lowest_rate(every, np.array([True, False, True])) == 50.0
+    assert rates.find_lowest_rate(every, np.array([False, True, True])) == math.inf
+    assert rates.find_lowest_rate(every, np.array([True, True, True])) == 10.0
+
+
+def test_beside_the_slab_is_not_carried():
+    runs = {"middle": np.array([0.1, 0.1, -0.1]), "sideways": np.array([0.0, 0.6, 0.0])}
+    assert is_carried(runs, "slab").tolist() == [True, False, False]
+    assert is_carried(runs, "plane").tolist() == [True, True, False]
+
+
+def test_rates_descend():
+    with pytest.raises(SettingsError, match="rates must descend"):
+        RatesSettings(rates=(10.0, 20.0))
+
+
+def test_pictures_are_drawn(results, tmp_path):
+    pictures = RATES.draw(SETTINGS, results, tmp_path)
+    assert all((tmp_path / picture.path).is_file() for picture in pictures)
