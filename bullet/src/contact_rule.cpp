@@ -153,9 +153,14 @@ WorldContact ContactRule::to_world(const Contact& contact) const {
     return world;
   }
   const double speed = rebound_of(impact).speed;
-  // The solver aims at restitution * approach - gap / time step.
+  // The solver aims at restitution * approach - gap / time step. That of multibodies takes the
+  // approach with what forces have added to it.
   const double of_gap = impact.gap > 0.0 ? impact.gap / time_step_ : 0.0;
-  if (of_gap > 0.0 || owed_ > 0.0) world.restitution = (speed + of_gap) / impact.approach;
+  const bool has_link = motion_a_.is_link || motion_b_.is_link;
+  const double approach = impact.approach + (has_link ? impact.approach_of_forces : 0.0);
+  if ((of_gap > 0.0 || owed_ > 0.0 || has_link) && approach > 0.0) {
+    world.restitution = (speed + of_gap) / approach;
+  }
   // From 0, ten iterations leave a body that lands on several points at once some per cent too
   // fast; from equal shares of what turns its velocity round, they have little left to do.
   if (inverse_mass > 0.0) {

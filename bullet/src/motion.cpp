@@ -10,7 +10,16 @@
 namespace voxshell::bullet {
 namespace {
 
-Motion of_link(const btMultiBodyLinkCollider& collider) {
+/// What its own force alone would add to a link's velocity: joints are left out.
+Vec3 velocity_of_force(const btMultiBody& body, int link, double time_step) {
+  const bool is_base = link < 0;
+  if (is_base && body.hasFixedBase()) return {};
+  const auto mass = static_cast<double>(is_base ? body.getBaseMass() : body.getLinkMass(link));
+  if (!(mass > 0.0)) return {};
+  return (time_step / mass) * from_bullet(is_base ? body.getBaseForce() : body.getLinkForce(link));
+}
+
+Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
   const btMultiBody& body = *collider.m_multiBody;
   btAlignedObjectArray<btVector3> angular;
   btAlignedObjectArray<btVector3> linear;
@@ -22,15 +31,16 @@ Motion of_link(const btMultiBodyLinkCollider& collider) {
   return {from_bullet(world_from_link.getOrigin()),
           from_bullet(world_from_link.getBasis() * linear[link]),
           from_bullet(world_from_link.getBasis() * angular[link]),
-          {},
-          0.0};
+          velocity_of_force(body, collider.m_link, time_step),
+          0.0,
+          true};
 }
 
 }  // namespace
 
 Motion Motion::of(const btCollisionObject& object, double time_step) {
   if (const auto* collider = btMultiBodyLinkCollider::upcast(&object)) {
-    if (collider->m_multiBody != nullptr) return of_link(*collider);
+    if (collider->m_multiBody != nullptr) return of_link(*collider, time_step);
   }
   const btRigidBody* body = btRigidBody::upcast(&object);
   if (body == nullptr) return {};

@@ -13,6 +13,7 @@ struct Motion {
   Vec3 angular_velocity;      ///< rad/s
   Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
   double inverse_mass = 0.0;  ///< 1/kg; 0 where it does not move, or is a link of a multibody
+  bool is_link = false;       ///< of a multibody, whose solver adds what forces do beforehand
 
   /// At rest where the object has no velocity of its own.
   static Motion of(const btCollisionObject& object, double time_step);

@@ -18,22 +18,23 @@ inline btScalar scalar(double x) { return static_cast<btScalar>(x); }
 inline constexpr bool kIsDouble = sizeof(btScalar) == sizeof(double);
 
 /// A stock world with the adapter's collision configuration, and all that lives in it.
-class TestWorld {
+template <class World, class Solver, class Dispatcher = btCollisionDispatcher>
+class WorldOf {
  public:
-  explicit TestWorld(const ContactSettings& settings = {}, const Vec3& gravity = {0, 0, -9.81})
+  explicit WorldOf(const ContactSettings& settings = {}, const Vec3& gravity = {0, 0, -9.81})
       : configuration(settings) {
     world.setGravity(to_bullet(gravity));
     world.getSolverInfo().m_splitImpulse = 1;
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
   }
-  ~TestWorld() {
+  ~WorldOf() {
     for (const auto& body : bodies_) {
       if (body->getBroadphaseHandle() != nullptr) world.removeRigidBody(body.get());
     }
   }
-  TestWorld(const TestWorld&) = delete;
-  TestWorld& operator=(const TestWorld&) = delete;
+  WorldOf(const WorldOf&) = delete;
+  WorldOf& operator=(const WorldOf&) = delete;
 
   template <class Shape, class... Args>
   Shape& make(Args&&... args) {
@@ -61,7 +62,9 @@ class TestWorld {
   }
 
   void step(int count, double time_step = 1.0 / 200.0) {
-    for (int i = 0; i < count; ++i) world.stepSimulation(scalar(time_step), 0);
+    for (int i = 0; i < count; ++i) {
+      world.stepSimulation(scalar(time_step), 0, scalar(time_step));
+    }
   }
 
   std::vector<const btManifoldPoint*> points() {
@@ -82,11 +85,13 @@ class TestWorld {
 
  public:
   CollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
+  Dispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  Solver solver;
+  World world{&dispatcher, &broadphase, &solver, &configuration};
 };
+
+using TestWorld = WorldOf<btDiscreteDynamicsWorld, btSequentialImpulseConstraintSolver>;
 
 inline double height(const btRigidBody& body) {
   return static_cast<double>(body.getWorldTransform().getOrigin().z());
