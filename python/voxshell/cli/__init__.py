@@ -10,6 +10,7 @@ from rich.console import Console
 import voxshell
 from voxshell.cli.cache import cache
 from voxshell.cli.reproduce import reproduce
+from voxshell.cli.reproduce_peers import peers
 from voxshell.cli.simulate import simulate
 from voxshell.errors import VoxshellError
 
@@ -20,6 +21,7 @@ app = App(
 )
 app.command(simulate)
 app.command(reproduce)
+reproduce.command(peers)
 app.command(cache)
 
 

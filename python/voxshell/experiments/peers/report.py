@@ -1,0 +1,331 @@
+"""The comparison written down: data as JSON and CSV, tables as Markdown."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from voxshell.experiments.drop_report import format_time
+from voxshell.experiments.files import replacing, write_json
+from voxshell.experiments.part import plain
+from voxshell.experiments.peers.cases import DROP_HEIGHT, LENGTH, POSES, SHIFT, TURN
+from voxshell.experiments.peers.measure import REST_SPEED, REST_SPIN, SUNK
+from voxshell.experiments.peers.roster import REFERENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from voxshell.experiments.peers.comparison import Comparison
+    from voxshell.experiments.peers.protocol import Case, CaseResult, DropResult, PeerResult
+
+GROUNDS = ("plane", "box")
+
+
+def write_results(out: Path, comparison: Comparison, command: str) -> None:
+    """Writes ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
+    out.mkdir(parents=True, exist_ok=True)
+    write_json(out / "peers.json", describe(comparison) | {"command": command})
+    _write_csv(out / "cases.csv", list_cases(comparison))
+    _write_csv(out / "drops.csv", list_drops(comparison))
+    with replacing(out / "peers.md") as temporary:
+        temporary.write_text(write_markdown(comparison, command), encoding="utf-8")
+
+
+def describe(comparison: Comparison) -> dict[str, object]:
+    """Everything, ready for JSON. Seconds, metres, m/s, rad/s."""
+    return {
+        "experiment": "peers",
+        "units": "seconds, metres, m/s, rad/s",
+        "settings": plain(comparison.settings),
+        "environment": comparison.environment,
+        "truth_problem": comparison.truth_problem,
+        "cases": [
+            {
+                "key": case.key,
+                "label": case.label,
+                "other": case.other,
+                "depth": comparison.true_depth(case),
+                "pose": case.poses[0].tolist(),
+                "other_pose": case.other_pose.tolist(),
+                "truth": asdict(comparison.truths[case.key])
+                if case.key in comparison.truths
+                else None,
+            }
+            for case in comparison.cases
+        ],
+        "peers": [asdict(peer) for peer in comparison.peers],
+        "results": list_cases(comparison),
+    }
+
+
+def list_cases(comparison: Comparison) -> list[dict[str, object]]:
+    """A row a peer and case: times, their ratio to ours, contacts, depth and its error."""
+    rows = []
+    for peer in comparison.peers:
+        for case in comparison.cases:
+            result = find_case(peer, case)
+            if result is None:
+                continue
+            depth = result.depth
+            rows.append(
+                {
+                    "peer": peer.key,
+                    "case": case.key,
+                    "median": result.median,
+                    "p99": result.p99,
+                    "ratio": compute_ratio(comparison, case, result),
+                    "queries": result.queries,
+                    "contacts": result.contacts,
+                    "depth": depth,
+                    "true_depth": comparison.true_depth(case),
+                    "depth_error": None if depth is None else depth - comparison.true_depth(case),
+                    "problem": result.problem,
+                }
+            )
+    return rows
+
+
+def list_drops(comparison: Comparison) -> list[dict[str, object]]:
+    """A row a peer, ground and rate."""
+    return [{"peer": peer.key, **asdict(drop)} for peer in comparison.peers for drop in peer.drops]
+
+
+def find_case(peer: PeerResult, case: Case) -> CaseResult | None:
+    """What the peer did there; None where it was not asked."""
+    return next((result for result in peer.cases if result.case == case.key), None)
+
+
+def find_drop(peer: PeerResult, ground: str, rate: float) -> DropResult | None:
+    """What the peer did there; None where it did not drop."""
+    return next((d for d in peer.drops if (d.other, d.rate) == (ground, rate)), None)
+
+
+def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> float:
+    """Median time as a multiple of that of voxshell's contacts on voxels; NaN without it."""
+    ours = next((peer for peer in comparison.peers if peer.key == REFERENCE), None)
+    reference = None if ours is None else find_case(ours, case)
+    return math.nan if reference is None else result.median / reference.median
+
+
+# ---- cells ---------------------------------------------------------------------------------------
+
+
+def format_times(comparison: Comparison, peer: PeerResult, case: Case) -> str:
+    """Median, and as a multiple of ours: "16.1 µs 1.0x"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return "error"
+    ratio = compute_ratio(comparison, case, result)
+    return format_time(result.median) + (f" {format_ratio(ratio)}" if math.isfinite(ratio) else "")
+
+
+def format_ratio(ratio: float) -> str:
+    """Two digits that matter, or none; how many times slower, or faster.
+
+    Example:
+        >>> [format_ratio(ratio) for ratio in (0.0754, 0.5, 1.0, 12.3, 1234.0)]
+        ['1/13', '1/2.0', '1.0x', '12x', '1234x']
+    """
+    number = ratio if ratio >= 0.95 else 1.0 / ratio
+    digits = 1 if number < 9.95 else 0
+    return f"{number:.{digits}f}x" if ratio >= 0.95 else f"1/{number:.{digits}f}"
+
+
+def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
+    """Contacts, deepest depth and how far that is off: "94: 0.98 (-0.02)"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return result.problem[:60]
+    if result.contacts == 0:
+        return "0: no contact"
+    if result.depth is None:
+        return f"{result.contacts}: none given"
+    error = 1e3 * (result.depth - comparison.true_depth(case))
+    # Not "-0.00".
+    return f"{result.contacts}: {1e3 * result.depth:.2f} ({round(error, 2) + 0.0:+.2f})"
+
+
+def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
+    """Contacts and how far the deepest depth is off, millimetres: "94 -0.02"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return "error"
+    if result.contacts == 0 or result.depth is None:
+        return f"{result.contacts} -"
+    error = 1e3 * (result.depth - comparison.true_depth(case))
+    return f"{result.contacts} {round(error, 2) + 0.0:+.2f}"
+
+
+def format_drop(drop: DropResult | None) -> str:
+    """How it ended, and the height of the lowest vertex, millimetres: "rests -0.10"."""
+    if drop is None:
+        return "-"
+    if drop.problem:
+        return "error"
+    if drop.outcome in ("through", "off"):
+        return drop.outcome
+    return f"{drop.outcome} {round(1e3 * drop.rest_height, 1) + 0.0:+.1f}"
+
+
+def format_preparation(peer: PeerResult) -> str:
+    """Seconds, with those of the decomposition: "247 + 0.2"."""
+    if not math.isfinite(peer.preparation):
+        return "-"
+    parts = peer.settings.get("decomposition_seconds")
+    before = f"{parts:.0f} + " if isinstance(parts, float) else ""
+    return f"{before}{peer.preparation:.1f}"
+
+
+def describe_truth(comparison: Comparison) -> str:
+    """Where the true depths are from."""
+    if comparison.truth_problem:
+        return (
+            f"as the poses were set up, with libigl, once: this time it could not say "
+            f"({comparison.truth_problem})"
+        )
+    version = next(iter(comparison.truths.values())).version
+    return f"by libigl {version}, of all vertices and face centres of both meshes"
+
+
+# ---- Markdown ------------------------------------------------------------------------------------
+
+
+def write_markdown(comparison: Comparison, command: str) -> str:
+    """The page: what was asked, the tables, the settings of each peer."""
+    settings = comparison.settings
+    environment = comparison.environment
+    measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
+    labels = [case.label for case in comparison.cases]
+    lines = [
+        "# What people would use instead",
+        "",
+        "Made by",
+        "",
+        f"    {command}",
+        "",
+        f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
+        f"{environment['system']}, Python {environment['python']}. Peers: `pip install "
+        "voxshell[peers]`; ODE: `apt install libode8`. Each runs in a process of its own, with the "
+        "settings below; one that is missing, fails or hangs is a row that says so.",
+        "",
+        f"The body is the Stanford bunny, {LENGTH:g} m long, 34,835 vertices. True depths in "
+        "millimetres, "
+        + describe_truth(comparison)
+        + ": "
+        + ", ".join(
+            f"{case.label.split()[0]} {1e3 * comparison.true_depth(case):.2f}"
+            for case in comparison.cases
+        )
+        + ".",
+        "",
+        "## Times",
+        "",
+        f"Median of a query over {POSES} poses that differ by at most {1e3 * SHIFT:g} mm and "
+        f"{1e3 * TURN:g} mrad, asked again and again for {settings.case_seconds:g} s, and as a "
+        "multiple of the first row's; preparation in seconds, that of the convex parts first. Settings, "
+        "below, say what is timed. Pairs have no ground, so that they are asked about once.",
+        "",
+        *_table(
+            ["peer", "preparation, s", *labels],
+            [
+                [
+                    peer.label,
+                    format_preparation(peer),
+                    *(format_times(comparison, peer, case) for case in comparison.cases),
+                ]
+                for peer in measured
+            ],
+        ),
+        "",
+        "## Contacts and depths",
+        "",
+        "Number of contacts in the first pose: deepest depth reported, millimetres (and how far that "
+        "is off the true one).",
+        "",
+        *_table(
+            ["peer", *labels],
+            [
+                [
+                    peer.label,
+                    *(format_depth(comparison, peer, case) for case in comparison.cases),
+                ]
+                for peer in measured
+            ],
+        ),
+        "",
+        "## Drops",
+        "",
+        f"From {DROP_HEIGHT:g} m, upright, followed for {settings.drop_seconds:g} s, and the height of "
+        "the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
+        f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second; *moves*: not; *sinks*: "
+        f"deeper than {1e3 * SUNK:g} mm at the end; *through*: its centre is below the surface; *off*: "
+        "it left the box sideways.",
+    ]
+    dropping = [peer for peer in measured if peer.drops]
+    for ground in GROUNDS:
+        lines += ["", f"On the {ground}:" if ground == "plane" else "On the box, 5 cm thick:", ""]
+        lines += _table(
+            ["peer", *(f"{rate:g} Hz" for rate in settings.rates)],
+            [
+                [
+                    peer.label,
+                    *(format_drop(find_drop(peer, ground, rate)) for rate in settings.rates),
+                ]
+                for peer in dropping
+            ],
+        )
+    lines += ["", "## Settings", ""]
+    lines += _table(
+        ["peer", "version", "timed", "settings"],
+        [[peer.label, peer.version, peer.timed, format_settings(peer)] for peer in measured],
+    )
+    problems = list(list_problems(comparison))
+    if problems:
+        lines += ["", "## Not measured", ""]
+        lines += _table(["peer", "what", "why"], problems)
+    return "\n".join(lines) + "\n"
+
+
+def format_settings(peer: PeerResult) -> str:
+    """Names and values."""
+    return "; ".join(
+        f"{name.replace('_', ' ')} {value:g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in peer.settings.items()
+    )
+
+
+def list_problems(comparison: Comparison) -> Iterable[list[str]]:
+    """Peer, what is not measured, and why."""
+    for peer in comparison.peers:
+        if peer.status != "measured":
+            yield [peer.label, peer.status, peer.reason]
+        for case in peer.cases:
+            if case.problem:
+                yield [peer.label, case.case, case.problem]
+        for drop in peer.drops:
+            if drop.problem:
+                yield [peer.label, f"drop, {drop.other}, {drop.rate:g} Hz", drop.problem]
+
+
+def _table(headings: list[str], rows: Iterable[list[str]]) -> list[str]:
+    def line(cells: list[str]) -> str:
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+    return [line(headings), "|" + "---|" * len(headings), *map(line, rows)]
+
+
+def _write_csv(path: Path, rows: list[dict[str, object]]) -> None:
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        if rows:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows(rows)
