@@ -96,6 +96,8 @@ def run_drop(
     settings: DropSettings,
     steps: int,
     progress: Callable[[float], object] | None = None,
+    *,
+    rotation: NDArray[np.float64] | None = None,
 ) -> DropRun:
     """Simulates one method.
 
@@ -105,8 +107,9 @@ def run_drop(
         settings: Of the drop.
         steps: How many.
         progress: Called after each step with the share of the steps that is done.
+        rotation: Of the start, (4, 4); upright by default.
     """
-    world, body = build_world(shapes, method, settings)
+    world, body = build_world(shapes, method, settings, rotation=rotation)
     vertices = shapes.mesh.vertices
     recorder = world.record()
     contacts = np.zeros(steps, np.int64)

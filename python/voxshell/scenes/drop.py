@@ -221,9 +221,25 @@ def decompose(mesh: Mesh, *, hulls: int = 8, vertices: int = 100) -> ConvexDecom
     return ConvexDecomposition([points for points, _ in parts], margin=BULLET_MARGIN)
 
 
-def build_world(shapes: DropShapes, method: Method, settings: DropSettings) -> tuple[World, Body]:
-    """The drop at its first moment, and the body that falls. Nothing sleeps."""
+def build_world(
+    shapes: DropShapes,
+    method: Method,
+    settings: DropSettings,
+    *,
+    rotation: NDArray[np.float64] | None = None,
+    gravity: float = 9.81,
+) -> tuple[World, Body]:
+    """The drop at its first moment, and the body that falls. Nothing sleeps.
+
+    Args:
+        shapes: From :func:`build_shapes`.
+        method: Which way the body and the ground collide.
+        settings: Of the drop.
+        rotation: (4, 4) ``world_from_body`` without a place; upright by default.
+        gravity: m/s2, downwards.
+    """
     world = World(
+        gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
         split_impulse_threshold=0.0 if method.is_model else BULLET_SPLIT_IMPULSE_THRESHOLD,
@@ -236,22 +252,33 @@ def build_world(shapes: DropShapes, method: Method, settings: DropSettings) -> t
     body = world.add(
         shapes.bodies[method.key],
         mass=settings.mass,
-        pose=compute_start_pose(shapes.mesh, settings),
+        pose=compute_start_pose(shapes.mesh, settings, rotation),
         inertia=shapes.mass_properties,
         name="body",
     )
     return world, body
 
 
-def compute_start_pose(mesh: Mesh, settings: DropSettings) -> NDArray[np.float64]:
-    """``world_from_body`` with the mesh upright, its middle over the ground's, (4, 4)."""
+def compute_start_pose(
+    mesh: Mesh, settings: DropSettings, rotation: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """``world_from_body`` with the mesh's middle over the ground's, (4, 4).
+
+    Args:
+        mesh: The scaled body.
+        settings: Of the drop.
+        rotation: (4, 4); by default the one that turns the mesh's ``settings.up`` upwards.
+    """
     pose = np.eye(4)
-    # Rows: the mesh's axes that become the world's x, y and z.
-    pose[:3, :3] = {
-        "x": [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
-        "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
-        "z": np.eye(3),
-    }[settings.up]
+    if rotation is not None:
+        pose[:3, :3] = rotation[:3, :3]
+    else:
+        # Rows: the mesh's axes that become the world's x, y and z.
+        pose[:3, :3] = {
+            "x": [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
+            "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+            "z": np.eye(3),
+        }[settings.up]
     upright = mesh.vertices @ pose[:3, :3].T
     low, high = upright.min(axis=0), upright.max(axis=0)
     pose[:2, 3] = -(low + high)[:2] / 2.0

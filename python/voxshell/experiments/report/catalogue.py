@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.ball import BALL
+from voxshell.experiments.report.bunny import BUNNY
 from voxshell.experiments.report.rates import RATES
 from voxshell.experiments.report.segments import SEGMENTS
 from voxshell.experiments.report.stack import STACK
 
-EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, SEGMENTS, RATES)
+EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, BUNNY, SEGMENTS, RATES)
 
 
 def find_experiment(name: str) -> Experiment:

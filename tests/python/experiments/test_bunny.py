@@ -1,0 +1,107 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from voxshell.experiments import bunny
+from voxshell.experiments.bunny import BunnyFallSettings
+from voxshell.experiments.part import compute_part
+from voxshell.experiments.report.bunny import BUNNY
+from voxshell.scenes.bunny import ORIENTATIONS_WXYZ
+from voxshell.scenes.drop import METHODS
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory):
+    """A cone in the bunny's place: its decomposition and GImpact take a second, not a minute."""
+    path = tmp_path_factory.mktemp("mesh") / "cone.stl"
+    trimesh.creation.cone(radius=30, height=50).export(path)
+    return replace(
+        BunnyFallSettings(),
+        mesh=str(path),
+        size=0.1,
+        height=0.1,
+        voxel_size=0.005,
+        fine_points=1_000,
+        coarse_points=200,
+        steps=620,
+        slow_steps=600,
+        orientations=1,
+        equal_poses=5,
+        repeats=2,
+    )
+
+
+@pytest.fixture(scope="module")
+def results(settings):
+    return {part.name: compute_part(part).tables for part in bunny.plan(settings)}
+
+
+def test_every_method_fell_and_met_the_equal_poses(settings, results):
+    tables = results["orientation-0"]
+    steps = tables["steps"]
+    for method in METHODS:
+        mine = steps["method"] == method.key
+        assert mine.sum() == (settings.slow_steps if method.is_slow else settings.steps)
+        assert steps["contacts"][mine].max() > 0
+        again = tables["equal_poses"]["method"] == method.key
+        assert again.sum() == settings.equal_poses * settings.repeats
+        assert (tables["equal_poses"]["narrow_phase"][again] > 0.0).all()
+
+
+def test_ratios_are_those_of_the_data(settings, results):
+    tables = results["orientation-0"]
+    steps = {name: values.copy() for name, values in tables["steps"].items()}
+    seconds = {
+        "gimpact": 0.02,
+        "hull": 1e-6,
+        "decomposition": 2e-5,
+        "vps-fine": 1e-5,
+        "vps-coarse": 4e-6,
+    }
+    for key, value in seconds.items():
+        steps["narrow_phase"][steps["method"] == key] = value
+    rows = {
+        row.quantity: row
+        for row in BUNNY.reduce(settings, {"orientation-0": {**tables, "steps": steps}})
+    }
+    assert rows["GImpact / VPS fine, own falls"].here == pytest.approx(2000.0)
+    assert rows["GImpact / VPS fine, own falls"].holds
+    hull = rows["VPS fine / GJK on the hull, own falls"]
+    assert hull.here == pytest.approx(10.0)
+    assert hull.reproduced
+    assert hull.holds is False
+    assert rows["decomposition / VPS coarse, own falls"].here == pytest.approx(5.0)
+    assert rows["leads of VPS over peers that are lost"].reproduced
+    steps["narrow_phase"][steps["method"] == "gimpact"] = 1e-9
+    rows = {
+        row.quantity: row
+        for row in BUNNY.reduce(settings, {"orientation-0": {**tables, "steps": steps}})
+    }
+    assert rows["leads of VPS over peers that are lost"].reproduced is False
+
+
+def test_pictures_animation_and_replay_are_made(settings, results, tmp_path):
+    from PIL import Image
+
+    pictures = BUNNY.draw(settings, results, tmp_path)
+    assert all((tmp_path / picture.path).is_file() for picture in pictures)
+    with Image.open(tmp_path / "animation.gif") as animation:
+        assert animation.n_frames > 50
+        first = np.asarray(animation.convert("RGB"), dtype=int)
+        animation.seek(40)
+        later = np.asarray(animation.convert("RGB"), dtype=int)
+    assert (np.abs(first - later).max(axis=2) > 60).sum() > 500  # the bodies fell
+    with Image.open(tmp_path / "segments.png") as segments:
+        pixels = np.asarray(segments.convert("RGB").quantize(64).convert("RGB"))
+    colors = np.unique(pixels.reshape(-1, 3), axis=0)
+    assert len(colors) > 20
+
+
+def test_published_quaternions_are_unit():
+    lengths = np.linalg.norm(ORIENTATIONS_WXYZ, axis=1)
+    np.testing.assert_allclose(lengths, 1.0, atol=2e-4)
+    # The first one puts the mesh's y upwards.
+    np.testing.assert_allclose(bunny.orientation_of(0)[:3, 1], [0, 0, 1], atol=1e-6)
