@@ -57,6 +57,9 @@ class Options:
 
 DEFAULTS = Options()
 
+OTHER_TABLES = ("peers",)
+"""Tables of a settings file that are for commands of their own."""
+
 
 def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
     """Plans, runs what is missing, concludes, and prints a table an experiment."""
@@ -70,7 +73,7 @@ def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
         options.out,
         quick=options.quick,
         overrides={} if options.settings is None else read_settings_file(options.settings),
-        known=[each.name for each in EXPERIMENTS],
+        known=[*(each.name for each in EXPERIMENTS), *OTHER_TABLES],
     )
     options.out.mkdir(parents=True, exist_ok=True)
     progress_console = Console(quiet=options.json_only, stderr=True)
@@ -131,3 +134,15 @@ def _add_command(experiment: Experiment) -> None:
 
 for _experiment in EXPERIMENTS:
     _add_command(_experiment)
+
+
+@reproduce.command(name="all")
+def everything(options: Options = DEFAULTS) -> None:
+    """All experiments, and one report: index.html, an offline page, and report.json."""
+    from voxshell.experiments.report.page import PAGE, ROWS, write_report
+
+    findings = run(EXPERIMENTS, options)
+    command = "voxshell reproduce all" + (" --quick" if options.quick else "")
+    write_report(options.out, findings, command=command)
+    if not options.json_only:
+        print(f"  {options.out / PAGE}, {ROWS}")

@@ -127,7 +127,7 @@ def _compute_on_cluster(
     except ImportError as error:
         raise MissingExtraError("a cluster needs Dask: pip install voxshell[dask]") from error
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=5)
     except (OSError, ValueError) as error:
         raise SettingsError(f"no Dask scheduler answers at {address}: {error}") from error
     with client:

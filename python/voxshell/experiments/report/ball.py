@@ -49,7 +49,7 @@ def describe(settings: BallSettings) -> str:
         f"A ball of {settings.radius:g} m and {settings.mass:g} kg falls from a centre height of "
         f"{settings.height:g} m at {settings.rate:g} Hz, g {settings.gravity:g} m/s2, on a block of "
         f"voxels of {settings.voxel_size * 1e3:g} mm; shells of {settings.low_points} and "
-        f"{settings.high_points} points; restitution "
+        f"{settings.high_points:,} points; restitution "
         f"{', '.join(f'{c:g}' for c in settings.restitutions)}. The published rule makes a contact of "
         "the point that penetrates deepest; ours adds points that will touch within the step. Then "
         f"{settings.phases} start heights within {settings.phase_reach * 1e3:g} mm, on the block and "

@@ -17,7 +17,7 @@ from voxshell.experiments.files import replacing
 from voxshell.experiments.motion import read_poses
 from voxshell.experiments.report.figures import as_rgb
 from voxshell.experiments.report.paint import Camera, Canvas, Solid, thin_out
-from voxshell.experiments.verdict import Row, at_least, at_most
+from voxshell.experiments.verdict import Row, at_least, at_most, format_value
 from voxshell.model import Model
 from voxshell.scenes.drop import GROUND_HALF_EXTENTS, METHODS
 
@@ -148,7 +148,7 @@ def _rows_of_times(results: Results, own: dict[str, float]) -> list[Row]:
                 published[method.key] * 1e6 if method.key in published else None,
                 own[method.key] * 1e6,
                 "\N{MICRO SIGN}s",
-                note=f"p99 {np.percentile(samples, 99) * 1e6:.3g} \N{MICRO SIGN}s"
+                note=f"p99 {format_value(float(np.percentile(samples, 99)) * 1e6)} \N{MICRO SIGN}s"
                 + ("; machines differ: ratios alone compare" if method.key in published else ""),
             )
         )
@@ -309,7 +309,7 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
     for step in range(0, min(ANIMATION_STEPS, settings.slow_steps) + 1, ANIMATION_EVERY):
         pictures = []
         for key in SHOWN:
-            camera = Camera((0.0, 0.0, 0.48 * settings.height), 0.85 * settings.height, (180, 300))
+            camera = Camera((0.0, 0.0, 0.65 * settings.height), settings.height, (190, 310))
             canvas = Canvas(camera)
             canvas.paint_floor((-0.3, -0.3), (0.3, 0.3))
             canvas.paint([Solid(surfaces[key], poses[key][step], as_rgb(COLORS[key]))])
