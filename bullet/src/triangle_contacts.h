@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
@@ -35,17 +37,38 @@ class TriangleContacts : private btTriangleCallback {
   static float sample_spacing(const Model& model);
 
  private:
-  struct Sample {
-    std::uint32_t cell;
-    float distance;
-    float bound;             ///< no place of the piece has a smaller distance
+  /// A part of a triangle, with the field at its middle.
+  struct Piece {
+    Triangle3f corners;
+    Vec3f middle;
     std::uint32_t triangle;  ///< index into triangles_
-    Triangle3f around;       ///< the piece of the triangle that it is the middle of
+    int splits;              ///< that are left
+    bool is_leaf;            ///< small enough
+    float distance;
+    float bound;  ///< no place of the piece has a smaller distance
+  };
+  struct Batch;
+  /// The two pieces of a cell with the least distances, ties to the first met.
+  struct CellBest {
+    std::uint32_t cell;
+    float least;  ///< of the distances of all pieces, the margin at most
+    std::size_t count;
+    std::array<Piece, 2> pieces;
+  };
+  /// What refining a piece has come to.
+  struct Refined {
+    Triangle3f piece;
+    std::uint32_t triangle;
+    Vec3f deepest;
+    float distance;  ///< there
   };
 
   void processTriangle(btVector3* corners, int part, int index) override;
-  void sample(const Triangle3f& piece, int splits);
-  Contact deepest_near(const Sample& sample, const Pose& mesh_from_model) const;
+  void sample_triangles();
+  void take(const Batch& batch);
+  void keep(const Piece& piece);
+  void refine_best();
+  Contact contact_of(std::uint32_t cell, const Refined& refined, const Pose& mesh_from_model) const;
   std::uint32_t cell_of(const Vec3f& p) const;
 
   const GridField* field_ = nullptr;
@@ -56,9 +79,11 @@ class TriangleContacts : private btTriangleCallback {
   float spacing_ = 0.0f;
   double cell_size_ = 0.0;
   std::array<std::uint32_t, 3> cells_{};
-  std::vector<Triangle3f> triangles_;  ///< model's frame
-  std::vector<Sample> samples_;
-  std::vector<float> least_in_cell_;  ///< of their distances, the margin at most
+  std::vector<Triangle3f> triangles_;         ///< model's frame
+  std::vector<Piece> waiting_;                ///< within the margin, the next one last
+  std::vector<std::uint32_t> place_of_cell_;  ///< in best_, or kNone
+  std::vector<CellBest> best_;                ///< of the cells that pieces reach
+  std::vector<Refined> refined_;              ///< two a cell, in the order of best_
   std::vector<Contact> contacts_;
 };
 

@@ -70,6 +70,20 @@ struct GridFieldData {
   double plane_margin() const { return 4.0 * voxel_size; }
 };
 
+/// Numbers of eight points.
+using EightFloats = std::array<float, 8>;
+
+/// Metres, the field's frame.
+struct EightPoints {
+  std::array<EightFloats, 3> coordinates{};  ///< x, y, z
+
+  void set(std::size_t i, const Vec3f& p) {
+    coordinates[0][i] = p.x;
+    coordinates[1][i] = p.y;
+    coordinates[2][i] = p.z;
+  }
+};
+
 /// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
 /// mesh's frame.
 ///
@@ -95,6 +109,14 @@ class GridField {
 
   /// No point within `radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float radius) const;
+
+  /// The same of eight points or balls at once: the same bits, in about the time of one.
+  EightFloats distances(const EightPoints& points) const;
+  struct BallValues {
+    EightFloats distance;  ///< of the centre
+    EightFloats lower_bound;
+  };
+  BallValues bound_balls(const EightPoints& centres, const EightFloats& radii) const;
 
   double reach() const;
 

@@ -5,10 +5,22 @@
 
 #include "base/serial.h"
 #include "simd/grid_formula.h"
+#include "simd/grid_sampling.h"
 
 namespace voxshell {
 
 using simd::kBrickCells;
+
+namespace {
+
+using Row = float[8];
+
+const Row* to_rows(const EightPoints& points) {
+  static_assert(sizeof(EightPoints) == 3 * sizeof(Row));
+  return reinterpret_cast<const Row*>(points.coordinates.data());
+}
+
+}  // namespace
 
 GridField::GridField(GridFieldData data) : data_(std::move(data)), serial_(next_serial()) {}
 
@@ -60,6 +72,20 @@ Vec3f GridField::gradient(const Vec3f& p) const {
 float GridField::lower_bound(const Vec3f& centre, float radius) const {
   return simd::portable::evaluate_lower_bound<float>(view(), {centre.x, centre.y, centre.z},
                                                      radius);
+}
+
+EightFloats GridField::distances(const EightPoints& points) const {
+  EightFloats distances;
+  simd::grid_sampling().measure_distances(view(), to_rows(points), distances.data());
+  return distances;
+}
+
+GridField::BallValues GridField::bound_balls(const EightPoints& centres,
+                                             const EightFloats& radii) const {
+  BallValues values;
+  simd::grid_sampling().bound_balls(view(), to_rows(centres), radii.data(), values.distance.data(),
+                                    values.lower_bound.data());
+  return values;
 }
 
 double GridField::reach() const {

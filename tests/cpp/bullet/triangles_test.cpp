@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +13,9 @@
 
 #include "support/models.h"
 #include "support/random.h"
+#include "support/slow_triangle_contacts.h"
 #include "support/world.h"
+#include "triangle_contacts.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -157,6 +161,36 @@ TEST(Triangles, AreAsDeepAsTheirDeepestPlaceInTheField) {
     }
   }
   EXPECT_GT(touching, 30);
+}
+
+TEST(Triangles, AreFoundAsByTheSlowWay) {
+  Random random(6);
+  std::size_t found_count = 0;
+  std::size_t sample_count = 0;
+  for (const int cells : {1, 7, 60}) {
+    const Terrain terrain(cells, cells == 7 ? waves : flat);
+    const btBvhTriangleMeshShape mesh(terrain.array.get(), true);
+    for (const auto& model : {blob_model(), torus_model()}) {
+      TriangleContacts fast;  // one for all, as in a world
+      for (int i = 0; i < 12; ++i) {
+        const Pose model_from_mesh =
+            Pose{random.rotation(), random.in_box({-0.5, -0.5, -0.14}, {0.5, 0.5, 0.14})}.inverse();
+        const int level = 1 + i % 6;
+        const float margin = i % 3 == 0 ? 0.0002f : i % 3 == 1 ? 0.01f : 0.15f;
+        SlowTriangleContacts slow;
+        const std::vector<Contact> expected =
+            slow.find(mesh, *model, model_from_mesh, level, margin);
+        const std::vector<Contact>& found = fast.find(mesh, *model, model_from_mesh, level, margin);
+        ASSERT_EQ(found.size(), expected.size());
+        EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(Contact)), 0)
+            << cells << " cells, pose " << i;
+        found_count += found.size();
+        sample_count += slow.sample_count;
+      }
+    }
+  }
+  EXPECT_GT(found_count, 500u);
+  EXPECT_GT(sample_count, 20'000u);
 }
 
 TEST(Triangles, StopABodyThatTheyAreMuchThinnerThanAStepOf) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/closest_point.h"
+#include "simd/grid_sampling.h"
 #include "support/brute_force.h"
 #include "support/grid_bricks.h"
 #include "support/grid_fields.h"
@@ -381,6 +382,58 @@ TEST(GridField, IsNotANumberWhereThePointIsNot) {
     field.gradient(p);
     field.lower_bound(p, 1.0f);
   }
+}
+
+bool is_outside(const Bounds& bounds, const Vec3& p) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (p[axis] < bounds.lower[axis] || p[axis] > bounds.upper[axis]) return true;
+  }
+  return false;
+}
+
+TEST(GridField, EightAtOnceAreAsOneByOne) {
+  Random random(77);
+  int outside = 0;
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grown(grid_bounds(field), 0.3);
+    for (int round = 0; round < 400; ++round) {
+      EightPoints points;
+      EightFloats radii{};
+      for (std::size_t i = 0; i < radii.size(); ++i) {
+        points.set(i, static_cast<Vec3f>(point_in(random, bounds)));
+        radii[i] = static_cast<float>(random.uniform(0.0, 0.2));
+      }
+      if (round == 0) points.set(3, {std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f});
+      for (const simd::GridSampling* kernels :
+           {&simd::grid_sampling(), &simd::kPortableGridSampling}) {
+        EightFloats distances;
+        EightFloats of_centres;
+        EightFloats bounded;
+        const auto* rows = reinterpret_cast<const float (*)[8]>(points.coordinates.data());
+        kernels->measure_distances(field.view(), rows, distances.data());
+        kernels->bound_balls(field.view(), rows, radii.data(), of_centres.data(), bounded.data());
+        for (std::size_t i = 0; i < radii.size(); ++i) {
+          const Vec3f p{points.coordinates[0][i], points.coordinates[1][i],
+                        points.coordinates[2][i]};
+          const float distance = field.distance(p);
+          const float bound = field.lower_bound(p, radii[i]);
+          if (std::isnan(distance)) {
+            EXPECT_TRUE(std::isnan(distances[i]) && std::isnan(of_centres[i]));
+            continue;
+          }
+          EXPECT_EQ(distances[i], distance) << name;
+          EXPECT_EQ(of_centres[i], distance) << name;
+          EXPECT_EQ(bounded[i], bound) << name;
+          outside += is_outside(grid_bounds(field), static_cast<Vec3>(p));
+        }
+      }
+      EXPECT_EQ(field.distances(points)[0],
+                field.distance({points.coordinates[0][0], points.coordinates[1][0],
+                                points.coordinates[2][0]}));
+    }
+  }
+  EXPECT_GT(outside, 1000);
 }
 
 }  // namespace

@@ -1,0 +1,28 @@
+#pragma once
+
+// The kernels of simd/grid_sampling.h, for whatever instruction set the including source is
+// compiled for.
+
+#include "simd/grid_formula.h"
+#include "simd/grid_sampling.h"
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+VOXSHELL_INLINE Triple<F8> load_points(const float (*p)[8]) {
+  return {load<F8>(p[0]), load<F8>(p[1]), load<F8>(p[2])};
+}
+
+inline void measure_distances(const GridView& grid, const float (*p)[8], float* distances) {
+  store(distances, evaluate_distance(grid, load_points(p)));
+}
+
+inline void bound_balls(const GridView& grid, const float (*centres)[8], const float* radii,
+                        float* distances, float* lower_bounds) {
+  const Triple<F8> p = load_points(centres);
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  store(lower_bounds, combine(grid, bound_ball(grid, place, value, load<F8>(radii))));
+  store(distances, any(is_beyond(place.outside)) ? evaluate_distance(grid, p) : value.distance);
+}
+
+}  // namespace voxshell::simd::VOXSHELL_ISA
