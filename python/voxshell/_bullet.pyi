@@ -45,14 +45,25 @@ class ContactMode(enum.Enum):
 
     SEGMENTED = 2
 
+class ConstraintSolver(enum.Enum):
+    SEQUENTIAL_IMPULSE = 0
+
+    NNCG = 1
+
+    DANTZIG = 2
+
+    PROJECTED_GAUSS_SEIDEL = 3
+
 class Simulation:
-    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, mode: ContactMode, level: int, margin: float, sweep_beyond: float) -> None: ...
+    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, mode: ContactMode, level: int, margin: float, sweep_beyond: float) -> None: ...
 
     def add_body(self, geometry: ModelGeometry | PlaneGeometry | BoxGeometry | SphereGeometry | GImpactGeometry | HullsGeometry, mass: float, centre_of_mass: Sequence[float], inertia: Sequence[Sequence[float]], pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)], friction: float, restitution: float) -> int: ...
 
     def step(self, count: int) -> None: ...
 
     def timings(self) -> NDArray[numpy.float64]: ...
+
+    def clear_timings(self) -> None: ...
 
     def contacts(self) -> NDArray[numpy.float64]: ...
 
@@ -69,5 +80,7 @@ class Simulation:
     def set_angular_velocity(self, arg0: int, arg1: Sequence[float], /) -> None: ...
 
     def is_asleep(self, arg: int, /) -> bool: ...
+
+most_timings: int = 100000
 
 bullet_version: int = 324

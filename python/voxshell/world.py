@@ -46,7 +46,14 @@ _CONTACT_MODES = {
     "regular": _bullet.ContactMode.REGULAR,
     "segmented": _bullet.ContactMode.SEGMENTED,
 }
+_SOLVERS = {
+    "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
+    "nncg": _bullet.ConstraintSolver.NNCG,
+    "dantzig": _bullet.ConstraintSolver.DANTZIG,
+    "projected_gauss_seidel": _bullet.ConstraintSolver.PROJECTED_GAUSS_SEIDEL,
+}
 _MOST_LEVELS = 12
+_MOST_ITERATIONS = 1_000_000
 
 
 class Body:
@@ -132,6 +139,12 @@ class World:
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
             here, penetration is resolved without adding velocity, which models need to rebound
             truly; -0.04 is Bullet's own default.
+        solver: Bullet's solver of constraints. "sequential_impulse" is its default; "nncg" follows
+            conjugate gradients; "dantzig" solves all of an island's constraints as one problem,
+            exactly, in a time that grows with the cube of their number; "projected_gauss_seidel"
+            solves that problem step by step.
+        iterations: Of the solver a step, at least 1. Bullet's default of 10 is enough for single
+            bodies; stacks and machines want more. "dantzig" does without.
 
     Raises:
         SettingsError: A setting is out of range.
@@ -164,7 +177,15 @@ class World:
         sweep_beyond: float | None = None,
         sleeping: bool = True,
         split_impulse_threshold: float = 0.0,
+        solver: Literal[
+            "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
+        ] = "sequential_impulse",
+        iterations: int = 10,
     ) -> None:
+        if solver not in _SOLVERS:
+            raise SettingsError(
+                f"solver must be one of {', '.join(map(repr, _SOLVERS))}, not {solver!r}"
+            )
         if contact not in _CONTACT_MODES:
             raise SettingsError(
                 f"contact must be one of {', '.join(map(repr, _CONTACT_MODES))}, not {contact!r}"
@@ -179,6 +200,8 @@ class World:
             time_step=self.time_step,
             sleeping=bool(sleeping),
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
+            solver=_SOLVERS[solver],
+            iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
             mode=_CONTACT_MODES[contact],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
             margin=-1.0 if margin is None else as_margin(margin),
@@ -284,13 +307,29 @@ class World:
 
     @property
     def timings(self) -> NDArray[np.void]:
-        """Seconds of every step so far, (steps,) structured array.
+        """Seconds of every step since the start or :meth:`clear_timings`, (steps,) structured array.
+
+        Of long runs, the last 100,000 steps.
 
         ``step`` is all of Bullet's step; ``narrow_phase`` all pairs' collision algorithms, whatever
         the shapes; ``query``, ``reduction`` and ``manifold`` the models' part of that: finding
         contacts, choosing points, handing them to Bullet.
         """
         return self._simulation.timings().view(TIMINGS_DTYPE)[:, 0]
+
+    def clear_timings(self) -> None:
+        """Forgets the :attr:`timings` so far, as after a warm-up.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> world.step(10)
+            >>> world.clear_timings()
+            >>> world.step(3)
+            >>> len(world.timings)
+            3
+        """
+        self._simulation.clear_timings()
 
     def record(self, *, every: int = 1) -> Recorder:
         """Starts to record poses and contacts, now and after every ``every`` steps.

@@ -232,6 +232,70 @@ def test_timings_have_a_row_a_step(brick):
     assert (timings["narrow_phase"] <= timings["step"]).all()
 
 
+def test_timings_are_bounded_and_can_be_cleared():
+    world = vx.World()
+    world.step(5)
+    world.clear_timings()
+    assert world.timings.shape == (0,)
+    world.step(100_007)
+    timings = world.timings
+    assert timings.shape == (100_000,)
+    assert (timings["step"] > 0).all()
+
+
+SOLVERS = ["sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"]
+
+
+@pytest.mark.parametrize("kind", GROUNDS)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_bunny_comes_to_rest_with_every_solver(fine_bunny, solver, kind):
+    upright = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+    start = upright.copy()
+    start[2, 3] = 0.05 - fine_bunny.bounds[0, 1]
+    world = vx.World(solver=solver, sleeping=False)
+    world.add(GROUNDS[kind](), mass=0, pose=top(kind), friction=1.0)
+    body = world.add(fine_bunny, pose=start, friction=0.8)
+    inertia = fine_bunny.mass_properties(1.0)
+    energies = []
+
+    def height_of_mass(pose):
+        return (pose @ [*inertia.center_of_mass, 1.0])[2]
+
+    def note(world):
+        rotation = body.pose[:3, :3]
+        height = height_of_mass(body.pose)
+        spin = rotation.T @ body.angular_velocity
+        energies.append(
+            9.81 * height
+            + 0.5 * body.linear_velocity @ body.linear_velocity
+            + 0.5 * spin @ inertia.inertia @ spin
+        )
+        assert world.contacts()["depth"].max(initial=0.0) < 0.004  # two voxels
+        assert height > 0.02
+
+    world.step(1200, callback=note)
+    assert max(energies) < 1.001 * 9.81 * height_of_mass(start)
+    resting = body.pose
+    world.step(400)
+    assert np.linalg.norm(body.angular_velocity) < 0.05
+    assert np.linalg.norm(body.pose[:3, 3] - resting[:3, 3]) < 2e-4
+
+
+def test_more_iterations_carry_a_heavier_stack(brick):
+    def sag(**settings):
+        world = vx.World(sleeping=False, **settings)
+        world.add(vx.Plane(), mass=0)
+        bricks = [world.add(brick, mass=3.0**i, pose=at(z=0.0301 + 0.0601 * i)) for i in range(5)]
+        deepest = 0.0
+        for _ in range(200):
+            world.step()
+            deepest = max(deepest, world.contacts()["depth"].max(initial=0.0))
+        assert len(bricks) == 5
+        return deepest
+
+    assert sag(iterations=100) < 0.5 * sag()
+
+
 def test_callback_sees_every_step_and_may_stop_the_run(ball):
     world = vx.World()
     world.add(ball)
@@ -262,6 +326,9 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
         ({"sweep_beyond": -1e-3}, "sweep_beyond"),
         ({"sweep_beyond": float("nan")}, "sweep_beyond"),
         ({"split_impulse_threshold": "x"}, "split_impulse_threshold"),
+        ({"solver": "none"}, "'sequential_impulse', 'nncg', 'dantzig'"),
+        ({"iterations": 0}, "iterations"),
+        ({"iterations": 2.5}, "iterations"),
     ],
 )
 def test_wrong_settings_of_a_world(settings, part):

@@ -80,7 +80,7 @@ void step(Simulation& simulation, std::size_t count) {
   }
 }
 
-/// Every step's seconds: whole step, narrow phase, and its query, reduction and manifold parts.
+/// Each step's seconds: whole step, narrow phase, and its query, reduction and manifold parts.
 nb::ndarray<nb::numpy, double> timings(const Simulation& simulation) {
   std::vector<std::array<double, 5>> rows;
   rows.reserve(simulation.timings().size());
@@ -173,24 +173,32 @@ void bind_simulation(nb::module_& module) {
       .value("REGULAR", bullet::ContactMode::kRegular)
       .value("SEGMENTED", bullet::ContactMode::kSegmented);
 
+  nb::enum_<ConstraintSolver>(module, "ConstraintSolver")
+      .value("SEQUENTIAL_IMPULSE", ConstraintSolver::kSequentialImpulse)
+      .value("NNCG", ConstraintSolver::kNncg)
+      .value("DANTZIG", ConstraintSolver::kDantzig)
+      .value("PROJECTED_GAUSS_SEIDEL", ConstraintSolver::kProjectedGaussSeidel);
+
   nb::class_<Simulation>(module, "Simulation")
       .def(
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
-             double split_impulse_threshold, bullet::ContactMode mode, int level, double margin,
-             double sweep_beyond) {
+             double split_impulse_threshold, ConstraintSolver solver, int iterations,
+             bullet::ContactMode mode, int level, double margin, double sweep_beyond) {
             new (self) Simulation({.gravity = to_vec3(gravity),
                                    .time_step = time_step,
                                    .sleeping = sleeping,
                                    .split_impulse_threshold = split_impulse_threshold,
+                                   .solver = solver,
+                                   .iterations = iterations,
                                    .contact = {.mode = mode,
                                                .level = level,
                                                .margin = margin,
                                                .sweep_beyond = sweep_beyond}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
-          nb::arg("split_impulse_threshold"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"),
-          nb::arg("sweep_beyond"))
+          nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
+          nb::arg("mode"), nb::arg("level"), nb::arg("margin"), nb::arg("sweep_beyond"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, double mass,
@@ -209,6 +217,7 @@ void bind_simulation(nb::module_& module) {
           nb::arg("pose"), nb::arg("friction"), nb::arg("restitution"))
       .def("step", &step, nb::arg("count"))
       .def("timings", &timings)
+      .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", &contacts)
       .def("pose",
            [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
@@ -236,5 +245,6 @@ NB_MODULE(_bullet, module) {
   module.doc() = "Stock Bullet with voxshell's models. Use it through voxshell.World.";
   voxshell::python::bind_geometries(module);
   voxshell::python::bind_simulation(module);
+  module.attr("most_timings") = voxshell::python::Simulation::kMostTimings;
   module.attr("bullet_version") = btGetVersion();
 }

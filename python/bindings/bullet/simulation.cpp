@@ -3,6 +3,10 @@
 #include <chrono>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
@@ -54,13 +58,32 @@ Simulation::Simulation(const SimulationSettings& settings) : settings_(settings)
   dispatcher_ = std::make_unique<TimedDispatcher>(configuration_.get());
   btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
-  solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
+  make_solver();
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
+  world_->getSolverInfo().m_numIterations = settings_.iterations;
   world_->getSolverInfo().m_splitImpulse = 1;
   world_->getSolverInfo().m_splitImpulsePenetrationThreshold = settings_.split_impulse_threshold;
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
+}
+
+void Simulation::make_solver() {
+  switch (settings_.solver) {
+    case ConstraintSolver::kSequentialImpulse:
+      solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
+      return;
+    case ConstraintSolver::kNncg:
+      solver_ = std::make_unique<btNNCGConstraintSolver>();
+      return;
+    case ConstraintSolver::kDantzig:
+      lcp_ = std::make_unique<btDantzigSolver>();
+      break;
+    case ConstraintSolver::kProjectedGaussSeidel:
+      lcp_ = std::make_unique<btSolveProjectedGaussSeidel>();
+      break;
+  }
+  solver_ = std::make_unique<btMLCPSolver>(lcp_.get());
 }
 
 Simulation::~Simulation() {
@@ -89,6 +112,7 @@ void Simulation::step() {
   world_->stepSimulation(settings_.time_step, 0);
   timings_.push_back({seconds_since(start), dispatcher_->seconds, model_timings_.query,
                       model_timings_.reduction, model_timings_.manifold});
+  if (timings_.size() > kMostTimings) timings_.pop_front();
 }
 
 std::vector<SimulationContact> Simulation::compute_contacts() const {

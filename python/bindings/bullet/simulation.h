@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <vector>
 
+#include <BulletDynamics/MLCPSolvers/btMLCPSolverInterface.h>
 #include <btBulletDynamicsCommon.h>
 
 #include "bullet/shapes.h"
@@ -11,6 +13,9 @@
 #include "voxshell/mass_properties.h"
 
 namespace voxshell::python {
+
+/// Bullet's solvers of constraints.
+enum class ConstraintSolver { kSequentialImpulse, kNncg, kDantzig, kProjectedGaussSeidel };
 
 struct SimulationSettings {
   Vec3 gravity{0.0, 0.0, -9.81};   ///< m/s2
@@ -20,6 +25,8 @@ struct SimulationSettings {
   /// all of them: impacts then rebound with the energy that their restitution says, and no more.
   /// Bullet's own default is -0.04.
   double split_impulse_threshold = 0.0;
+  ConstraintSolver solver = ConstraintSolver::kSequentialImpulse;
+  int iterations = 10;  ///< of the solver; Dantzig's has none
   bullet::ContactSettings contact;
 };
 
@@ -65,7 +72,10 @@ class Simulation {
   std::size_t body_count() const { return bodies_.size(); }
 
   void step();
-  const std::vector<StepTimings>& timings() const { return timings_; }
+  /// Of the steps since the start or clear_timings(), the last kMostTimings at most.
+  const std::deque<StepTimings>& timings() const { return timings_; }
+  void clear_timings() { timings_.clear(); }
+  static constexpr std::size_t kMostTimings = 100'000;
   std::vector<SimulationContact> compute_contacts() const;
 
   Pose world_from_geometry(std::size_t body) const;
@@ -81,15 +91,18 @@ class Simulation {
   struct Body;
   class TimedDispatcher;
 
+  void make_solver();
+
   SimulationSettings settings_;
   bullet::NarrowPhaseTimings model_timings_;
   std::unique_ptr<bullet::CollisionConfiguration> configuration_;
   std::unique_ptr<TimedDispatcher> dispatcher_;
   std::unique_ptr<btBroadphaseInterface> broadphase_;
+  std::unique_ptr<btMLCPSolverInterface> lcp_;  ///< of solvers that solve all constraints as one
   std::unique_ptr<btConstraintSolver> solver_;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
-  std::vector<StepTimings> timings_;
+  std::deque<StepTimings> timings_;
 };
 
 }  // namespace voxshell::python
