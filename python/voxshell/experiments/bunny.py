@@ -80,7 +80,7 @@ def run_methods(settings: BunnyFallSettings, orientation: int) -> Tables:
         "steps": of every method; "equal_poses": times; "hulls": points of hull and decomposition;
         "KEY_poses" and "KEY_contacts": the recordings.
     """
-    shapes = _build_shapes(settings)
+    shapes = build_all_shapes(settings, find_mesh(settings))
     rotation = orientation_of(orientation)
     tables: dict[str, Columns] = {}
     curves = []
@@ -110,11 +110,15 @@ def orientation_of(number: int) -> np.ndarray:
     return np.array(quaternion_matrix(ORIENTATIONS_WXYZ[number]))
 
 
-@cache
-def _build_shapes(settings: BunnyFallSettings) -> DropShapes:
+def build_all_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
+    """Every method's shapes, built once a process for all experiments with the same drop."""
     known = {field.name for field in fields(DropSettings)}
-    basic = DropSettings(**{name: getattr(settings, name) for name in known})
-    return build_shapes(find_mesh(settings), basic)
+    return _build_shapes(DropSettings(**{name: getattr(settings, name) for name in known}), mesh)
+
+
+@cache
+def _build_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
+    return build_shapes(mesh, settings)
 
 
 def find_mesh(settings: BunnyFallSettings) -> Path:

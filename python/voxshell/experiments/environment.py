@@ -11,7 +11,7 @@ from pathlib import Path
 import voxshell
 from voxshell.world import BULLET_VERSION
 
-_LIBRARIES = ("numpy", "trimesh", "vhacdx", "matplotlib", "pyarrow", "viser")
+_LIBRARIES = ("coal", "manifold3d", "numpy", "trimesh", "vhacdx", "matplotlib", "pyarrow", "viser")
 
 
 def describe_environment() -> dict[str, object]:

@@ -45,6 +45,29 @@ rates = [50, 10]
 seconds = 1.0
 fine_points = 1000
 voxel_size = 0.006
+[pair]
+mesh = "MESH"
+size = 0.1
+voxel_size = 0.005
+height = 0.1
+fine_points = 600
+coarse_points = 100
+poses = 2
+repeats = 1
+[rest]
+orientations = 1
+settle_seconds = 0.5
+drift_seconds = 0.2
+fine_points = 1000
+voxel_size = 0.006
+[slope]
+seconds = 0.5
+halvings = 3
+[nut]
+seconds = 0.05
+rate = 200.0
+segments = 12
+voxel_size = 0.0008
 """
 CLI = (sys.executable, "-c", "from voxshell.cli import main; main()", "reproduce")
 PATIENCE = 240

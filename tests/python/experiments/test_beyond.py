@@ -6,10 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from voxshell.experiments import rest, slope
+from voxshell.experiments.pair import PairSettings
 from voxshell.experiments.part import compute_part
+from voxshell.experiments.report.nut import NUT
+from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.rest import REST
 from voxshell.experiments.report.slope import SLOPE
+from voxshell.scenes.bolt import BoltSettings, measure_turns
 
 
 def compute(experiment, settings):
@@ -70,3 +75,58 @@ def test_box_slides_at_coulombs_angle(tmp_path):
     rows = {row.quantity: row for row in SLOPE.reduce(settings, {**results, "regular": wrong})}
     assert rows["angle of sliding off Coulomb's, friction 0.5, regular contacts"].holds is False
     draw(SLOPE, settings, results, tmp_path)
+
+
+def test_nut_stays_on_its_thread(tmp_path):
+    settings = replace(
+        BoltSettings(), voxel_size=0.0004, segments=24, seconds=0.15, length=0.04, rate=500.0
+    )
+    results = compute(NUT, settings)
+    rows = {row.quantity: row for row in NUT.reduce(settings, results)}
+    assert rows["off its thread at most, no friction, regular"].holds
+    hulls = next(row for name, row in rows.items() if name.endswith("apart, convex hulls"))
+    ours = next(row for name, row in rows.items() if name.endswith("apart, VPS"))
+    assert hulls.here > 5.0
+    assert ours.here == 0.0
+    assert ours.holds
+    steps = results["turn-regular"]["steps"]
+    assert steps["height"][-1] < 0.0  # it fell by its play at least
+    through = {"steps": {**steps, "height": steps["height"] - 0.01}}
+    rows = {row.quantity: row for row in NUT.reduce(settings, {**results, "turn-regular": through})}
+    assert rows["off its thread at most, no friction, regular"].holds is False
+    draw(NUT, settings, results, tmp_path)
+
+
+def test_turns_are_those_of_the_pose():
+    settings = BoltSettings()
+    assert measure_turns(settings.compute_fit(3.25)) == pytest.approx(0.25)
+    assert settings.compute_fit(3.25)[2, 3] == pytest.approx(3.25 * settings.pitch)
+
+
+def test_pair_times_every_method_in_touching_poses(tmp_path):
+    trimesh.creation.torus(0.1, 0.03, 24, 16).export(tmp_path / "torus.stl")
+    settings = replace(
+        PairSettings(),
+        mesh=str(tmp_path / "torus.stl"),
+        size=0.2,
+        voxel_size=0.004,
+        fine_points=2_000,
+        coarse_points=300,
+        poses=4,
+        repeats=2,
+    )
+    results = compute(PAIR, settings)
+    found = results["times"]["contacts"]
+    fine = found["method"] == "vps-fine"
+    assert (found["contacts"][fine] > 0).all()
+    assert (found["depth"][fine] < settings.most_depth + settings.voxel_size).all()
+    rows = {row.quantity: row for row in PAIR.reduce(settings, results)}
+    fine_time = rows["median time, VPS fine"].here
+    assert rows["GImpact / VPS fine, bunny on bunny"].here == pytest.approx(
+        rows["median time, GImpact"].here / fine_time
+    )
+    times = results["times"]["times"]
+    slow = {**times, "seconds": np.where(times["method"] == "vps-fine", 1.0, times["seconds"])}
+    rows = PAIR.reduce(settings, {"times": {**results["times"], "times": slow}})
+    assert [row.holds for row in rows if row.bar] == [False, False]
+    draw(PAIR, settings, results, tmp_path)

@@ -5,13 +5,15 @@ from __future__ import annotations
 from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
+from voxshell.experiments.report.nut import NUT
+from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.rates import RATES
 from voxshell.experiments.report.rest import REST
 from voxshell.experiments.report.segments import SEGMENTS
 from voxshell.experiments.report.slope import SLOPE
 from voxshell.experiments.report.stack import STACK
 
-EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, BUNNY, SEGMENTS, RATES, REST, SLOPE)
+EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, BUNNY, SEGMENTS, RATES, PAIR, REST, SLOPE, NUT)
 
 
 def find_experiment(name: str) -> Experiment:

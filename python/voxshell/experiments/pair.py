@@ -1,0 +1,211 @@
+"""Bunny on bunny: the narrow phase of two meshes that just touch, with every method."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell._arguments import as_integer, as_positive
+from voxshell.errors import SettingsError
+from voxshell.experiments.bunny import build_all_shapes
+from voxshell.experiments.part import Part
+from voxshell.experiments.timing import pinned, time_poses
+from voxshell.model import Model
+from voxshell.queries import collide
+from voxshell.scenes.bunny import find_bunny
+from voxshell.scenes.drop import BULLET_SPLIT_IMPULSE_THRESHOLD, METHODS, DropSettings
+from voxshell.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from voxshell.experiments.part import Columns, Tables
+    from voxshell.scenes.drop import DropShapes, Method
+
+PAIRED = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
+"""Keys of the methods that can meet themselves."""
+
+
+@dataclass(frozen=True)
+class PairSettings(DropSettings):
+    """Settings of the pair.
+
+    Attributes:
+        mesh: Path of another mesh; the bunny by default.
+        poses: How many, any orientation and direction.
+        least_depth, most_depth: How far one is pushed into the other after the first touch, metres.
+        steps_a_pose: Steps spent at each pose, the first untimed: as in a simulation, a step is near
+            the one before.
+        drift: How far the body moves between these, metres.
+        repeats: How often all poses are timed.
+        seed: Of the poses.
+    """
+
+    mesh: str = ""
+    poses: int = 60
+    least_depth: float = 0.0005
+    most_depth: float = 0.002
+    steps_a_pose: int = 4
+    drift: float = 0.0001
+    repeats: int = 5
+    seed: int = 53
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("least_depth", "most_depth", "drift"):
+            as_positive(getattr(self, name), name)
+        for name in ("poses", "repeats"):
+            as_integer(getattr(self, name), name, 1, 100_000)
+        as_integer(self.steps_a_pose, "steps_a_pose", 2, 1000)
+        if self.most_depth < self.least_depth:
+            raise SettingsError("most_depth must be at least least_depth")
+
+
+def plan(settings: PairSettings) -> list[Part]:
+    """One part: all methods in one process and the same poses."""
+    return [
+        Part(
+            "times",
+            time_methods,
+            {"settings": settings},
+            timed=True,
+            cost=10.0 + 0.01 * settings.poses * settings.repeats,
+        )
+    ]
+
+
+def time_methods(settings: PairSettings) -> Tables:
+    """Seconds of every pose: of the narrow phase in Bullet, and of yes/no queries beside coal's."""
+    shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
+    model = shapes.bodies["vps-fine"]
+    assert isinstance(model, Model)
+    poses = find_poses(settings, model)
+    rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
+    asks = _make_queries(model)
+    with pinned():
+        for repeat in range(settings.repeats):
+            for method in (each for each in METHODS if each.key in PAIRED):
+                _append(rows, method.key, repeat, _time_in_world(settings, shapes, method, poses))
+            for name, ask in asks.items():
+                _append(rows, name, repeat, _time_queries(ask, poses))
+    return {
+        "times": {name: np.array(values) for name, values in rows.items()},
+        "contacts": _count_contacts(settings, shapes, poses),
+    }
+
+
+def find_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
+    """World_from_body of the second body, (n, 4, 4): it comes from afar and stops a bit too late."""
+    from trimesh.transformations import random_rotation_matrix
+
+    rng = np.random.default_rng(settings.seed)
+    poses = np.zeros((settings.poses, 4, 4))
+    middle = model.bounds.mean(axis=0)
+    reach = 2.0 * float(np.linalg.norm(np.ptp(model.bounds, axis=0)))
+    for pose in poses:
+        pose[:] = random_rotation_matrix(rng.random(3))
+        direction = rng.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        # The middles lie on a line along the direction.
+        origin = middle - pose[:3, :3] @ middle
+        near, far = 0.0, reach
+        for _ in range(24):
+            distance = 0.5 * (near + far)
+            pose[:3, 3] = origin + distance * direction
+            near, far = (distance, far) if collide(model, model, None, pose) else (near, distance)
+        depth = rng.uniform(settings.least_depth, settings.most_depth)
+        pose[:3, 3] = origin + (far - depth) * direction
+    return poses
+
+
+def _build_world(settings: PairSettings, shapes: DropShapes, method: Method, pose: Any) -> Any:
+    world = World(
+        gravity=(0.0, 0.0, 0.0),
+        time_step=1.0 / settings.rate,
+        sleeping=False,
+        split_impulse_threshold=0.0 if method.is_model else BULLET_SPLIT_IMPULSE_THRESHOLD,
+    )
+    shape = shapes.bodies[method.key]
+    world.add(shape, mass=0.0)
+    body = world.add(shape, mass=settings.mass, pose=pose, inertia=shapes.mass_properties)
+    return world, body
+
+
+def _time_in_world(
+    settings: PairSettings, shapes: DropShapes, method: Method, poses: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    world, body = _build_world(settings, shapes, method, poses[0])
+    near = np.repeat(poses, settings.steps_a_pose, axis=0)
+    # To and fro, so that the depth stays what it is.
+    near[:, :3, 3] += settings.drift * (np.arange(len(near)) % 2)[:, None] / np.sqrt(3.0)
+    seconds = time_poses(world, body, near)["narrow_phase"].reshape(len(poses), -1)
+    return np.median(seconds[:, 1:], axis=1)
+
+
+def _count_contacts(
+    settings: PairSettings, shapes: DropShapes, poses: NDArray[np.float64]
+) -> Columns:
+    """Of each method and pose: contact points and the deepest, metres."""
+    keys, counts, depths = [], [], []
+    for method in (each for each in METHODS if each.key in PAIRED):
+        world, body = _build_world(settings, shapes, method, poses[0])
+        for pose in poses:
+            body.pose = pose
+            body.linear_velocity = body.angular_velocity = (0.0, 0.0, 0.0)
+            world.step()
+            found = world.contacts()
+            keys.append(method.key)
+            counts.append(len(found))
+            depths.append(max(float(found["depth"].max(initial=0.0)), 0.0))
+    return {"method": np.array(keys), "contacts": np.array(counts), "depth": np.array(depths)}
+
+
+def _make_queries(model: Model) -> dict[str, Callable[[NDArray[np.float64]], object]]:
+    """Yes/no queries of the pair, ours and coal's where it is installed."""
+    queries: dict[str, Callable[[NDArray[np.float64]], object]] = {
+        "collide": lambda pose: collide(model, model, None, pose)
+    }
+    try:
+        import coal  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        return queries
+    tree = coal.BVHModelOBBRSS()
+    tree.beginModel(len(model.mesh.faces), len(model.mesh.vertices))
+    vertices = coal.StdVec_Vec3s()
+    vertices.extend(np.asarray(model.mesh.vertices, dtype=float))
+    triangles = coal.StdVec_Triangle()
+    triangles.extend([coal.Triangle(*(int(i) for i in face)) for face in model.mesh.faces])
+    tree.addSubModel(vertices, triangles)
+    tree.endModel()
+    fixed, request = coal.Transform3s(), coal.CollisionRequest()
+
+    def ask(pose: NDArray[np.float64]) -> object:
+        moved = coal.Transform3s(pose[:3, :3], pose[:3, 3])
+        return coal.collide(tree, fixed, tree, moved, request, coal.CollisionResult())
+
+    queries["coal"] = ask
+    return queries
+
+
+def _time_queries(
+    ask: Callable[[NDArray[np.float64]], object], poses: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    seconds = np.zeros(len(poses))
+    for i, pose in enumerate(poses):
+        start = time.perf_counter()
+        ask(pose)
+        seconds[i] = time.perf_counter() - start
+    return seconds
+
+
+def _append(rows: dict[str, list[Any]], name: str, repeat: int, seconds: NDArray) -> None:
+    rows["method"] += [name] * len(seconds)
+    rows["repeat"] += [repeat] * len(seconds)
+    rows["pose"] += range(len(seconds))
+    rows["seconds"] += seconds.tolist()

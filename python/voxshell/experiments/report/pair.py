@@ -1,0 +1,138 @@
+"""What bunny on bunny says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.experiments import pair
+from voxshell.experiments.drop_report import COLORS
+from voxshell.experiments.experiment import Experiment, Picture
+from voxshell.experiments.pair import PairSettings
+from voxshell.experiments.report.figures import FAINT, OURS_PLANE, open_figure
+from voxshell.experiments.verdict import Row, at_least, format_value
+from voxshell.scenes.drop import METHODS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from voxshell.experiments.experiment import Results
+
+LEAST_OVER_GIMPACT, LEAST_OVER_PARTS = 600.0, 15.0
+LABELS = {method.key: method.label for method in METHODS} | {
+    "collide": "VPS fine, yes/no (from Python)",
+    "coal": "coal, yes/no (from Python)",
+}
+
+
+def describe(settings: PairSettings) -> str:
+    """The set-up in words."""
+    return (
+        f"Two bunnies of {settings.size * 1e3:g} mm in {settings.poses} relative poses, pushed "
+        f"{settings.least_depth * 1e3:g} to {settings.most_depth * 1e3:g} mm into each other, the "
+        "same poses for every method in one process; medians over poses of medians over "
+        f"{settings.repeats} repeats; at each pose the bunny moves to and fro by "
+        f"{settings.drift * 1e3:g} mm, as in a simulation. The yes/no queries are called from Python, ours and coal's "
+        "(trees of oriented boxes with swept spheres)."
+    )
+
+
+def reduce(settings: PairSettings, results: Results) -> list[Row]:
+    """The verdicts."""
+    del settings
+    times = {key: _median(results, key) for key in (*pair.PAIRED, "collide", "coal")}
+    over_gimpact = times["gimpact"] / times["vps-fine"]
+    over_parts = times["decomposition"] / times["vps-fine"]
+    rows = [
+        Row(
+            "GImpact / VPS fine, bunny on bunny",
+            None,
+            over_gimpact,
+            "times",
+            bar=f">= {LEAST_OVER_GIMPACT:g}",
+            holds=at_least(over_gimpact, LEAST_OVER_GIMPACT),
+        ),
+        Row(
+            "decomposition / VPS fine, bunny on bunny",
+            None,
+            over_parts,
+            "times",
+            bar=f">= {LEAST_OVER_PARTS:g}",
+            holds=at_least(over_parts, LEAST_OVER_PARTS),
+        ),
+        Row(
+            "GJK on the hull / VPS fine, bunny on bunny",
+            None,
+            times["hull"] / times["vps-fine"],
+            "times",
+        ),
+        Row(
+            "coal / ours, yes/no from Python",
+            None,
+            times["coal"] / times["collide"],
+            "times",
+            note="" if np.isfinite(times["coal"]) else "coal is not installed: pip install coal",
+        ),
+    ]
+    found = results["times"]["contacts"]
+    for key, seconds in times.items():
+        mine = found["method"] == key
+        note = ""
+        if mine.any():
+            note = (
+                f"in contact in {int((found['contacts'][mine] > 0).sum())} of {int(mine.sum())} poses, "
+                f"deepest {format_value(float(found['depth'][mine].max()) * 1e3)} mm"
+            )
+        rows.append(
+            Row(f"median time, {LABELS[key]}", None, seconds * 1e6, "\N{MICRO SIGN}s", note=note)
+        )
+    return rows
+
+
+def draw(settings: PairSettings, results: Results, folder: Path) -> list[Picture]:
+    """Times of all poses, a box a method."""
+    del settings
+    with open_figure(folder / "times.png", width=9, height=3.8) as figure:
+        axes = figure.subplots()
+        keys = [key for key in LABELS if len(_of_poses(results, key))]
+        for place, key in enumerate(keys):
+            color = COLORS.get(key, OURS_PLANE if key == "collide" else FAINT)
+            values = np.sort(_of_poses(results, key)) * 1e6
+            axes.plot(values, np.full(len(values), place), "|", color=color, ms=14)
+            axes.plot(np.median(values), place, "o", color=color)
+        axes.set_yticks(range(len(keys)), [LABELS[key] for key in keys])
+        axes.set(xscale="log", xlabel="time of a pose, \N{MICRO SIGN}s")
+    return [Picture("times.png", "Narrow phase of bunny on bunny: a line a pose, the dot their median.")]  # fmt: skip
+
+
+def _of_poses(results: Results, key: str) -> NDArray[np.float64]:
+    """Seconds, (poses,): medians over repeats."""
+    table = results["times"]["times"]
+    mine = table["method"] == key
+    if not mine.any():
+        return np.zeros(0)
+    repeats = int(table["repeat"][mine].max()) + 1
+    return np.median(table["seconds"][mine].reshape(repeats, -1), axis=0)
+
+
+def _median(results: Results, key: str) -> float:
+    values = _of_poses(results, key)
+    return float(np.median(values)) if len(values) else float("nan")
+
+
+PAIR = Experiment(
+    name="pair",
+    title="Bunny on bunny",
+    question="How long does the narrow phase of two meshes take, beside Bullet's methods and coal?",
+    describe=describe,
+    settings=PairSettings(),
+    quick=replace(PairSettings(), poses=20, repeats=3),
+    plan=pair.plan,
+    reduce=reduce,
+    draw=draw,
+    published=False,
+)

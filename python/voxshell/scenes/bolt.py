@@ -1,0 +1,147 @@
+"""A bolt and the nut that fits it: what a convex decomposition cannot tell apart from a solid.
+
+Made with manifold3d, in any resolution and with an exact clearance. Metres; the axis is z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell._arguments import as_integer, as_positive
+from voxshell.errors import MissingExtraError, SettingsError
+from voxshell.meshes import Mesh
+from voxshell.model import Model
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_DEGREES_A_TURN = 360.0
+_SECTIONS_A_PITCH = 12
+
+
+@dataclass(frozen=True)
+class BoltSettings:
+    """Settings of bolt and nut.
+
+    Attributes:
+        radius: Of the thread, outer, metres.
+        depth: Of the thread, metres.
+        pitch: Metres a turn.
+        length: Of the bolt's thread, metres.
+        head: Height of the bolt's head, metres.
+        height: Of the nut, metres.
+        clearance: Between the threads along the radius, metres.
+        segments: Edges of a turn.
+        voxel_size: Metres.
+        rate: Steps a second.
+        friction: Of each of the two.
+        seconds: Of the nut at rest, and of its way down.
+
+    Raises:
+        SettingsError: A number is out of range, or the thread is deeper than the bolt.
+        MissingExtraError: manifold3d is not installed, when the shapes are built.
+    """
+
+    radius: float = 0.010
+    depth: float = 0.0015
+    pitch: float = 0.006
+    length: float = 0.048
+    head: float = 0.006
+    height: float = 0.009
+    clearance: float = 0.0004
+    segments: int = 64
+    voxel_size: float = 0.0002
+    rate: float = 1000.0
+    friction: float = 1.0
+    seconds: float = 2.0
+
+    def __post_init__(self) -> None:
+        for name in (
+            *("radius", "depth", "pitch", "length", "head", "height"),
+            *("clearance", "voxel_size", "rate", "friction", "seconds"),
+        ):
+            as_positive(getattr(self, name), name)
+        as_integer(self.segments, "segments", 8, 4096)
+        if self.depth >= self.radius:
+            raise SettingsError("depth must be below radius")
+
+    def build_bolt(self) -> Model:
+        """Its thread from z = 0 up, on a hexagonal head below."""
+        return _build_models(self)[0]
+
+    def build_nut(self) -> Model:
+        """From z = 0 up; it fits at whole turns along its screw."""
+        return _build_models(self)[1]
+
+    def compute_fit(self, turns: float) -> NDArray[np.float64]:
+        """The nut's pose on the bolt after so many turns from its foot, (4, 4)."""
+        from trimesh.transformations import rotation_matrix
+
+        pose = np.array(rotation_matrix(2.0 * np.pi * turns, (0.0, 0.0, 1.0)))
+        pose[2, 3] = turns * self.pitch
+        return pose
+
+
+def measure_turns(pose: NDArray[np.float64]) -> float:
+    """The angle about z of a pose, in turns, -0.5 to 0.5."""
+    return float(np.arctan2(pose[1, 0], pose[0, 0]) / (2.0 * np.pi))
+
+
+@cache
+def _build_models(settings: BoltSettings) -> tuple[Model, Model]:
+    solids = _import_manifold()
+    head = solids.Manifold.cylinder(
+        1.02 * settings.head, 1.7 * settings.radius, circular_segments=6
+    ).translate((0.0, 0.0, -settings.head))
+    bolt = _make_rod(settings, settings.radius, settings.length) + head
+    hexagon = solids.Manifold.cylinder(settings.height, 1.7 * settings.radius, circular_segments=6)
+    # The cutter starts a pitch lower, in the same phase, so that its ends are outside the nut.
+    cutter = _make_rod(
+        settings, settings.radius + settings.clearance, settings.height + 2.0 * settings.pitch
+    ).translate((0.0, 0.0, -settings.pitch))
+    return _as_model(settings, bolt), _as_model(settings, hexagon - cutter)
+
+
+def _make_rod(settings: BoltSettings, radius: float, length: float) -> Any:
+    """A right-handed trapezoidal thread about z from z = 0.
+
+    A cut across a one-start thread is a polar curve that turns once a pitch. Two rods whose radii
+    differ by c are c apart along the radius everywhere: each cut is the other one's moved out by c.
+    """
+    solids = _import_manifold()
+    angles = np.linspace(0.0, 2.0 * np.pi, settings.segments, endpoint=False)
+    wave = np.clip(2.0 * np.abs(angles / np.pi - 1.0) - 0.5, 0.0, 1.0)
+    radii = radius - settings.depth * (1.0 - wave)
+    section = solids.CrossSection(
+        [np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])]
+    )
+    turns = length / settings.pitch
+    return solids.Manifold.extrude(
+        section,
+        length,
+        n_divisions=round(_SECTIONS_A_PITCH * turns),
+        twist_degrees=_DEGREES_A_TURN * turns,
+    )
+
+
+def _as_model(settings: BoltSettings, solid: Any) -> Model:
+    mesh = solid.to_mesh64()
+    return Model.from_mesh(
+        Mesh(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.uint32)),
+        voxel_size=settings.voxel_size,
+        point_spacing=2.0 * settings.voxel_size,
+    )
+
+
+def _import_manifold() -> Any:
+    try:
+        import manifold3d  # pyright: ignore[reportMissingImports]
+    except ImportError as error:
+        raise MissingExtraError(
+            "bolt and nut are made with manifold3d: pip install voxshell[experiments]"
+        ) from error
+    return manifold3d
