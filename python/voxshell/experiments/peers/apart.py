@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from pathlib import Path
 
+_GRACE = 5.0
+"""Seconds that a process has to end by itself after its last word."""
+
 _LAST_WORDS = 200
 """Characters of a log that say why a process ended."""
 
@@ -74,11 +77,12 @@ def run_apart(
                 process.join()
                 return Ending("failed", _describe_exit(process.exitcode, log))
             if isinstance(message, Ending):
+                process.join(_GRACE)
                 return message
             receive(message)
         return Ending("timed out", f"killed after {limit:g} s")
     finally:
-        # Work that has told its ending may still hang in a library's clean-up.
+        # Also work that has told its ending, but hangs in a library's clean-up.
         process.kill()
         process.join()
         receiver.close()

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell._arguments import as_positive, as_real
+from voxshell.errors import SettingsError
 from voxshell.experiments.peers.protocol import Case, Job
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, read_mesh
@@ -57,6 +59,9 @@ class PeersSettings:
         drop_seconds: How long a drop is followed.
         time_limit: Of a peer, seconds; what it has measured by then counts.
         parts_time_limit: Of the convex decomposition, seconds.
+
+    Raises:
+        SettingsError: A number is out of range.
     """
 
     case_seconds: float = 2.0
@@ -64,6 +69,14 @@ class PeersSettings:
     drop_seconds: float = 4.0
     time_limit: float = 600.0
     parts_time_limit: float = 1800.0
+
+    def __post_init__(self) -> None:
+        if as_real(self.case_seconds, "case_seconds") < 0.0:
+            raise SettingsError(f"case_seconds must be at least 0, not {self.case_seconds:g}")
+        for rate in self.rates:
+            as_positive(rate, "rates")
+        for name in ("drop_seconds", "time_limit", "parts_time_limit"):
+            as_positive(getattr(self, name), name)
 
 
 QUICK = PeersSettings(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from importlib import metadata
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.experiments.peers.protocol import Case, Job, Other
+    from voxshell.meshes import Mesh
 
 MODULUS = 1e7
 """Hydroelastic modulus of what is compliant, pascals: the body's weight sinks in by micrometres."""
@@ -49,10 +48,11 @@ class Drake:
             "pairs": "the other body is compliant, which Drake makes of its convex hull",
         }
         self._job = job
-        self._folder = tempfile.TemporaryDirectory(prefix="voxshell-drake-")
-        path = Path(self._folder.name, "body.obj")
-        _write_obj(path, job.mesh.vertices, job.mesh.faces)
-        self._mesh = self._drake.Mesh(str(path))
+        drake = self._drake
+        file = drake.MemoryFile(
+            contents=_describe_obj(job.mesh), extension=".obj", filename_hint="body.obj"
+        )
+        self._mesh = drake.Mesh(mesh_data=drake.InMemoryMesh(mesh_file=file))
 
     def meet(self, case: Case) -> _Query:
         """The pair of a case."""
@@ -179,7 +179,7 @@ class _Fall:
         return pose.GetAsMatrix4()
 
 
-def _write_obj(path: Path, vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> None:
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.tolist()]
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+def _describe_obj(mesh: Mesh) -> str:
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
+    return "\n".join(lines) + "\n"

@@ -139,7 +139,7 @@ class Ode:
     def __init__(self, job: Job) -> None:
         self._ode = ode = load_ode()
         ode.dInitODE2(0)
-        self.version = "0.16, Debian's libode8"
+        self.version = LIBRARY
         self.settings: dict[str, object] = {
             "collider": "OPCODE trimesh",
             "drops": f"QuickStep, {ITERATIONS} iterations, {MOST_DROP_CONTACTS} contacts at most, "

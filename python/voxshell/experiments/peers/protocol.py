@@ -201,7 +201,9 @@ def load_library(module: str, package: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingExtraError(f"pip install {package} ({error})") from error
+        raise MissingExtraError(
+            f"pip install {package}, or all: voxshell[peers] ({error})"
+        ) from error
 
 
 def seconds_of(call: Callable[[], object]) -> float:

@@ -214,8 +214,9 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         "",
         f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
         f"{environment['system']}, Python {environment['python']}. Peers: `pip install "
-        "voxshell[peers]`; ODE: `apt install libode8`. Each runs in a process of its own, with the "
-        "settings below; one that is missing, fails or hangs is a row that says so.",
+        "voxshell[peers]`, or in a checkout `.venv/bin/pip install -c tools/constraints.txt -r "
+        "tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs in a process of its own, "
+        "with the settings below; one that is missing, fails or hangs is a row that says so.",
         "",
         f"The body is the Stanford bunny, {LENGTH:g} m long, 34,835 vertices. True depths in "
         "millimetres, "
@@ -249,7 +250,9 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         "## Contacts and depths",
         "",
         "Number of contacts in the first pose: deepest depth reported, millimetres (and how far that "
-        "is off the true one).",
+        "is off the true one). True is how far the deepest point of either body is from the other's "
+        "surface. Convex shapes report the shortest way out of each other instead, parts pair by pair; "
+        "meshes how deep a triangle is in another.",
         "",
         *_table(
             ["peer", *labels],
