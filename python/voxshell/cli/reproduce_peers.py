@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from voxshell.experiments.peers.comparison import Comparison
 
 
+_NAME_WIDTH = 12
+"""Characters; the longest word of the peers' names."""
+
+
 def peers(
     *,
     out: Path = Path("reproduction/peers"),
@@ -130,7 +134,7 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
             cells = []
             for rate in rates:
                 drop = report.find_drop(peer, ground, rate)
-                text = escape(report.format_drop(drop))
+                text = escape(report.format_drop(drop)).replace(" ", "\n")
                 color = colors.get(drop.outcome if drop is not None else "")
                 cells.append(f"[{color}]{text}[/]" if color else text)
             table.add_row(escape(peer.label), *cells)
@@ -140,5 +144,7 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
 def _new_table(title: str, headings: list[str]) -> Table:
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for index, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if index else "left")
+        table.add_column(
+            heading, justify="right" if index else "left", min_width=0 if index else _NAME_WIDTH
+        )
     return table

@@ -288,7 +288,13 @@ def test_results_are_complete(toys):
     with (out / "drops.csv").open() as file:
         assert {row["outcome"] for row in csv.DictReader(file)} == {"rests"}
     page = (out / "peers.md").read_text()
-    for word in ("SIGSEGV", "killed after 4 s", "no-such-package", "too many contacts", "2.00 ms"):
+    for word in (
+        "SIGSEGV",
+        "killed after 4 s",
+        "no-such-package",
+        "too many contacts",
+        "2.00 ms / 2.00 ms",
+    ):
         assert word in page, word
     assert "7: 74.60 (+1.00)" in page
     assert comparison.environment["commit"] in page

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -104,7 +105,7 @@ def measure_peer(
     peer: Peer, job: Job, *, limit: float, log: Path, progress: Progress
 ) -> PeerResult:
     """Measures one peer in a process of its own; whatever happens there, this returns a row."""
-    row = PeerResult(peer.key, peer.label, "measured")
+    row = PeerResult(peer.key, peer.label, "measured", load=os.getloadavg()[0])
     expected = len(job.cases) + 2 * len(job.rates)
 
     def receive(message: Prepared | CaseResult | DropResult) -> None:

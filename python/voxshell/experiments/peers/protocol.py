@@ -176,6 +176,7 @@ class PeerResult:
         settings: Those that it was run with.
         timed: What its times are of.
         preparation: Seconds from the mesh to what collides, without the parts.
+        load: The system's load average when it began; above the cores, other work took turns.
         cases: In the order of the job.
         drops: Likewise.
     """
@@ -188,6 +189,7 @@ class PeerResult:
     settings: dict[str, object] = field(default_factory=dict)
     timed: str = ""
     preparation: float = float("nan")
+    load: float = float("nan")
     cases: list[CaseResult] = field(default_factory=list)
     drops: list[DropResult] = field(default_factory=list)
 

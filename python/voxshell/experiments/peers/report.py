@@ -113,15 +113,18 @@ def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> flo
 # ---- cells ---------------------------------------------------------------------------------------
 
 
-def format_times(comparison: Comparison, peer: PeerResult, case: Case) -> str:
-    """Median, and as a multiple of ours: "16.1 µs 1.0x"."""
+def format_times(
+    comparison: Comparison, peer: PeerResult, case: Case, *, with_p99: bool = False
+) -> str:
+    """Median, perhaps p99, and the median as a multiple of ours: "16.1 µs 1.0x"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
     if result.problem:
         return "error"
     ratio = compute_ratio(comparison, case, result)
-    return format_time(result.median) + (f" {format_ratio(ratio)}" if math.isfinite(ratio) else "")
+    times = format_time(result.median) + (f" / {format_time(result.p99)}" if with_p99 else "")
+    return times + (f" {format_ratio(ratio)}" if math.isfinite(ratio) else "")
 
 
 def format_ratio(ratio: float) -> str:
@@ -196,6 +199,14 @@ def describe_truth(comparison: Comparison) -> str:
     return f"by libigl {version}, of all vertices and face centres of both meshes"
 
 
+def describe_load(peers: list[PeerResult]) -> str:
+    """What else the machine did: a load above the cores means that other work took turns."""
+    loads = [peer.load for peer in peers]
+    if not loads:
+        return "nothing measured"
+    return f"load average {min(loads):.1f} to {max(loads):.1f} (above the cores, others took turns)"
+
+
 # ---- Markdown ------------------------------------------------------------------------------------
 
 
@@ -213,8 +224,8 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         f"    {command}",
         "",
         f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
-        f"{environment['system']}, Python {environment['python']}. Peers: `pip install "
-        "voxshell[peers]`, or in a checkout `.venv/bin/pip install -c tools/constraints.txt -r "
+        f"{environment['system']}, Python {environment['python']}, {describe_load(measured)}. "
+        "Peers: `pip install voxshell[peers]`, or in a checkout `.venv/bin/pip install -c tools/constraints.txt -r "
         "tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs in a process of its own, "
         "with the settings below; one that is missing, fails or hangs is a row that says so.",
         "",
@@ -230,9 +241,9 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         "",
         "## Times",
         "",
-        f"Median of a query over {POSES} poses that differ by at most {1e3 * SHIFT:g} mm and "
-        f"{1e3 * TURN:g} mrad, asked again and again for {settings.case_seconds:g} s, and as a "
-        "multiple of the first row's; preparation in seconds, that of the convex parts first. Settings, "
+        f"Median and 99th percentile of a query over {POSES} poses that differ by at most {1e3 * SHIFT:g} mm and "
+        f"{1e3 * TURN:g} mrad, asked again and again for {settings.case_seconds:g} s, and the "
+        "median as a multiple of the first row's; preparation in seconds, that of the convex parts first. Settings, "
         "below, say what is timed. Pairs have no ground, so that they are asked about once.",
         "",
         *_table(
@@ -241,7 +252,10 @@ def write_markdown(comparison: Comparison, command: str) -> str:
                 [
                     peer.label,
                     format_preparation(peer),
-                    *(format_times(comparison, peer, case) for case in comparison.cases),
+                    *(
+                        format_times(comparison, peer, case, with_p99=True)
+                        for case in comparison.cases
+                    ),
                 ]
                 for peer in measured
             ],

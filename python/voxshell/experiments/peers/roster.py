@@ -39,10 +39,11 @@ _HERE = "voxshell.experiments.peers"
 REFERENCE = "voxshell"
 """Key of the row that ratios are taken to."""
 
+# "voxels", "analytic": what the ground is.
 PEERS = (
-    Peer(REFERENCE, "voxshell, voxelised ground", f"{_HERE}.ours", "voxels"),
-    Peer("voxshell-analytic", "voxshell, analytic ground", f"{_HERE}.ours", "analytic"),
-    Peer("voxshell-bullet", "voxshell in Bullet, voxelised", f"{_HERE}.bullet", "voxels"),
+    Peer(REFERENCE, "voxshell, voxels", f"{_HERE}.ours", "voxels"),
+    Peer("voxshell-analytic", "voxshell, analytic", f"{_HERE}.ours", "analytic"),
+    Peer("voxshell-bullet", "voxshell in Bullet, voxels", f"{_HERE}.bullet", "voxels"),
     Peer("voxshell-bullet-analytic", "voxshell in Bullet, analytic", f"{_HERE}.bullet", "analytic"),
     Peer("bullet-gimpact", "Bullet GImpact", f"{_HERE}.bullet", "gimpact"),
     Peer("bullet-hull", "Bullet convex hull", f"{_HERE}.bullet", "hull"),
