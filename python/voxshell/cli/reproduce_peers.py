@@ -83,13 +83,9 @@ def peers(
             skip_slow=quick,
             progress=show,
         )
-    command = " ".join(
-        [
-            "voxshell reproduce peers",
-            *(["--quick"] if quick else []),
-            *(["--only", *only] if only else []),
-        ]
-    )
+    words = ["voxshell reproduce peers", *(["--quick"] if quick else [])]
+    words += [] if settings is None else [f"--settings {settings}"]
+    command = " ".join(words + (["--only", *only] if only else []))
     report.write_results(out, comparison, command)
     if json_only:
         print(json.dumps(finite(report.describe(comparison))))
@@ -121,6 +117,9 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
         cells = (report.format_error(comparison, peer, case) for case in comparison.cases)
         table.add_row(escape(peer.label), report.format_preparation(peer), *cells)
     yield table
+    dropping = [peer for peer in measured if peer.drops]
+    if not dropping:
+        return
     rates = comparison.settings.rates
     colors = {"rests": "green", "moves": "yellow", "sinks": "red", "through": "red", "off": "red"}
     for ground in report.GROUNDS:
@@ -128,9 +127,7 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
             f"Dropped on the {ground}; height of the lowest vertex at the end, mm",
             ["peer", *(f"{rate:g} Hz" for rate in rates)],
         )
-        for peer in measured:
-            if not peer.drops:
-                continue
+        for peer in dropping:
             cells = []
             for rate in rates:
                 drop = report.find_drop(peer, ground, rate)

@@ -39,7 +39,7 @@ def printed(settings, out):
     )
 
 
-def test_tables_fit_a_terminal_and_files_are_written(printed, out):
+def test_tables_fit_a_terminal_and_files_are_written(printed, settings, out):
     assert printed.returncode == 0, printed.stderr
     for word in ("coal", "voxshell in", "plane 1.0", "pair 73.6", "413", "Dropped on the box"):
         assert word in printed.stdout, word
@@ -47,9 +47,8 @@ def test_tables_fit_a_terminal_and_files_are_written(printed, out):
     assert max(map(len, tables)) <= 80
     for name in ("peers.json", "cases.csv", "drops.csv", "peers.md", "rows", "logs"):
         assert (out / name).exists(), name
-    assert "voxshell reproduce peers --only coal voxshell-bullet-analytic" in (
-        (out / "peers.md").read_text()
-    )
+    page = (out / "peers.md").read_text()
+    assert f"--settings {settings} --only coal voxshell-bullet-analytic\n" in page
 
 
 def test_second_run_reads_what_the_first_measured(printed, settings, out):

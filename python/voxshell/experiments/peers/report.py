@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 from voxshell.experiments.drop_report import format_time
 from voxshell.experiments.files import replacing, write_json
 from voxshell.experiments.part import plain
-from voxshell.experiments.peers.cases import DROP_HEIGHT, LENGTH, POSES, SHIFT, TURN
+from voxshell.experiments.peers.cases import (
+    BOX_HALF_EXTENTS,
+    DROP_HEIGHT,
+    LENGTH,
+    POSES,
+    SHIFT,
+    TURN,
+)
 from voxshell.experiments.peers.measure import REST_SPEED, REST_SPIN, SUNK
 from voxshell.experiments.peers.roster import REFERENCE
 
@@ -212,12 +219,26 @@ def describe_load(peers: list[PeerResult]) -> str:
 
 def write_markdown(comparison: Comparison, command: str) -> str:
     """The page: what was asked, the tables, the settings of each peer."""
-    settings = comparison.settings
-    environment = comparison.environment
     measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
-    labels = [case.label for case in comparison.cases]
     lines = [
         "# What people would use instead",
+        *_describe_setup(comparison, measured, command),
+        *_tabulate_times(comparison, measured),
+        *_tabulate_depths(comparison, measured),
+        *_tabulate_drops(comparison, [peer for peer in measured if peer.drops]),
+        *_tabulate_settings(measured),
+        *_tabulate_problems(comparison),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _describe_setup(comparison: Comparison, measured: list[PeerResult], command: str) -> list[str]:
+    environment = comparison.environment
+    depths = (
+        f"{case.label.split()[0]} {1e3 * comparison.true_depth(case):.2f}"
+        for case in comparison.cases
+    )
+    return [
         "",
         "Made by",
         "",
@@ -225,41 +246,45 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         "",
         f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
         f"{environment['system']}, Python {environment['python']}, {describe_load(measured)}. "
-        "Peers: `pip install voxshell[peers]`, or in a checkout `.venv/bin/pip install -c tools/constraints.txt -r "
-        "tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs in a process of its own, "
-        "with the settings below; one that is missing, fails or hangs is a row that says so.",
+        "Peers: `pip install voxshell[peers]`, or in a checkout `.venv/bin/pip install -c "
+        "tools/constraints.txt -r tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs "
+        "in a process of its own, with the settings below; one that is missing, fails or hangs is a row "
+        "that says so.",
         "",
-        f"The body is the Stanford bunny, {LENGTH:g} m long, 34,835 vertices. True depths in "
-        "millimetres, "
-        + describe_truth(comparison)
-        + ": "
-        + ", ".join(
-            f"{case.label.split()[0]} {1e3 * comparison.true_depth(case):.2f}"
-            for case in comparison.cases
-        )
-        + ".",
+        f"The body is the Stanford bunny, {LENGTH:g} m long. True depths in millimetres, "
+        f"{describe_truth(comparison)}: {', '.join(depths)}.",
+    ]
+
+
+def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    cases = comparison.cases
+    return [
         "",
         "## Times",
         "",
-        f"Median and 99th percentile of a query over {POSES} poses that differ by at most {1e3 * SHIFT:g} mm and "
-        f"{1e3 * TURN:g} mrad, asked again and again for {settings.case_seconds:g} s, and the "
-        "median as a multiple of the first row's; preparation in seconds, that of the convex parts first. Settings, "
-        "below, say what is timed. Pairs have no ground, so that they are asked about once.",
+        f"Median and 99th percentile of a query over {POSES} poses that differ by at most "
+        f"{1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad, asked again and again for "
+        f"{comparison.settings.case_seconds:g} s, and the median as a multiple of the first row's; "
+        "preparation in seconds, that of the convex parts first. Settings, below, say what is timed. "
+        "Pairs have no ground, so that they are asked about once.",
         "",
         *_table(
-            ["peer", "preparation, s", *labels],
+            ["peer", "preparation, s", *(case.label for case in cases)],
             [
                 [
                     peer.label,
                     format_preparation(peer),
-                    *(
-                        format_times(comparison, peer, case, with_p99=True)
-                        for case in comparison.cases
-                    ),
+                    *(format_times(comparison, peer, case, with_p99=True) for case in cases),
                 ]
-                for peer in measured
+                for peer in peers
             ],
         ),
+    ]
+
+
+def _tabulate_depths(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    cases = comparison.cases
+    return [
         "",
         "## Contacts and depths",
         "",
@@ -269,53 +294,72 @@ def write_markdown(comparison: Comparison, command: str) -> str:
         "meshes how deep a triangle is in another.",
         "",
         *_table(
-            ["peer", *labels],
+            ["peer", *(case.label for case in cases)],
             [
-                [
-                    peer.label,
-                    *(format_depth(comparison, peer, case) for case in comparison.cases),
-                ]
-                for peer in measured
+                [peer.label, *(format_depth(comparison, peer, case) for case in cases)]
+                for peer in peers
             ],
         ),
+    ]
+
+
+def _tabulate_drops(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    if not peers:
+        return []
+    rates = comparison.settings.rates
+    lines = [
         "",
         "## Drops",
         "",
-        f"From {DROP_HEIGHT:g} m, upright, followed for {settings.drop_seconds:g} s, and the height of "
-        "the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
+        f"From {DROP_HEIGHT:g} m, upright, followed for {comparison.settings.drop_seconds:g} s, and the "
+        "height of the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
         f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second; *moves*: not; *sinks*: "
         f"deeper than {1e3 * SUNK:g} mm at the end; *through*: its centre is below the surface; *off*: "
-        "it left the box sideways.",
+        "it left the box sideways. `drops.csv` has how deep each was on the way.",
     ]
-    dropping = [peer for peer in measured if peer.drops]
     for ground in GROUNDS:
-        lines += ["", f"On the {ground}:" if ground == "plane" else "On the box, 5 cm thick:", ""]
-        lines += _table(
-            ["peer", *(f"{rate:g} Hz" for rate in settings.rates)],
-            [
+        thick = 2e2 * BOX_HALF_EXTENTS[2]
+        where = "plane" if ground == "plane" else f"box, {thick:g} cm thick"
+        lines += [
+            "",
+            f"On the {where}:",
+            "",
+            *_table(
+                ["peer", *(f"{rate:g} Hz" for rate in rates)],
                 [
-                    peer.label,
-                    *(format_drop(find_drop(peer, ground, rate)) for rate in settings.rates),
-                ]
-                for peer in dropping
-            ],
-        )
-    lines += ["", "## Settings", ""]
-    lines += _table(
-        ["peer", "version", "timed", "settings"],
-        [[peer.label, peer.version, peer.timed, format_settings(peer)] for peer in measured],
-    )
+                    [peer.label, *(format_drop(find_drop(peer, ground, rate)) for rate in rates)]
+                    for peer in peers
+                ],
+            ),
+        ]
+    return lines
+
+
+def _tabulate_settings(peers: list[PeerResult]) -> list[str]:
+    return [
+        "",
+        "## Settings",
+        "",
+        *_table(
+            ["peer", "version", "timed", "settings"],
+            [[peer.label, peer.version, peer.timed, format_settings(peer)] for peer in peers],
+        ),
+    ]
+
+
+def _tabulate_problems(comparison: Comparison) -> list[str]:
     problems = list(list_problems(comparison))
-    if problems:
-        lines += ["", "## Not measured", ""]
-        lines += _table(["peer", "what", "why"], problems)
-    return "\n".join(lines) + "\n"
+    if not problems:
+        return []
+    return ["", "## Not measured", "", *_table(["peer", "what", "why"], problems)]
 
 
 def format_settings(peer: PeerResult) -> str:
     """Names and values."""
     return "; ".join(
-        f"{name.replace('_', ' ')} {value:g}" if isinstance(value, float) else f"{name} {value}"
+        f"{name.replace('_', ' ')} {value:g}"
+        if isinstance(value, float)
+        else f"{name.replace('_', ' ')} {value}"
         for name, value in peer.settings.items()
     )
 
