@@ -8,6 +8,7 @@
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <gtest/gtest.h>
 
+#include "support/deepest_result.h"
 #include "support/models.h"
 #include "support/world.h"
 
@@ -96,14 +97,6 @@ TEST_P(OtherConvex, CarriesAModel) {
 }
 
 TEST_P(OtherConvex, AnswersContactTests) {
-  struct Count : btCollisionWorld::ContactResultCallback {
-    btScalar addSingleResult(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
-                             const btCollisionObjectWrapper*, int, int) override {
-      ++count;
-      return 0;
-    }
-    int count = 0;
-  };
   const Convex& convex = convexes()[GetParam()];
   for (const double gap : {-0.002, 0.005}) {
     TestWorld world;
@@ -111,10 +104,10 @@ TEST_P(OtherConvex, AnswersContactTests) {
     btRigidBody& body = world.add(convex.make(world), 1, {{}, {0, 0, convex.half_height + gap}});
     for (const double threshold : {0.0, 0.01}) {
       for (const bool swap : {false, true}) {
-        Count count;
-        count.m_closestDistanceThreshold = scalar(threshold);
-        world.world.contactPairTest(swap ? &body : &slab, swap ? &slab : &body, count);
-        EXPECT_EQ(count.count > 0, gap < 0 || threshold > gap) << convex.name << gap;
+        DeepestResult found;
+        found.m_closestDistanceThreshold = scalar(threshold);
+        world.world.contactPairTest(swap ? &body : &slab, swap ? &slab : &body, found);
+        EXPECT_EQ(found.count > 0, gap < 0 || threshold > gap) << convex.name << gap;
         EXPECT_EQ(world.dispatcher.getNumManifolds(), 0);
       }
     }

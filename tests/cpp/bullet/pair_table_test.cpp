@@ -30,6 +30,7 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
+#include "support/deepest_result.h"
 #include "support/models.h"
 #include "support/world.h"
 
@@ -227,15 +228,6 @@ const std::vector<Partner>& partners() {
   };
   return all;
 }
-
-struct DeepestResult : btCollisionWorld::ContactResultCallback {
-  btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
-                           const btCollisionObjectWrapper*, int, int) override {
-    depth = std::max(depth, -static_cast<double>(point.getDistance()));
-    return 0;
-  }
-  double depth = -1.0;
-};
 
 std::string describe(double depth) {
   if (depth < 0.0) return "none";

@@ -11,6 +11,7 @@
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <gtest/gtest.h>
 
+#include "support/deepest_result.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/slow_triangle_contacts.h"
@@ -104,15 +105,6 @@ TEST(Triangles, HaveNoInside) {
   }
 }
 
-struct Deepest : btCollisionWorld::ContactResultCallback {
-  btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
-                           const btCollisionObjectWrapper*, int, int) override {
-    depth = std::max(depth, -static_cast<double>(point.getDistance()));
-    return 0;
-  }
-  double depth = -1.0;
-};
-
 TEST(Triangles, AreAsDeepAsTheirDeepestPlaceInTheField) {
   const Terrain terrain(24, waves);
   Random random(5);
@@ -147,7 +139,7 @@ TEST(Triangles, AreAsDeepAsTheirDeepestPlaceInTheField) {
         world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0);
     btRigidBody& body = world.add_model(model, 1, pose);
     for (const bool body_first : {true, false}) {
-      Deepest found;
+      DeepestResult found;
       found.m_closestDistanceThreshold = scalar(0.01);
       world.world.contactPairTest(body_first ? &body : &ground, body_first ? &ground : &body,
                                   found);
