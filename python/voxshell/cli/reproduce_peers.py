@@ -103,7 +103,7 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
     measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
     labels = [case.label for case in comparison.cases]
     table = _new_table(
-        "Median time of a query, and as a multiple of the first row's", ["peer", *labels]
+        "Median time of a query; least time as a multiple of the first row's", ["peer", *labels]
     )
     for peer in measured:
         cells = (report.format_times(comparison, peer, case) for case in comparison.cases)

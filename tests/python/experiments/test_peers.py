@@ -148,7 +148,7 @@ def test_case_is_answered_at_its_first_pose_and_timed_at_all():
     case = Case("box", "box", "box", 0.001, poses, np.eye(4))
     result = measure_case(Counting(poses), case, 0.0)
     assert (result.contacts, result.depth, result.queries) == (12, 0.005, 5)
-    assert result.median == 0.003
+    assert result.median == result.least == 0.003
     assert 0.001 < result.p99 <= 0.003
 
 

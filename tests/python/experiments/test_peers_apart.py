@@ -27,6 +27,11 @@ def test_everything_that_work_yields_is_received_in_order(run):
     assert run(toy_peers.count_up, count=5) == ([0, 1, 2, 3, 4], Ending("done"))
 
 
+def test_files_that_libraries_leave_are_beside_the_log(run, tmp_path):
+    assert run(toy_peers.leave_a_file) == ([str(tmp_path)], Ending("done"))
+    assert (tmp_path / "LIBRARY_LOG.TXT").is_file()
+
+
 def test_crash_is_an_ending_that_names_the_signal(run):
     received, ending = run(toy_peers.abort)
     assert received == ["before"]

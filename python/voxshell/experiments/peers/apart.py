@@ -56,13 +56,13 @@ def run_apart(
         arguments: Its keyword arguments, which can be pickled.
         receive: Called with each thing that it yields.
         limit: Seconds after which the process is killed.
-        log: Takes what the process and its libraries print.
+        log: Takes what the process and its libraries print; its folder is where the process runs.
     """
     # Forking would hand over whatever the parent has loaded.
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(
-        target=_run, args=(work, arguments, sender, str(log)), daemon=True, name="peer"
+        target=_run, args=(work, arguments, sender, log.absolute()), daemon=True, name="peer"
     )
     end = time.monotonic() + limit
     process.start()
@@ -92,7 +92,7 @@ def _run(
     work: Callable[..., Iterator[object]],
     arguments: dict[str, Any],
     sender: Connection,
-    log: str,
+    log: Path,
 ) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _follow_parent()
@@ -101,6 +101,8 @@ def _run(
     os.dup2(descriptor, 1)
     os.dup2(descriptor, 2)
     faulthandler.enable(sys.stderr)
+    # Some libraries leave files wherever they run.
+    os.chdir(log.parent)
     try:
         for message in work(**arguments):
             sender.send(message)

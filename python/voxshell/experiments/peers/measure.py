@@ -64,6 +64,7 @@ def measure_case(query: Query, case: Case, seconds: float) -> CaseResult:
         case.key,
         median=float(np.median(times)),
         p99=float(np.percentile(times, 99)),
+        least=float(np.median(times.min(axis=0))),
         queries=times.size,
         contacts=contacts,
         depth=depth,

@@ -123,6 +123,8 @@ class CaseResult:
     Attributes:
         case: Key of the case.
         median, p99: Seconds a query.
+        least: Median over the poses of the least of a pose's queries, seconds: what is left when other
+            work's turns are taken out.
         queries: How many were timed.
         contacts: In the first pose.
         depth: The deepest depth reported there, metres; None where the peer reports none.
@@ -132,6 +134,7 @@ class CaseResult:
     case: str
     median: float = float("nan")
     p99: float = float("nan")
+    least: float = float("nan")
     queries: int = 0
     contacts: int = 0
     depth: float | None = None

@@ -83,6 +83,7 @@ def list_cases(comparison: Comparison) -> list[dict[str, object]]:
                     "case": case.key,
                     "median": result.median,
                     "p99": result.p99,
+                    "least": result.least,
                     "ratio": compute_ratio(comparison, case, result),
                     "queries": result.queries,
                     "contacts": result.contacts,
@@ -111,10 +112,10 @@ def find_drop(peer: PeerResult, ground: str, rate: float) -> DropResult | None:
 
 
 def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> float:
-    """Median time as a multiple of that of voxshell's contacts on voxels; NaN without it."""
+    """Least time as a multiple of that of voxshell's contacts on voxels; NaN without it."""
     ours = next((peer for peer in comparison.peers if peer.key == REFERENCE), None)
     reference = None if ours is None else find_case(ours, case)
-    return math.nan if reference is None else result.median / reference.median
+    return math.nan if reference is None else result.least / reference.least
 
 
 # ---- cells ---------------------------------------------------------------------------------------
@@ -123,7 +124,7 @@ def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> flo
 def format_times(
     comparison: Comparison, peer: PeerResult, case: Case, *, with_p99: bool = False
 ) -> str:
-    """Median, perhaps p99, and the median as a multiple of ours: "16.1 µs 1.0x"."""
+    """Median, perhaps p99, and the least as a multiple of ours: "16.1 µs 1.0x"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -264,7 +265,8 @@ def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str
         "",
         f"Median and 99th percentile of a query over {POSES} poses that differ by at most "
         f"{1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad, asked again and again for "
-        f"{comparison.settings.case_seconds:g} s, and the median as a multiple of the first row's; "
+        f"{comparison.settings.case_seconds:g} s; and, as a multiple of the first row's, the median over "
+        "poses of the least time, which other work on the machine disturbs less (`cases.csv` has it); "
         "preparation in seconds, that of the convex parts first. Settings, below, say what is timed. "
         "Pairs have no ground, so that they are asked about once.",
         "",
