@@ -35,7 +35,7 @@ def plan(settings: BallSettings) -> list[Part]:
             f"phases-{rule}-{method}-{ground}",
             run_phases,
             {**common, "method": method, "rule": rule, "ground": ground},
-            cost=0.005 * settings.phases * len(settings.restitutions),
+            cost=0.005 * settings.phases * len(settings.phase_restitutions),
         )
         for rule in RULES
         for method in METHODS
@@ -63,7 +63,7 @@ def run_phases(settings: BallSettings, method: str, rule: Rule, ground: Ground) 
         -settings.phase_reach, settings.phase_reach, settings.phases
     )
     rows = []
-    for restitution in settings.restitutions:
+    for restitution in settings.phase_restitutions:
         for height in heights:
             steps, _ = _fall(settings, method, ground, rule, restitution, float(height))
             rows.append((restitution, height, *measure(settings, steps)))

@@ -85,7 +85,9 @@ def time_methods(settings: PairSettings) -> Tables:
     shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
     model = shapes.bodies["vps-fine"]
     assert isinstance(model, Model)
-    poses = find_poses(settings, model)
+    poses = find_poses_between(
+        model, settings.poses, settings.least_depth, settings.most_depth, settings.seed
+    )
     rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
     asks = _make_queries(model)
     with pinned():
@@ -100,12 +102,22 @@ def time_methods(settings: PairSettings) -> Tables:
     }
 
 
-def find_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
-    """World_from_body of the second body, (n, 4, 4): it comes from afar and stops a bit too late."""
+def find_poses_between(
+    model: Model, count: int, least_depth: float, most_depth: float, seed: int
+) -> NDArray[np.float64]:
+    """World_from_body of a second body, (count, 4, 4): it comes from afar and stops a bit too late.
+
+    Args:
+        model: Of both bodies; the first is at the world's origin.
+        count: How many poses.
+        least_depth: How far it goes on after the first touch, at least,
+        most_depth: and at most, metres; negative: how far it is pulled back.
+        seed: Of orientations, directions and depths.
+    """
     from trimesh.transformations import random_rotation_matrix
 
-    rng = np.random.default_rng(settings.seed)
-    poses = np.zeros((settings.poses, 4, 4))
+    rng = np.random.default_rng(seed)
+    poses = np.zeros((count, 4, 4))
     middle = model.bounds.mean(axis=0)
     reach = 2.0 * float(np.linalg.norm(np.ptp(model.bounds, axis=0)))
     for pose in poses:
@@ -119,7 +131,7 @@ def find_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
             distance = 0.5 * (near + far)
             pose[:3, 3] = origin + distance * direction
             near, far = (distance, far) if collide(model, model, None, pose) else (near, distance)
-        depth = rng.uniform(settings.least_depth, settings.most_depth)
+        depth = rng.uniform(least_depth, most_depth)
         pose[:3, 3] = origin + (far - depth) * direction
     return poses
 

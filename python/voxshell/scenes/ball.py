@@ -48,6 +48,7 @@ class BallSettings:
         rate: Steps a second.
         steps: How many.
         restitutions: Of the ball; the ground's is 1.
+        phase_restitutions: The same, where many start heights are tried.
         low_points, high_points: Of the two shells.
         voxel_size: Of ball and ground, metres.
         phases: How many start heights are tried,
@@ -64,6 +65,7 @@ class BallSettings:
     rate: float = 200.0
     steps: int = 300
     restitutions: tuple[float, ...] = (0.1, 0.5, 0.9)
+    phase_restitutions: tuple[float, ...] = (0.0, 0.1, 0.5, 0.9, 1.0)
     low_points: int = 275
     high_points: int = 25_880
     voxel_size: float = 0.005
@@ -82,8 +84,12 @@ class BallSettings:
             raise SettingsError(
                 f"height must be above radius, {self.radius:g}, for the ball to fall"
             )
-        if not self.restitutions or not all(0.0 <= c <= 1.0 for c in self.restitutions):
-            raise SettingsError(f"restitutions must be from 0 to 1, not {self.restitutions}")
+        for name in ("restitutions", "phase_restitutions"):
+            values = getattr(self, name)
+            if not values or not all(0.0 <= c <= 1.0 for c in values):
+                raise SettingsError(f"{name} must be from 0 to 1, not {values}")
+        if not set(self.restitutions) <= set(self.phase_restitutions):
+            raise SettingsError("phase_restitutions must have all restitutions among them")
 
     @property
     def way_a_step(self) -> float:

@@ -68,6 +68,17 @@ seconds = 0.05
 rate = 200.0
 segments = 12
 voxel_size = 0.0008
+[accuracy]
+poses = 2
+fine_points = 1000
+voxel_size = 0.006
+reference_voxel_size = 0.004
+[scaling]
+orientations = 1
+points = [500, 1000]
+voxel_sizes = [0.01, 0.006]
+voxel_size = 0.006
+steps = 20
 """
 CLI = (sys.executable, "-c", "from voxshell.cli import main; main()", "reproduce")
 PATIENCE = 240
@@ -126,6 +137,11 @@ DEMANDED = {
     "bunny": ("GImpact / VPS fine on the analytic plane", "VPS fine / GJK", "decomposition /"),
     "segments": ("mean time, low", "mean time, high", "max/min over L"),
     "rates": ("lowest rate that holds, level 4, our rule", "deepest at rest"),
+    "pair": ("GImpact / VPS fine", "decomposition / VPS fine"),
+    "rest": ("angular speed", "drift", "fall asleep"),
+    "slope": ("angle of sliding",),
+    "nut": ("creep of the nut", "off its thread"),
+    "accuracy": ("depth off the truth",),
 }
 
 

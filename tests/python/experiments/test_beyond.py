@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 import trimesh
 from voxshell.experiments import rest, slope
+from voxshell.experiments.accuracy import AccuracySettings
 from voxshell.experiments.pair import PairSettings
 from voxshell.experiments.part import compute_part
+from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.rest import REST
+from voxshell.experiments.report.scaling import SCALING
 from voxshell.experiments.report.slope import SLOPE
+from voxshell.experiments.scaling import ScalingSettings
 from voxshell.scenes.bolt import BoltSettings, measure_turns
 
 
@@ -130,3 +134,46 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
     rows = PAIR.reduce(settings, {"times": {**results["times"], "times": slow}})
     assert [row.holds for row in rows if row.bar] == [False, False]
     draw(PAIR, settings, results, tmp_path)
+
+
+def test_depths_are_true_to_a_voxel(tmp_path):
+    settings = replace(
+        AccuracySettings(),
+        poses=4,
+        least_depth=0.001,
+        fine_points=4_000,
+        voxel_size=0.004,
+        reference_voxel_size=0.002,
+    )
+    results = compute(ACCURACY, settings)
+    rows = {row.quantity: row for row in ACCURACY.reduce(settings, results)}
+    assert rows["depth off the truth at most, fine"].holds
+    assert rows["overlaps deeper than a voxel that the fine shell misses"].holds
+    assert rows["meshes overlap, no contact, fine"].unit.startswith("of ")
+    table = results["depths"]["depths"]
+    assert (table["volume"] > 0.0).sum() >= 3  # the poses do overlap
+    blind = {"depths": table | {"fine": np.zeros(4), "truth": np.full(4, 0.005)}}
+    rows = {row.quantity: row for row in ACCURACY.reduce(settings, {"depths": blind})}
+    assert rows["depth off the truth at most, fine"].holds is False
+    assert rows["overlaps deeper than a voxel that the fine shell misses"].holds is False
+    draw(ACCURACY, settings, results, tmp_path)
+
+
+def test_time_grows_less_than_the_points(tmp_path):
+    settings = replace(
+        ScalingSettings(),
+        orientations=1,
+        points=(1_000, 16_000),
+        voxel_sizes=(0.008, 0.004),
+        voxel_size=0.004,
+        steps=50,
+    )
+    results = compute(SCALING, settings)
+    rows = {row.quantity: row for row in SCALING.reduce(settings, results)}
+    assert rows["growth of time with points, exponent"].here < 0.9
+    table = results["points"]["times"] | {"seconds": results["points"]["times"]["points"] * 1e-9}
+    rows = {
+        r.quantity: r for r in SCALING.reduce(settings, {**results, "points": {"times": table}})
+    }
+    assert rows["growth of time with points, exponent"].here == pytest.approx(1.0)
+    draw(SCALING, settings, results, tmp_path)

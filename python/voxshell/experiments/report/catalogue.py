@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from voxshell.experiments.experiment import Experiment
+from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.rates import RATES
 from voxshell.experiments.report.rest import REST
+from voxshell.experiments.report.scaling import SCALING
 from voxshell.experiments.report.segments import SEGMENTS
 from voxshell.experiments.report.slope import SLOPE
 from voxshell.experiments.report.stack import STACK
 
-EXPERIMENTS: tuple[Experiment, ...] = (BALL, STACK, BUNNY, SEGMENTS, RATES, PAIR, REST, SLOPE, NUT)
-
-
-def find_experiment(name: str) -> Experiment:
-    """The experiment of that name."""
-    return next(each for each in EXPERIMENTS if each.name == name)
+EXPERIMENTS: tuple[Experiment, ...] = (
+    BALL,
+    STACK,
+    BUNNY,
+    SEGMENTS,
+    RATES,
+    PAIR,
+    REST,
+    SLOPE,
+    NUT,
+    ACCURACY,
+    SCALING,
+)
