@@ -17,15 +17,17 @@ constexpr std::size_t kLanes = 8;  ///< places that the field is asked for at on
 
 Vec3f middle_of(const Vec3f& a, const Vec3f& b) { return 0.5f * (a + b); }
 
-/// The four pieces that the middles of the edges make.
-std::array<Triangle3f, 4> quarter(const Triangle3f& t) {
+/// The four pieces that the middles of the edges make, as corners a, b, c.
+template <class Use>
+void for_each_quarter(const Triangle3f& t, const Use& use) {
   const Vec3f ab = middle_of(t.a, t.b);
   const Vec3f bc = middle_of(t.b, t.c);
   const Vec3f ca = middle_of(t.c, t.a);
-  return {{{ab, bc, ca}, {t.a, ab, ca}, {ab, t.b, bc}, {ca, bc, t.c}}};
+  use(ab, bc, ca);
+  use(t.a, ab, ca);
+  use(ab, t.b, bc);
+  use(ca, bc, t.c);
 }
-
-Vec3f middle_of(const Triangle3f& t) { return kThird * (t.a + t.b + t.c); }
 
 /// Eight vectors.
 struct Lanes {
@@ -39,22 +41,8 @@ struct Lanes {
   Vec3f operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-EightFloats squared_distances(const Lanes& p, const Lanes& q) {
-  EightFloats squared;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const float x = p.x[i] - q.x[i];
-    const float y = p.y[i] - q.y[i];
-    const float z = p.z[i] - q.z[i];
-    squared[i] = x * x + y * y + z * z;
-  }
-  return squared;
-}
-
-EightFloats largest(const EightFloats& a, const EightFloats& b, const EightFloats& c) {
-  EightFloats most;
-  for (std::size_t i = 0; i < kLanes; ++i) most[i] = std::max(std::max(a[i], b[i]), c[i]);
-  return most;
-}
+/// By value, so that compilers see through it.
+float larger(float a, float b) { return a < b ? b : a; }
 
 /// The contact normal at the deepest place of a triangle. Within the triangle, the field's gradient
 /// is along the triangle's normal, but for the kinks that edges and corners make in the field:
@@ -145,18 +133,24 @@ void TriangleContacts::processTriangle(btVector3* corners, int, int) {
 
 /// Pieces that the field is asked about at once.
 struct TriangleContacts::Batch {
-  std::size_t count = 0;
-  Lanes a{}, b{}, c{};  ///< corners
-  std::array<std::uint32_t, kLanes> triangle;
-  std::array<int, kLanes> splits;
-  Lanes middle;
-  EightFloats squared_edge;  ///< the longest
-  GridField::BallValues values;
+  std::size_t count = 0;  ///< of those that are set; the others are of no importance
+  Lanes a{}, b{}, c{};    ///< corners
+  std::array<std::uint32_t, kLanes> triangle{};
+  std::array<int, kLanes> splits{};
+  EightPoints middles;
+  EightFloats squared_edge{};  ///< the longest
+  GridField::BallValues values{};
 
-  void add(const Triangle3f& corners, std::uint32_t of_triangle, int splits_left) {
-    a.set(count, corners.a);
-    b.set(count, corners.b);
-    c.set(count, corners.c);
+  Vec3f middle(std::size_t i) const {
+    const auto& [x, y, z] = middles.coordinates;
+    return {x[i], y[i], z[i]};
+  }
+
+  void add(const Vec3f& at_a, const Vec3f& at_b, const Vec3f& at_c, std::uint32_t of_triangle,
+           int splits_left) {
+    a.set(count, at_a);
+    b.set(count, at_b);
+    c.set(count, at_c);
     triangle[count] = of_triangle;
     splits[count] = splits_left;
     ++count;
@@ -166,18 +160,21 @@ struct TriangleContacts::Batch {
   /// longest edge is halved.
   void add_parts(const Piece& whole) {
     const Triangle3f& t = whole.corners;
+    const auto add_part = [&](const Vec3f& at_a, const Vec3f& at_b, const Vec3f& at_c) {
+      add(at_a, at_b, at_c, whole.triangle, whole.splits - 1);
+    };
     const std::array<float, 3> edges{squared_length(t.b - t.a), squared_length(t.c - t.b),
                                      squared_length(t.a - t.c)};
     const auto longest = std::max_element(edges.begin(), edges.end());
     constexpr float kSlender = 4.0f;
     if (*longest < kSlender * *std::min_element(edges.begin(), edges.end())) {
-      for (const Triangle3f& part : quarter(t)) add(part, whole.triangle, whole.splits - 1);
+      for_each_quarter(t, add_part);
       return;
     }
     const auto halve = [&](const Vec3f& from, const Vec3f& to, const Vec3f& opposite) {
       const Vec3f halfway = middle_of(from, to);
-      add({from, halfway, opposite}, whole.triangle, whole.splits - 1);
-      add({halfway, to, opposite}, whole.triangle, whole.splits - 1);
+      add_part(from, halfway, opposite);
+      add_part(halfway, to, opposite);
     };
     switch (longest - edges.begin()) {
       case 0:
@@ -189,51 +186,71 @@ struct TriangleContacts::Batch {
     }
   }
 
+  void read(std::size_t i, float least_spacing, Piece& piece) const {
+    piece.corners.a = a[i];
+    piece.corners.b = b[i];
+    piece.corners.c = c[i];
+    piece.middle = middle(i);
+    piece.triangle = triangle[i];
+    piece.splits = splits[i];
+    piece.is_leaf = is_leaf(i, least_spacing);
+    piece.distance = values.distance[i];
+    piece.bound = values.lower_bound[i];
+  }
+
   /// Far from the surface, where margins are those of fast bodies, coarser samples will do.
   bool is_leaf(std::size_t i, float least_spacing) const {
     const float spacing = std::max(least_spacing, 0.5f * values.lower_bound[i]);
     return splits[i] == 0 || squared_edge[i] <= spacing * spacing;
   }
 
+  /// All lanes at once, in one loop that compilers vectorise.
   void measure(const GridField& field) {
-    EightPoints centres;
+    EightFloats radii;
+    auto& [x, y, z] = middles.coordinates;
     for (std::size_t i = 0; i < kLanes; ++i) {
-      middle.x[i] = kThird * (a.x[i] + b.x[i] + c.x[i]);
-      middle.y[i] = kThird * (a.y[i] + b.y[i] + c.y[i]);
-      middle.z[i] = kThird * (a.z[i] + b.z[i] + c.z[i]);
+      const Vec3f at_a = a[i];
+      const Vec3f at_b = b[i];
+      const Vec3f at_c = c[i];
+      const Vec3f at = kThird * (at_a + at_b + at_c);
+      x[i] = at.x;
+      y[i] = at.y;
+      z[i] = at.z;
+      squared_edge[i] = larger(larger(squared_length(at_b - at_a), squared_length(at_c - at_b)),
+                               squared_length(at_a - at_c));
+      radii[i] = larger(larger(squared_length(at_a - at), squared_length(at_b - at)),
+                        squared_length(at_c - at));
     }
-    centres.coordinates = {middle.x, middle.y, middle.z};
-    squared_edge =
-        largest(squared_distances(b, a), squared_distances(c, b), squared_distances(a, c));
-    EightFloats radii = largest(squared_distances(a, middle), squared_distances(b, middle),
-                                squared_distances(c, middle));
     for (float& radius : radii) radius = std::sqrt(radius);
-    values = field.bound_balls(centres, radii);
+    values = field.bound_balls(middles, radii);
   }
 };
 
 /// Triangle by triangle, depth first; as many pieces as the field takes at once are split ahead.
 void TriangleContacts::sample_triangles() {
   constexpr std::size_t kMostParts = 4;
+  Batch batch;
   for (std::size_t first = 0; first < triangles_.size(); first += kLanes) {
-    Batch roots;
+    batch.count = 0;
     for (std::size_t i = first; i < std::min(first + kLanes, triangles_.size()); ++i) {
-      roots.add(triangles_[i], static_cast<std::uint32_t>(i), kMostSplits);
+      const Triangle3f& t = triangles_[i];
+      batch.add(t.a, t.b, t.c, static_cast<std::uint32_t>(i), kMostSplits);
     }
-    roots.measure(*field_);
-    take(roots);
+    batch.measure(*field_);
+    take(batch);
     while (!waiting_.empty()) {
-      Batch parts;
-      while (!waiting_.empty() && !waiting_.back().is_leaf && parts.count + kMostParts <= kLanes) {
-        parts.add_parts(waiting_.back());
+      batch.count = 0;
+      while (!waiting_.empty() && !waiting_.back().is_leaf && batch.count + kMostParts <= kLanes) {
+        batch.add_parts(waiting_.back());
         waiting_.pop_back();
       }
-      if (parts.count > 0) {
-        parts.measure(*field_);
-        take(parts);
+      if (batch.count > 0) {
+        batch.measure(*field_);
+        take(batch);
       }
       for (; !waiting_.empty() && waiting_.back().is_leaf; waiting_.pop_back()) {
-        keep(waiting_.back());
+        const Piece& leaf = waiting_.back();
+        if (Piece* kept = room_for(leaf.middle, leaf.distance, leaf.bound)) *kept = leaf;
       }
     }
   }
@@ -242,46 +259,38 @@ void TriangleContacts::sample_triangles() {
 /// Measured pieces within the margin, in their order: leaves are kept, and from the first that is
 /// none on, all wait.
 void TriangleContacts::take(const Batch& batch) {
-  std::size_t first = 0;
-  const auto piece = [&](std::size_t i) -> Piece {
-    return {{batch.a[i], batch.b[i], batch.c[i]},
-            batch.middle[i],
-            batch.triangle[i],
-            batch.splits[i],
-            batch.is_leaf(i, spacing_),
-            batch.values.distance[i],
-            batch.values.lower_bound[i]};
-  };
   const auto is_within = [&](std::size_t i) { return batch.values.lower_bound[i] <= margin_; };
+  std::size_t first = 0;
   for (; first < batch.count; ++first) {
     if (!is_within(first)) continue;
     if (!batch.is_leaf(first, spacing_)) break;
-    keep(piece(first));
+    Piece* const kept = room_for(batch.middle(first), batch.values.distance[first],
+                                 batch.values.lower_bound[first]);
+    if (kept != nullptr) batch.read(first, spacing_, *kept);
   }
   for (std::size_t i = batch.count; i-- > first;) {
-    if (is_within(i)) waiting_.push_back(piece(i));
+    if (is_within(i)) batch.read(i, spacing_, waiting_.emplace_back());
   }
 }
 
-void TriangleContacts::keep(const Piece& piece) {
-  const std::uint32_t cell = cell_of(piece.middle);
+/// Where a leaf is to be put, if it is among the best of its cell so far.
+TriangleContacts::Piece* TriangleContacts::room_for(const Vec3f& middle, float distance,
+                                                    float bound) {
+  const std::uint32_t cell = cell_of(middle);
   std::uint32_t& place = place_of_cell_[cell];
   if (place == kNone) {
     place = static_cast<std::uint32_t>(best_.size());
     best_.push_back({cell, margin_, 0, {}});
   }
   CellBest& best = best_[place];
-  if (piece.bound > best.least) return;
-  best.least = std::min(best.least, piece.distance);
-  if (best.count == 0 || piece.distance < best.pieces[0].distance) {
-    best.pieces[1] = best.pieces[0];
-    best.pieces[0] = piece;
-  } else if (best.count == 1 || piece.distance < best.pieces[1].distance) {
-    best.pieces[1] = piece;
-  } else {
-    return;
-  }
-  best.count = std::min<std::size_t>(best.count + 1, 2);
+  if (bound > best.least) return nullptr;
+  best.least = std::min(best.least, distance);
+  std::size_t rank = 0;
+  while (rank < best.count && !(distance < best.pieces[rank].distance)) ++rank;
+  if (rank == best.pieces.size()) return nullptr;
+  if (rank == 0 && best.count > 0) best.pieces[1] = best.pieces[0];
+  best.count = std::min(best.count + 1, best.pieces.size());
+  return &best.pieces[rank];
 }
 
 /// Goes into the quarter of each piece whose middle is deeper, again and again; two pieces at once.
@@ -303,21 +312,26 @@ void TriangleContacts::refine_best() {
     };
     EightPoints places;
     for (int k = 0; k < kQuarterings; ++k) {
-      std::array<std::array<Triangle3f, kParts>, 2> quarters;
+      std::array<std::array<Vec3f, kParts>, 2> middles;
       for (std::size_t j = 0; j < 2; ++j) {
-        quarters[j] = quarter(pair[j].piece);
-        for (std::size_t q = 0; q < kParts; ++q) {
-          places.set(kParts * j + q, middle_of(quarters[j][q]));
-        }
+        std::size_t q = 0;
+        for_each_quarter(pair[j].piece, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+          middles[j][q] = kThird * (a + b + c);
+          places.set(kParts * j + q, middles[j][q]);
+          ++q;
+        });
       }
       const EightFloats distances = field_->distances(places);
       for (std::size_t j = 0; j < 2; ++j) {
         const auto of_quarters = std::span(distances).subspan(kParts * j, kParts);
-        for (std::size_t q = 0; q < kParts; ++q) {
-          take(pair[j], middle_of(quarters[j][q]), of_quarters[q]);
-        }
-        const auto lowest = std::ranges::min_element(of_quarters);
-        pair[j].piece = quarters[j][static_cast<std::size_t>(lowest - of_quarters.begin())];
+        for (std::size_t q = 0; q < kParts; ++q) take(pair[j], middles[j][q], of_quarters[q]);
+        const auto lowest = std::ranges::min_element(of_quarters) - of_quarters.begin();
+        std::ptrdiff_t q = 0;
+        Triangle3f into;
+        for_each_quarter(pair[j].piece, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+          if (q++ == lowest) into = {a, b, c};
+        });
+        pair[j].piece = into;
       }
     }
     const auto corners_of = [](const Triangle3f& t) { return std::array{t.a, t.b, t.c}; };

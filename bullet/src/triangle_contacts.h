@@ -66,7 +66,7 @@ class TriangleContacts : private btTriangleCallback {
   void processTriangle(btVector3* corners, int part, int index) override;
   void sample_triangles();
   void take(const Batch& batch);
-  void keep(const Piece& piece);
+  Piece* room_for(const Vec3f& middle, float distance, float bound);
   void refine_best();
   Contact contact_of(std::uint32_t cell, const Refined& refined, const Pose& mesh_from_model) const;
   std::uint32_t cell_of(const Vec3f& p) const;
