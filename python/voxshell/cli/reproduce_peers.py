@@ -121,7 +121,9 @@ def make_tables(comparison: Comparison) -> Iterable[Table]:
     if not dropping:
         return
     rates = comparison.settings.rates
-    colors = {"rests": "green", "moves": "yellow", "sinks": "red", "through": "red", "off": "red"}
+    colors = {"rests": "green", "moves": "yellow"} | dict.fromkeys(
+        ("sinks", "through", "off", "unstable"), "red"
+    )
     for ground in report.GROUNDS:
         table = _new_table(
             f"Dropped on the {ground}; height of the lowest vertex at the end, mm",

@@ -193,10 +193,10 @@ def test_drop_says_how_fast_and_how_deep(ball_job):
     assert result.rest_height == pytest.approx(0.0, abs=1e-4)
 
 
-def test_poses_that_are_not_finite_are_a_problem(ball_job):
+def test_poses_that_are_not_finite_are_unstable(ball_job):
     poses = _poses(100)
     poses[50, 0, 3] = np.nan
-    assert judge_drop(poses, ball_job, "plane", 50.0).problem == "poses that are not finite"
+    assert judge_drop(poses, ball_job, "plane", 50.0).outcome == "unstable"
 
 
 # ---- rows, whatever happens ----------------------------------------------------------------------

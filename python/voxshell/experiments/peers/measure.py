@@ -86,6 +86,7 @@ def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) 
 
     "through": its centre ended below the surface. "off": beyond the box's sides. "sinks": its
     lowest vertex is deeper than :data:`SUNK`. "moves": it did not come to rest. Else it "rests".
+    "unstable": a pose is not finite.
 
     Args:
         poses: (steps, 4, 4) ``world_from_body`` after each step.
@@ -94,7 +95,7 @@ def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) 
         rate: Steps a second.
     """
     if not np.isfinite(poses).all():
-        return DropResult(other, rate, problem="poses that are not finite")
+        return DropResult(other, rate, "unstable")
     # One product a step: the vertices of all steps together would not fit.
     lowest = np.array([(job.mesh.vertices @ pose[2, :3]).min() + pose[2, 3] for pose in poses])
     last = max(2, math.ceil(LAST_SECONDS * rate))

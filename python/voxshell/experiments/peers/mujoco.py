@@ -123,6 +123,10 @@ class _Fall:
 
     def step(self) -> NDArray[np.float64]:
         self._mujoco.mj_step(self._model, self._data)
+        # MuJoCo warns, and begins anew at the origin.
+        unstable = self._mujoco.mjtWarning.mjWARN_BADQACC
+        if self._data.warning[unstable].number > 0:
+            return np.full((4, 4), np.nan)
         # The step leaves the poses of its beginning.
         self._mujoco.mj_kinematics(self._model, self._data)
         pose = np.eye(4)

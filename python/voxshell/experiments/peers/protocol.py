@@ -96,7 +96,7 @@ class Fall(Protocol):
     """A drop, ready to be followed."""
 
     def step(self) -> NDArray[np.float64]:
-        """Advances by a time step; returns ``world_from_body``, (4, 4)."""
+        """Advances by a time step; returns ``world_from_body``, (4, 4); not finite if it blew up."""
         ...
 
 
@@ -148,7 +148,7 @@ class DropResult:
     Attributes:
         other: What the body fell on.
         rate: Steps a second.
-        outcome: "rests", "moves", "sinks", "through" or "off"; see
+        outcome: "rests", "moves", "sinks", "through", "off" or "unstable"; see
             :func:`voxshell.experiments.peers.measure.judge_drop`. Empty where there was a problem.
         deepest: How far the mesh's lowest vertex was below the surface at worst, metres.
         rest_height: Height of the mesh's lowest vertex at the end, metres.

@@ -182,7 +182,7 @@ def format_drop(drop: DropResult | None) -> str:
         return "-"
     if drop.problem:
         return "error"
-    if drop.outcome in ("through", "off"):
+    if drop.outcome in ("through", "off", "unstable"):
         return drop.outcome
     return f"{drop.outcome} {round(1e3 * drop.rest_height, 1) + 0.0:+.1f}"
 
@@ -317,7 +317,7 @@ def _tabulate_drops(comparison: Comparison, peers: list[PeerResult]) -> list[str
         "height of the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
         f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second; *moves*: not; *sinks*: "
         f"deeper than {1e3 * SUNK:g} mm at the end; *through*: its centre is below the surface; *off*: "
-        "it left the box sideways. `drops.csv` has how deep each was on the way.",
+        "it left the box sideways; *unstable*: the simulation blew up. `drops.csv` has how deep each was on the way.",
     ]
     for ground in GROUNDS:
         thick = 2e2 * BOX_HALF_EXTENTS[2]
