@@ -174,8 +174,10 @@ TEST(Triangles, AreFoundAsByTheSlowWay) {
             slow.find(mesh, *model, model_from_mesh, level, margin);
         const std::vector<Contact>& found = fast.find(mesh, *model, model_from_mesh, level, margin);
         ASSERT_EQ(found.size(), expected.size());
-        EXPECT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(Contact)), 0)
-            << cells << " cells, pose " << i;
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          EXPECT_EQ(std::memcmp(&found[k], &expected[k], sizeof(Contact)), 0)
+              << cells << " cells, pose " << i << ", contact " << k;
+        }
         found_count += found.size();
         sample_count += slow.sample_count;
       }
