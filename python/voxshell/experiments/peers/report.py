@@ -266,7 +266,8 @@ def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str
         f"Median and 99th percentile of a query over {POSES} poses that differ by at most "
         f"{1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad, asked again and again for "
         f"{comparison.settings.case_seconds:g} s; and, as a multiple of the first row's, the median over "
-        "poses of the least time, which other work on the machine disturbs less (`cases.csv` has it); "
+        "poses of the least time, which other work on the machine disturbs less (`cases.csv` has it), "
+        "unless a query is longer than a turn of some 4 ms; "
         "preparation in seconds, that of the convex parts first. Settings, below, say what is timed. "
         "Pairs have no ground, so that they are asked about once.",
         "",
