@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from voxshell.experiments.drop_report import format_time
 
 
 def reproduce_peers(*arguments):
@@ -60,7 +61,7 @@ def test_second_run_reads_what_the_first_measured(printed, settings, out):
     assert [row["key"] for row in data["peers"]] == ["voxshell-bullet-analytic", "coal"]
     assert [row["status"] for row in data["peers"]] == ["measured", "measured"]
     median = data["peers"][1]["cases"][0]["median"]
-    assert f"{1e3 * median:.1f} ms" in printed.stdout
+    assert format_time(median) in printed.stdout
 
 
 @pytest.mark.parametrize(
