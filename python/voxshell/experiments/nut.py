@@ -26,7 +26,6 @@ START_TURNS = 5.3
 NUT_MASS = 0.05
 """Kilograms."""
 
-FIT_METHODS = ("voxshell", "gimpact", "decomposition", "hull")
 RECORDED_EVERY = 1.0 / 60.0
 """Seconds."""
 
@@ -82,7 +81,7 @@ def compare_fits(settings: BoltSettings) -> Tables:
     bolt, nut = settings.build_bolt(), settings.build_nut()
     pose = settings.compute_fit(START_TURNS)
     rows = []
-    for method in FIT_METHODS:
+    for method in settings.fit_methods:
         shapes: tuple[Shape, Shape] = (bolt, nut)
         if method == "gimpact":
             shapes = (GImpact(bolt.mesh, margin=0.0), GImpact(nut.mesh, margin=0.0))
@@ -99,6 +98,10 @@ def compare_fits(settings: BoltSettings) -> Tables:
     contacts, depths = np.array(rows).T
     gap = distance(bolt, nut, None, pose).distance
     return {
-        "methods": {"method": np.array(FIT_METHODS), "contacts": contacts, "depth": depths},
+        "methods": {
+            "method": np.array(settings.fit_methods),
+            "contacts": contacts,
+            "depth": depths,
+        },
         "gap": {"distance": np.array([gap])},
     }

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from voxshell.model import Model
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+FitMethod = Literal["voxshell", "gimpact", "decomposition", "hull"]
+"""Models, Bullet's GImpact, V-HACD's hulls, and one hull each."""
 
 _DEGREES_A_TURN = 360.0
 _SECTIONS_A_PITCH = 12
@@ -40,6 +43,7 @@ class BoltSettings:
         rate: Steps a second.
         friction: Of each of the two.
         seconds: Of the nut at rest, and of its way down.
+        fit_methods: Whose view of the fit is compared.
 
     Raises:
         SettingsError: A number is out of range, or the thread is deeper than the bolt.
@@ -58,6 +62,7 @@ class BoltSettings:
     rate: float = 1000.0
     friction: float = 1.0
     seconds: float = 2.0
+    fit_methods: tuple[FitMethod, ...] = ("voxshell", "gimpact", "decomposition", "hull")
 
     def __post_init__(self) -> None:
         for name in (

@@ -68,6 +68,7 @@ seconds = 0.05
 rate = 200.0
 segments = 12
 voxel_size = 0.0008
+fit_methods = ["voxshell", "hull"]
 [accuracy]
 poses = 2
 fine_points = 1000
@@ -82,8 +83,14 @@ steps = 20
 """
 CLI = (sys.executable, "-c", "from voxshell.cli import main; main()", "reproduce")
 PATIENCE = 240
-# A worker of a cluster may not begin threads of its own beside its one.
 ENVIRONMENT = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory):
+    """Models that the processes of these tests share."""
+    ENVIRONMENT["VOXSHELL_CACHE_DIR"] = str(tmp_path_factory.mktemp("cache"))
+    ENVIRONMENT["VOXSHELL_CACHE_SIZE"] = "1G"
 
 
 def reproduce(*arguments, **options):

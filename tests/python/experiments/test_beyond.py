@@ -83,7 +83,13 @@ def test_box_slides_at_coulombs_angle(tmp_path):
 
 def test_nut_stays_on_its_thread(tmp_path):
     settings = replace(
-        BoltSettings(), voxel_size=0.0004, segments=24, seconds=0.15, length=0.04, rate=500.0
+        BoltSettings(),
+        voxel_size=0.0004,
+        segments=24,
+        seconds=0.15,
+        length=0.04,
+        rate=500.0,
+        fit_methods=("voxshell", "gimpact", "hull"),
     )
     results = compute(NUT, settings)
     rows = {row.quantity: row for row in NUT.reduce(settings, results)}

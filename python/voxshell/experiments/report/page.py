@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import replacing, write_json
 from voxshell.experiments.part import plain
+from voxshell.experiments.report.markdown import write_markdown
 from voxshell.experiments.reproduction import describe_rows
 from voxshell.experiments.verdict import format_value
 from voxshell.scenes.bunny import ORIENTATIONS_WXYZ
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from voxshell.experiments.reproduction import Finding
     from voxshell.experiments.verdict import Row
 
-PAGE, ROWS = "index.html", "report.json"
+PAGE, ROWS, TEXT = "index.html", "report.json", "report.md"
 
 _MEDIA = {".png": "image/png", ".gif": "image/gif"}
 
@@ -45,7 +46,7 @@ code { font-size: .85rem; } details { margin: .6rem 0; }
 
 
 def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
-    """Writes the page and the rows.
+    """Writes the page, the rows, and the verdicts as a text.
 
     Args:
         out: The folder that the experiments' folders are in.
@@ -66,6 +67,7 @@ def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
             "environment": environment,
         },
     )
+    write_markdown(out / TEXT, findings, command=command)
     sections = [_tell(out, each) for each in findings]
     html = _PAGE.format(
         policy=escape(_POLICY, quote=True),
