@@ -90,7 +90,7 @@ ENVIRONMENT = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1"}
 def cache(tmp_path_factory):
     """Models that the processes of these tests share."""
     ENVIRONMENT["VOXSHELL_CACHE_DIR"] = str(tmp_path_factory.mktemp("cache"))
-    ENVIRONMENT["VOXSHELL_CACHE_SIZE"] = "1G"
+    ENVIRONMENT["VOXSHELL_CACHE_SIZE"] = "1GB"
 
 
 def reproduce(*arguments, **options):

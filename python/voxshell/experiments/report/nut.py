@@ -27,6 +27,9 @@ SETTLED = 0.3
 MOST_CREEP = 1e-4
 """Metres."""
 
+HEAD_ROOM = 0.001
+"""Metres over the bolt's head, from where on the nut is no longer on the thread alone."""
+
 LABELS = {
     "voxshell": "VPS",
     "gimpact": "GImpact",
@@ -56,7 +59,9 @@ def reduce(settings: BoltSettings, results: Results) -> list[Row]:
         late = held["height"][int(SETTLED * len(held["height"])) :]
         creep = float(np.ptp(late))
         turned = results[f"turn-{mode}"]["steps"]
-        off = float(np.abs(turned["height"] - settings.pitch * turned["turns"]).max())
+        # Down to the head, where it stops.
+        free = turned["height"] > HEAD_ROOM - nut.START_TURNS * settings.pitch
+        off = float(np.abs(turned["height"] - settings.pitch * turned["turns"])[free].max())
         rows += [
             Row(
                 f"creep of the nut at rest, friction {settings.friction:g}, {mode}",
