@@ -130,7 +130,7 @@ PAIR = Experiment(
     question="How long does the narrow phase of two meshes take, beside Bullet's methods and coal?",
     describe=describe,
     settings=PairSettings(),
-    quick=replace(PairSettings(), poses=20, repeats=3),
+    quick=replace(PairSettings(), poses=8, repeats=2),
     plan=pair.plan,
     reduce=reduce,
     draw=draw,
