@@ -1,5 +1,6 @@
 #include "contact_manifold.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -29,14 +30,6 @@ void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
   btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
 }
 
-void soften(btManifoldPoint& point, double softness) {
-  if (softness == 0.0 || (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING)) {
-    return;  // what users ask for goes first
-  }
-  point.m_contactCFM = static_cast<btScalar>(softness);
-  point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
-}
-
 /// Lets friction remember where the bodies held on to each other: the places on both drift apart by
 /// what Bullet's friction, which starts from nothing in every step, lets them slip.
 void hold_in_place(btManifoldPoint& point, const btManifoldPoint& before,
@@ -45,12 +38,16 @@ void hold_in_place(btManifoldPoint& point, const btManifoldPoint& before,
   btVector3 slip = world_from_0 * before.m_localPointA - world_from_1 * before.m_localPointB;
   slip -= slip.dot(point.m_normalWorldOnB) * point.m_normalWorldOnB;
   if (slip.length() > static_cast<btScalar>(slip_limit)) return;  // it slides
-  point.m_positionWorldOnB -= slip;
-  point.m_localPointB = world_from_1.invXform(point.m_positionWorldOnB);
+  point.m_localPointB = world_from_1.invXform(point.m_positionWorldOnB - slip);
+  // Pulled back at once, points of a body at rest pull against each other.
+  constexpr btScalar kPulledBack = 0.25;
+  point.m_positionWorldOnB -= kPulledBack * slip;
 }
 
-void carry_over(btManifoldPoint& point, const btManifoldPoint& before) {
+void carry_over(btManifoldPoint& point, const btManifoldPoint& before, bool is_resting) {
   point.m_appliedImpulse = before.m_appliedImpulse;
+  // What is left for ten iterations to find again in every step is what resting bodies rock by.
+  if (is_resting) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
   point.m_prevRHS = before.m_prevRHS;
   point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
   point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
@@ -94,17 +91,18 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
     combine_materials(point, wrap0.getCollisionObject(), wrap1.getCollisionObject());
     point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
     point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
-    soften(point, contact.softness);
-    if (contact.slip_limit > 0.0) point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    point.m_combinedRollingFriction =
+        std::max(point.m_combinedRollingFriction, static_cast<btScalar>(contact.rolling_friction));
+    if (contact.is_resting()) point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
     for (int i = 0; i < before_count; ++i) {
       const auto slot = static_cast<std::size_t>(i);
       const bool is_same = before[slot].m_index0 == point.m_index0;
       // The one point of a segment holds on where the one before it did.
-      if (contact.slip_limit > 0.0 && (is_same || (contacts.size() == 1 && before_count == 1))) {
+      if (contact.is_resting() && (is_same || (contacts.size() == 1 && before_count == 1))) {
         hold_in_place(point, before[slot], world_from_0, world_from_1, contact.slip_limit);
       }
       if (!carried[slot] && is_same) {
-        carry_over(point, before[slot]);
+        carry_over(point, before[slot], contact.is_resting());
         carried[slot] = true;
         break;
       }

@@ -10,6 +10,10 @@
 
 namespace voxshell::bullet {
 
+/// Of the impulses of the step before, the share that Bullet's solver begins with: the default of
+/// btContactSolverInfo.
+constexpr double kWarmStartingFactor = 0.85;
+
 /// A contact as Bullet wants it, between the wrapped objects a and b. Metres, world frame.
 struct WorldContact {
   std::uint32_t id;  ///< of the shell's point
@@ -19,13 +23,17 @@ struct WorldContact {
   double depth;                ///< positive where the bodies overlap
   double restitution = 0.0;    ///< what the solver is to take for it
   double first_impulse = 0.0;  ///< where the solver is to start if the point is new, N s
-  double softness = 0.0;       ///< speed that an impulse leaves, times the time step, s/kg
-  double slip_limit = 0.0;  ///< from where on a point slides instead of being pulled back, metres
+  /// Of resting bodies: from where on a point slides instead of being pulled back, metres.
+  double slip_limit = 0.0;
+  double rolling_friction = 0.0;  ///< at least that of the objects, metres
+
+  bool is_resting() const { return slip_limit > 0.0; }
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
-/// it held before are carried over, so that the solver starts warm; other material properties
-/// are those of the two objects, and Bullet's contact callbacks are honoured.
+/// it held before are carried over, so that the solver starts warm: with all of them where bodies
+/// rest. Other material properties are those of the two objects, and Bullet's contact callbacks are
+/// honoured.
 void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
                    const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 

@@ -18,6 +18,8 @@ const Model& measure(const PosedPair& pair) {
   return model != nullptr ? *model : *pair.field_side().model();
 }
 
+/// Bodies are still that cannot rise by a larger share of the rest margin than this.
+constexpr double kStillWithin = 0.15;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -29,6 +31,7 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
       memory_(memory),
       rest_margin_(settings.margin >= 0.0 ? settings.margin
                                           : default_rest_margin(measure(pair).shell())),
+      radius_(static_cast<double>(measure(pair).shell().tree().spheres(1)[0].radius)),
       motion_a_(Motion::of(*pair.a.wrap().getCollisionObject(), time_step)),
       motion_b_(Motion::of(*pair.b.wrap().getCollisionObject(), time_step)),
       restitution_(static_cast<double>(gCalculateCombinedRestitutionCallback(
@@ -48,11 +51,15 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
   const Sphere& sphere = measure(pair).shell().tree().spheres(1)[0];
   const Vec3 centre =
       measured.world_from_geometry().transform_point(static_cast<Vec3>(sphere.centre));
-  const Vec3 drift = motion_a_.velocity_at(centre) + motion_a_.velocity_of_forces -
-                     motion_b_.velocity_at(centre) - motion_b_.velocity_of_forces;
-  const Vec3 spin = motion_a_.angular_velocity - motion_b_.angular_velocity;
-  const double farthest =
-      (length(drift) + length(spin) * static_cast<double>(sphere.radius)) * time_step;
+  const Vec3 drift = motion_a_.velocity_at(centre) - motion_b_.velocity_at(centre);
+  const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
+  const double of_spin = length(motion_a_.angular_velocity - motion_b_.angular_velocity) * radius_;
+  const double farthest = (length(drift + of_forces) + of_spin) * time_step;
+  const double fastest = length(drift) + of_spin;
+  const double weight =
+      std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
+  const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;
+  is_still_ = 0.5 * fastest * fastest <= energy_to_lift;
   sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : voxel_);
   // The solver may make points faster than they are.
   constexpr double kTurned = 2.0;
@@ -82,6 +89,12 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
     first_touch_ = std::min(first_touch_, impact_of(pair_.to_world(judged)).time());
   }
   contacts.resize(touches ? kept : 0);
+  if (is_still_ && touches) {
+    constexpr double kBandOfMargin = 0.5;
+    memory_.patch.settle(contacts, pair_.thickness(), kBandOfMargin * rest_margin_);
+  } else {
+    memory_.patch.release();
+  }
   memory_.owed = 0.0;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(pair_.to_world(contact));
@@ -117,6 +130,11 @@ bool ContactRule::is_resting(const Impact& impact) const {
   return is_slow(impact) && std::abs(impact.gap) <= rest_margin_;
 }
 
+bool ContactRule::lie_on_small_patch() const {
+  constexpr double kSmall = 0.1;
+  return is_still_ && memory_.patch.radius() < kSmall * radius_;
+}
+
 /// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
 /// along the normal, is what a rebound at the surface would leave.
 ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
@@ -137,12 +155,11 @@ WorldContact ContactRule::to_world(const Contact& contact) const {
   const Impact impact = impact_of(world);
   const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
   if (is_resting(impact) && impact.speed * time_step_ <= rest_margin_) {
-    // Where Bullet's ten iterations have not settled which point carries how much, bodies rock and
-    // creep: two per cent of give, and a friction that remembers, let them come to rest.
-    constexpr double kGive = 0.02;
     constexpr double kSlipOfMargin = 1.0 / 30.0;
-    world.softness = kGive * inverse_mass * time_step_;
     world.slip_limit = kSlipOfMargin * rest_margin_;
+    // Bullet's solver hardly feels the lever between points that are near each other: it is told of
+    // the torque that they withstand.
+    if (lie_on_small_patch()) world.rolling_friction = memory_.patch.radius();
   }
   world.restitution = restitution_;
   if (!(impact.approach > 0.0)) return world;
@@ -164,7 +181,6 @@ WorldContact ContactRule::to_world(const Contact& contact) const {
   // From 0, ten iterations leave a body that lands on several points at once some per cent too
   // fast; from equal shares of what turns its velocity round, they have little left to do.
   if (inverse_mass > 0.0) {
-    constexpr double kWarmStartingFactor = 0.85;  // of btContactSolverInfo
     const double turned = speed + impact.approach + impact.approach_of_forces;
     world.first_impulse = std::max(turned, 0.0) /
                           (inverse_mass * kWarmStartingFactor * static_cast<double>(first_count_));

@@ -6,6 +6,7 @@
 #include "contact_manifold.h"
 #include "motion.h"
 #include "posed_pair.h"
+#include "resting_patch.h"
 #include "voxshell/bullet/contact_settings.h"
 
 namespace voxshell::bullet {
@@ -24,6 +25,7 @@ class ContactRule {
     /// Of a rebound that was stopped at the surface first, because its apex is lower than the place
     /// where the step began: the energy that it still has, J/kg along the normal.
     double owed = 0.0;
+    RestingPatch patch;
   };
 
   ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
@@ -35,6 +37,10 @@ class ContactRule {
   double rest_margin() const { return rest_margin_; }
   /// Whether points are followed through the step.
   bool sweeps() const { return sweeps_; }
+  /// Whether the bodies hardly move, so that they may come to rest on the points that they lie on.
+  bool is_still() const { return is_still_; }
+  /// Whether the points that they lie on are all near each other. After apply().
+  bool lie_on_small_patch() const;
 
   /// Leaves those of `contacts` that are contacts, as the solver is to see them: a point that is
   /// going to touch has the normal of the place where it will.
@@ -70,10 +76,12 @@ class ContactRule {
   double time_step_;
   Memory& memory_;
   double rest_margin_;
+  double radius_;  ///< of the body that the scales are taken from
   Motion motion_a_;
   Motion motion_b_;
   double restitution_;
   bool sweeps_ = false;
+  bool is_still_ = false;
   double margin_ = 0.0;
   double voxel_ = 0.0;
   double owed_;              ///< by the step before

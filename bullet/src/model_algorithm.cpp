@@ -21,6 +21,9 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr int kDefaultLevel = 4;
+/// Points that change from step to step keep a body rocking: those of the step before stay as long
+/// as none is deeper by more than this share of the rest margin.
+constexpr float kCarriesOn = 0.25f;
 
 /// Adds the time from its making to its end.
 class Stopwatch {
@@ -78,21 +81,26 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   }
 
   std::optional<ContactRule> rule;
-  bool is_regular = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-    // Four points do not hold a body that turns while it is stopped: fast steps take all segments.
-    is_regular = settings_.mode == ContactMode::kRegular && !rule->sweeps();
-    find_near(pair, rule->margin(), is_regular ? Wanted::kAll : Wanted::kOneASegment);
+    const bool takes_all =
+        rule->is_still() || (settings_.mode == ContactMode::kRegular && !rule->sweeps());
+    find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
+  bool is_regular = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     rule->apply(contacts_);
+    is_regular = takes_one_manifold(*rule);
+    if (!is_regular && rule->is_still()) {
+      keep_one_a_segment(pair, kCarriesOn * static_cast<float>(rule->rest_margin()));
+    }
   }
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
     release_manifolds();
+    memory_.patch.release();
     shell_was_a_ = pair.shell_is_a;
   }
   if (contacts_.empty()) {
@@ -133,6 +141,20 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
     contacts_.push_back(*extreme);
 }
 
+/// Four points do not hold a body that turns while it is stopped: fast steps take all segments. A
+/// small patch may lie in one segment, whose one point does not keep a body upright.
+bool ModelAlgorithm::takes_one_manifold(const ContactRule& rule) const {
+  switch (settings_.mode) {
+    case ContactMode::kRegular:
+      return !rule.sweeps();
+    case ContactMode::kAutomatic:
+      return !rule.sweeps() && rule.lie_on_small_patch();
+    case ContactMode::kSegmented:
+      break;
+  }
+  return false;
+}
+
 int ModelAlgorithm::level() const {
   return settings_.level > 0 ? std::min(settings_.level, PointSphereTree::kMaxLevel)
                              : kDefaultLevel;
@@ -171,20 +193,22 @@ void ModelAlgorithm::fill_regular(const PosedPair& pair, const ContactRule& rule
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
     chosen = select_manifold(contacts_);
-    // Points that change from step to step keep a body rocking: those of the step before stay as
-    // long as none is deeper by much.
     const ManifoldPoints before = points_of_last_step();
     constexpr std::size_t kCarrying = 3;
     if (before.count >= kCarrying &&
-        depth_of(chosen) <= depth_of(before) + static_cast<float>(rule.rest_margin()) / 4.0f) {
+        depth_of(chosen) <=
+            depth_of(before) + kCarriesOn * static_cast<float>(rule.rest_margin())) {
       chosen = before;
     }
   }
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   std::array<WorldContact, kManifoldSize> world;
+  std::array<Contact, kManifoldSize> contacts;
   for (std::size_t i = 0; i < chosen.count; ++i) {
-    world[i] = rule.to_world(contacts_[chosen.indices[i]]);
+    contacts[i] = contacts_[chosen.indices[i]];
+    world[i] = rule.to_world(contacts[i]);
   }
+  memory_.patch.keep(std::span(contacts).first(chosen.count));
   if (active_.empty()) active_.push_back({0, take_manifold(pair)});
   for (; active_.size() > 1; active_.pop_back()) {  // of a fast step before
     m_dispatcher->releaseManifold(active_.back().manifold);
@@ -225,9 +249,35 @@ ManifoldPoints ModelAlgorithm::points_of_last_step() const {
   return points;
 }
 
+/// Leaves of contacts_ the deepest of each segment, or the one of the step before if that is less
+/// deep by `band` at most.
+void ModelAlgorithm::keep_one_a_segment(const PosedPair& pair, float band) {
+  std::size_t kept = 0;
+  auto before = active_.begin();
+  for (auto first = contacts_.begin(); first != contacts_.end();) {
+    const std::uint32_t segment = segment_of(pair, *first);
+    const auto last = std::find_if(first, contacts_.end(), [&](const Contact& contact) {
+      return segment_of(pair, contact) != segment;
+    });
+    auto chosen = std::max_element(
+        first, last, [](const Contact& a, const Contact& b) { return a.depth < b.depth; });
+    before = std::find_if(before, active_.end(),
+                          [&](const SegmentManifold& entry) { return entry.segment >= segment; });
+    if (before != active_.end() && before->segment == segment) {
+      const auto id = static_cast<std::uint32_t>(before->manifold->getContactPoint(0).m_index0);
+      const auto same = std::ranges::find(first, last, id, &Contact::id);
+      if (same != last && same->depth >= chosen->depth - band) chosen = same;
+    }
+    contacts_[kept++] = *chosen;
+    first = last;
+  }
+  contacts_.resize(kept);
+}
+
 /// For contacts_ that are one a segment.
 void ModelAlgorithm::fill_segmented(const PosedPair& pair, const ContactRule& rule) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
+  memory_.patch.keep(contacts_);
   // Both lists ascend by segment: manifolds of segments that lost their contacts are emptied first,
   // so that segments which gained some can have them.
   auto old = active_.begin();

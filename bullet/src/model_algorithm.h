@@ -45,10 +45,12 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void find_near(PosedPair& pair, double margin, Wanted wanted);
+  bool takes_one_manifold(const ContactRule& rule) const;
   int level() const;
   std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
+  void keep_one_a_segment(const PosedPair& pair, float band);
   void drop_idle_points(float band);
   float depth_of(const ManifoldPoints& points) const;
   ManifoldPoints points_of_last_step() const;

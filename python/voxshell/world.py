@@ -128,7 +128,8 @@ class World:
         time_step: Seconds a step.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
             those that span the largest area, four at most; "segmented": the deepest of each cluster
-            of the point-sphere tree at ``level``; "auto": what rests most calmly, now segmented.
+            of the point-sphere tree at ``level``; "auto": what rests most calmly: segmented, or regular
+            where a body lies on one small patch.
         level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters.
         margin: How near slow points count as contacts, metres; a thousandth of the shell's diameter
             by default. Without it, resting bodies rock.
@@ -143,8 +144,8 @@ class World:
             conjugate gradients; "dantzig" solves all of an island's constraints as one problem,
             exactly, in a time that grows with the cube of their number; "projected_gauss_seidel"
             solves that problem step by step.
-        iterations: Of the solver a step, at least 1. Bullet's default of 10 is enough for single
-            bodies; stacks and machines want more. "dantzig" does without.
+        iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
+            bodies; stacks and machines want the 50 here, pybullet's default. "dantzig" does without.
 
     Raises:
         SettingsError: A setting is out of range.
@@ -180,7 +181,7 @@ class World:
         solver: Literal[
             "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
         ] = "sequential_impulse",
-        iterations: int = 10,
+        iterations: int = 50,
     ) -> None:
         if solver not in _SOLVERS:
             raise SettingsError(

@@ -237,7 +237,11 @@ TEST_P(Callbacks, ImpulsesFollowTheirPointsThoughThesChangePlaces) {
         if (old != before.end()) {
           ++carried;
           moved += old->second != std::pair(m, k);
-          EXPECT_EQ(point.m_appliedImpulse, static_cast<btScalar>(id + 1));
+          // At rest, more: the solver starts from this share of it.
+          const auto impulse = static_cast<btScalar>(id + 1);
+          const btScalar at_rest = impulse / btContactSolverInfo().m_warmstartingFactor;
+          EXPECT_TRUE(point.m_appliedImpulse == impulse || point.m_appliedImpulse == at_rest)
+              << point.m_appliedImpulse;
           EXPECT_EQ(point.m_appliedImpulseLateral1, static_cast<btScalar>(id + 2));
           EXPECT_EQ(point.m_appliedImpulseLateral2, static_cast<btScalar>(id + 3));
           EXPECT_GT(point.getLifeTime(), 0);

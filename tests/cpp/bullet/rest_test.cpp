@@ -71,8 +71,9 @@ TEST_P(Rest, IsCalmAndStaysWhereItIs) {
   }
   RecordProperty("fastest_turn", std::to_string(fastest_turn));
   RecordProperty("farthest", std::to_string(farthest));
-  EXPECT_LT(fastest_turn, 0.01);
-  EXPECT_LT(farthest, kIsDouble ? 5e-5 : 1e-3);
+  EXPECT_LT(fastest_turn, 0.002);
+  // In float a blob on three points slides by 0.3 mm/s, however calm.
+  EXPECT_LT(farthest, kIsDouble ? 5e-5 : 2e-3);
 }
 
 TEST_P(Rest, FallsAsleepAndWakesWhenHit) {
@@ -112,6 +113,27 @@ TEST(Pile, OfThreeCubesStands) {
     EXPECT_NEAR(height(*cubes[i]), 0.1 + 0.2 * i, 0.0005);
     EXPECT_NEAR(cubes[i]->getWorldTransform().getOrigin().x(), 0.005 * i, 0.015);
     EXPECT_LT(cubes[i]->getAngularVelocity().length(), scalar(0.1));
+  }
+}
+
+// Nothing but the shells' points keeps balls from rolling off each other. In float they do.
+TEST(Pile, OfThreeBallsStands) {
+  if (!kIsDouble) GTEST_SKIP();
+  static const auto fine_ball =
+      build_model(voxshell::test_support::make_icosphere(kBallRadius, 5), 0.002);
+  TestWorld world;
+  world.world.getSolverInfo().m_numIterations = 50;
+  add_ground(world, Ground::kPlane).setFriction(1);
+  btRigidBody* balls[3];
+  for (int i = 0; i < 3; ++i) {
+    balls[i] = &world.add_model(fine_ball, 1, {{}, {0, 0, kBallRadius * (1 + 2 * i)}});
+    balls[i]->setFriction(scalar(0.8));
+    balls[i]->setActivationState(DISABLE_DEACTIVATION);
+  }
+  world.step(4000);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(height(*balls[i]), kBallRadius * (1 + 2 * i), 0.005 * kBallRadius);
+    EXPECT_LT(balls[i]->getAngularVelocity().length(), scalar(0.02));
   }
 }
 

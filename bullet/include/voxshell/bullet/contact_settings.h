@@ -5,7 +5,10 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  kAutomatic,  ///< what rests most calmly: segmented
+  /// What rests most calmly: segmented, or regular where a body lies on one small patch, which may
+  /// be
+  /// in one segment.
+  kAutomatic,
   /// One manifold of at most four points: the deepest, then area. Segmented in steps that sweep
   /// (see ContactSettings::sweep_beyond).
   kRegular,

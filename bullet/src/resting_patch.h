@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voxshell/contacts.h"
+
+namespace voxshell::bullet {
+
+/// The place that a body at rest lies on, remembered from step to step.
+///
+/// Bodies that have come to rest lie on points that are not all in touch to the last micrometre:
+/// taken as they are, points change from step to step, and a body tips from one set to the next
+/// for ever. So points that are nearly as near as the nearest count as just as near, and those
+/// that carried the body before are pulled back to where they did. docs/decisions/0003 says why.
+class RestingPatch {
+ public:
+  /// Moves the depths of `contacts` that are in the patch.
+  ///
+  /// @param contacts   Ascending by id; not empty.
+  /// @param thickness  Of Bullet's margins, which add to the depths, metres.
+  /// @param band       How much farther from the surface than the nearest points may be, metres.
+  void settle(std::span<Contact> contacts, double thickness, double band);
+
+  /// Forgets all points but these, which the body lies on.
+  void keep(std::span<const Contact> contacts);
+
+  /// For bodies that move.
+  void release();
+
+  /// How far the points of the patch are from the nearest to the surface, metres.
+  double radius() const { return radius_; }
+
+ private:
+  struct Held {
+    std::uint32_t id;
+    double lift;  ///< how much farther from the surface than the nearest, metres
+  };
+
+  std::vector<Held> held_;  ///< ascending by id
+  std::vector<Held> before_;
+  double radius_ = 0.0;
+};
+
+}  // namespace voxshell::bullet

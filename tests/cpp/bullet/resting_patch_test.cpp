@@ -1,0 +1,75 @@
+#include "resting_patch.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+namespace voxshell::bullet {
+namespace {
+
+constexpr double kBand = 1e-4;
+
+Contact contact(std::uint32_t id, float depth, float x = 0) {
+  Contact made{};
+  made.id = id;
+  made.point = {x, 0, 0};
+  made.depth = depth;
+  return made;
+}
+
+TEST(RestingPatch, TakesPointsWithinTheBandAsNearAsTheNearest) {
+  RestingPatch patch;
+  std::array contacts{contact(1, -5e-5f, 0.3f), contact(4, 2e-6f), contact(9, -2e-4f, 0.9f)};
+  patch.settle(contacts, 0.0, kBand);
+  EXPECT_EQ(contacts[0].depth, 0.0f);
+  EXPECT_EQ(contacts[1].depth, 2e-6f);   // in touch: as it is
+  EXPECT_EQ(contacts[2].depth, -2e-4f);  // beyond the band
+  EXPECT_NEAR(patch.radius(), 0.3, 1e-7);
+}
+
+TEST(RestingPatch, LeavesTheNearestItsGap) {
+  RestingPatch patch;
+  std::array contacts{contact(1, -3e-5f), contact(4, -2e-5f)};
+  patch.settle(contacts, 0.0, kBand);
+  EXPECT_NEAR(contacts[0].depth, -2e-5f, 1e-10);
+  EXPECT_EQ(contacts[1].depth, -2e-5f);
+}
+
+TEST(RestingPatch, CountsMarginsAsPartOfTheBodies) {
+  RestingPatch patch;
+  std::array contacts{contact(1, -0.00105f), contact(4, -0.001f)};
+  patch.settle(contacts, 0.001, kBand);
+  EXPECT_NEAR(contacts[0].depth, -0.001f, 1e-9);
+}
+
+TEST(RestingPatch, PullsPointsBackToWhereTheyHeld) {
+  RestingPatch patch;
+  std::array first{contact(1, -5e-5f), contact(4, 0.0f)};
+  patch.settle(first, 0.0, kBand);
+  std::array tipped{contact(1, -4e-5f), contact(4, 0.0f)};
+  patch.settle(tipped, 0.0, kBand);
+  EXPECT_NEAR(tipped[0].depth, 1e-5f,
+              2e-7);  // has come 10 um nearer, of which it forgets a hundredth
+}
+
+TEST(RestingPatch, ForgetsPointsThatCarryNothingAndBodiesThatMove) {
+  RestingPatch patch;
+  const auto tip = [&] {
+    std::array tipped{contact(1, -4e-5f), contact(4, 0.0f)};
+    patch.settle(tipped, 0.0, kBand);
+    return tipped[0].depth;
+  };
+  std::array first{contact(1, -5e-5f), contact(4, 0.0f)};
+  patch.settle(first, 0.0, kBand);
+  patch.keep(std::array{contact(4, 0.0f)});
+  EXPECT_EQ(tip(), 0.0f);
+
+  first = {contact(1, -5e-5f), contact(4, 0.0f)};
+  patch.settle(first, 0.0, kBand);
+  patch.release();
+  EXPECT_EQ(patch.radius(), 0.0);
+  EXPECT_EQ(tip(), 0.0f);
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
