@@ -36,6 +36,7 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
       motion_b_(Motion::of(*pair.b.wrap().getCollisionObject(), time_step)),
       restitution_(static_cast<double>(gCalculateCombinedRestitutionCallback(
           pair.a.wrap().getCollisionObject(), pair.b.wrap().getCollisionObject()))),
+      rolling_at_rest_(settings.rolling_at_rest),
       margin_(rest_margin_),
       voxel_(measure(pair).shell().spacing()),
       owed_(memory.owed),
@@ -130,11 +131,6 @@ bool ContactRule::is_resting(const Impact& impact) const {
   return is_slow(impact) && std::abs(impact.gap) <= rest_margin_;
 }
 
-bool ContactRule::lie_on_small_patch() const {
-  constexpr double kSmall = 0.1;
-  return is_still_ && memory_.patch.radius() < kSmall * radius_;
-}
-
 /// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
 /// along the normal, is what a rebound at the surface would leave.
 ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
@@ -150,7 +146,7 @@ ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
   return {speed, 0.0};
 }
 
-WorldContact ContactRule::to_world(const Contact& contact) const {
+WorldContact ContactRule::to_world(const Contact& contact, double patch) const {
   WorldContact world = pair_.to_world(contact);
   const Impact impact = impact_of(world);
   const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
@@ -159,7 +155,8 @@ WorldContact ContactRule::to_world(const Contact& contact) const {
     world.slip_limit = kSlipOfMargin * rest_margin_;
     // Bullet's solver hardly feels the lever between points that are near each other: it is told of
     // the torque that they withstand.
-    if (lie_on_small_patch()) world.rolling_friction = memory_.patch.radius();
+    constexpr double kSmall = 0.1;
+    if (rolling_at_rest_ && is_still_ && patch < kSmall * radius_) world.rolling_friction = patch;
   }
   world.restitution = restitution_;
   if (!(impact.approach > 0.0)) return world;

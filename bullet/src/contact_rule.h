@@ -39,15 +39,14 @@ class ContactRule {
   bool sweeps() const { return sweeps_; }
   /// Whether the bodies hardly move, so that they may come to rest on the points that they lie on.
   bool is_still() const { return is_still_; }
-  /// Whether the points that they lie on are all near each other. After apply().
-  bool lie_on_small_patch() const;
 
   /// Leaves those of `contacts` that are contacts, as the solver is to see them: a point that is
   /// going to touch has the normal of the place where it will.
   void apply(std::vector<Contact>& contacts);
 
-  /// One of those that apply() left, for the manifold.
-  WorldContact to_world(const Contact& contact) const;
+  /// One of those that apply() left, for the manifold; `patch` is how far
+  /// those of its manifold are from the deepest of them, metres.
+  WorldContact to_world(const Contact& contact, double patch) const;
 
  private:
   /// How the bodies meet at a contact, along its normal.
@@ -82,6 +81,7 @@ class ContactRule {
   double restitution_;
   bool sweeps_ = false;
   bool is_still_ = false;
+  bool rolling_at_rest_;
   double margin_ = 0.0;
   double voxel_ = 0.0;
   double owed_;              ///< by the step before

@@ -21,9 +21,7 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr int kDefaultLevel = 4;
-/// Points that change from step to step keep a body rocking: those of the step before stay as long
-/// as none is deeper by more than this share of the rest margin.
-constexpr float kCarriesOn = 0.25f;
+constexpr float kCarriesOn = 0.25f;  // of the rest margin
 
 /// Adds the time from its making to its end.
 class Stopwatch {
@@ -45,6 +43,52 @@ class Stopwatch {
   double NarrowPhaseTimings::* part_;
   std::chrono::steady_clock::time_point start_;
 };
+
+/// The depth of the deepest of `points`.
+float depth_of(const ManifoldPoints& points, std::span<const Contact> contacts) {
+  float depth = -std::numeric_limits<float>::infinity();
+  for (const std::uint32_t index : points.chosen()) {
+    depth = std::max(depth, contacts[index].depth);
+  }
+  return depth;
+}
+
+/// How far `contacts` are from the deepest of them, metres.
+double radius_of(std::span<const Contact> contacts) {
+  const Contact& deepest = *std::ranges::max_element(contacts, {}, &Contact::depth);
+  double radius = 0.0;
+  for (const Contact& contact : contacts) {
+    radius = std::max(radius, static_cast<double>(length(contact.point - deepest.point)));
+  }
+  return radius;
+}
+
+/// Those of `contacts`, ascending by id, that are in `manifold`, if all in it are among them.
+ManifoldPoints points_before(std::span<const Contact> contacts,
+                             const btPersistentManifold& manifold) {
+  ManifoldPoints points;
+  for (int i = 0; i < manifold.getNumContacts(); ++i) {
+    const auto id = static_cast<std::uint32_t>(manifold.getContactPoint(i).m_index0);
+    const auto found = std::ranges::lower_bound(contacts, id, {}, &Contact::id);
+    if (found == contacts.end() || found->id != id) return {};
+    points.indices[points.count++] = static_cast<std::uint32_t>(found - contacts.begin());
+  }
+  return points;
+}
+
+/// The points of `contacts` for the manifold. Points that change from step to step keep a body
+/// rocking: those of the step before stay as long as none is deeper by more than `band`.
+ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
+                      const btPersistentManifold& manifold, float band) {
+  ManifoldPoints chosen = select_manifold(contacts);
+  chosen.count = std::min(chosen.count, most);  // the deepest first
+  const ManifoldPoints before = points_before(contacts, manifold);
+  constexpr std::size_t kCarrying = 3;
+  const bool carries_on = before.count >= std::min(kCarrying, chosen.count) &&
+                          before.count <= most &&
+                          depth_of(chosen, contacts) <= depth_of(before, contacts) + band;
+  return carries_on ? before : chosen;
+}
 
 }  // namespace
 
@@ -81,21 +125,21 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   }
 
   std::optional<ContactRule> rule;
+  bool is_regular = false;
+  bool takes_all = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-    const bool takes_all =
-        rule->is_still() || (settings_.mode == ContactMode::kRegular && !rule->sweeps());
+    // Four points do not hold a body that turns while it is stopped: fast steps take all segments.
+    is_regular = settings_.mode == ContactMode::kRegular && !rule->sweeps();
+    takes_all = is_regular || rule->is_still();
     find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
-  bool is_regular = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     rule->apply(contacts_);
-    is_regular = takes_one_manifold(*rule);
-    if (!is_regular && rule->is_still()) {
-      keep_one_a_segment(pair, kCarriesOn * static_cast<float>(rule->rest_margin()));
-    }
+    if (takes_all && !rule->sweeps() && !contacts_.empty())
+      drop_idle_points(static_cast<float>(rule->rest_margin()) / 5.0f);
   }
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
@@ -107,10 +151,8 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to
     // look through.
     release_manifolds();
-  } else if (is_regular) {
-    fill_regular(pair, *rule);
   } else {
-    fill_segmented(pair, *rule);
+    fill(pair, *rule, is_regular);
   }
 }
 
@@ -139,20 +181,6 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
   if (contacts_.empty() && pair.swap_roles_if_enclosed()) ask();
   if (const auto extreme = find_extreme_contact(pair, static_cast<float>(margin)))
     contacts_.push_back(*extreme);
-}
-
-/// Four points do not hold a body that turns while it is stopped: fast steps take all segments. A
-/// small patch may lie in one segment, whose one point does not keep a body upright.
-bool ModelAlgorithm::takes_one_manifold(const ContactRule& rule) const {
-  switch (settings_.mode) {
-    case ContactMode::kRegular:
-      return !rule.sweeps();
-    case ContactMode::kAutomatic:
-      return !rule.sweeps() && rule.lie_on_small_patch();
-    case ContactMode::kSegmented:
-      break;
-  }
-  return false;
 }
 
 int ModelAlgorithm::level() const {
@@ -187,36 +215,6 @@ void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
   result.setPersistentManifold(before);
 }
 
-void ModelAlgorithm::fill_regular(const PosedPair& pair, const ContactRule& rule) {
-  ManifoldPoints chosen;
-  {
-    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-    drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
-    chosen = select_manifold(contacts_);
-    const ManifoldPoints before = points_of_last_step();
-    constexpr std::size_t kCarrying = 3;
-    if (before.count >= kCarrying &&
-        depth_of(chosen) <=
-            depth_of(before) + kCarriesOn * static_cast<float>(rule.rest_margin())) {
-      chosen = before;
-    }
-  }
-  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
-  std::array<WorldContact, kManifoldSize> world;
-  std::array<Contact, kManifoldSize> contacts;
-  for (std::size_t i = 0; i < chosen.count; ++i) {
-    contacts[i] = contacts_[chosen.indices[i]];
-    world[i] = rule.to_world(contacts[i]);
-  }
-  memory_.patch.keep(std::span(contacts).first(chosen.count));
-  if (active_.empty()) active_.push_back({0, take_manifold(pair)});
-  for (; active_.size() > 1; active_.pop_back()) {  // of a fast step before
-    m_dispatcher->releaseManifold(active_.back().manifold);
-  }
-  fill_manifold(*active_[0].manifold, std::span(world).first(chosen.count), pair.a.wrap(),
-                pair.b.wrap());
-}
-
 /// Drops points outside the surface that are farther from it than the nearest by more than `band`:
 /// within a margin, points that carry nothing would span the largest area, and those that carry the
 /// body would go without.
@@ -226,64 +224,23 @@ void ModelAlgorithm::drop_idle_points(float band) {
   std::erase_if(contacts_, [&](const Contact& contact) { return contact.depth < least; });
 }
 
-/// The depth of the deepest.
-float ModelAlgorithm::depth_of(const ManifoldPoints& points) const {
-  float depth = -std::numeric_limits<float>::infinity();
-  for (const std::uint32_t index : points.chosen()) {
-    depth = std::max(depth, contacts_[index].depth);
-  }
-  return depth;
-}
-
-/// Those of contacts_ that were in the one manifold, if all that were are still contacts.
-ManifoldPoints ModelAlgorithm::points_of_last_step() const {
-  ManifoldPoints points;
-  if (active_.size() != 1) return points;
-  const btPersistentManifold& manifold = *active_[0].manifold;
-  for (int i = 0; i < manifold.getNumContacts(); ++i) {
-    const auto id = static_cast<std::uint32_t>(manifold.getContactPoint(i).m_index0);
-    const auto found = std::ranges::lower_bound(contacts_, id, {}, &Contact::id);
-    if (found == contacts_.end() || found->id != id) return {};
-    points.indices[points.count++] = static_cast<std::uint32_t>(found - contacts_.begin());
-  }
-  return points;
-}
-
-/// Leaves of contacts_ the deepest of each segment, or the one of the step before if that is less
-/// deep by `band` at most.
-void ModelAlgorithm::keep_one_a_segment(const PosedPair& pair, float band) {
-  std::size_t kept = 0;
-  auto before = active_.begin();
-  for (auto first = contacts_.begin(); first != contacts_.end();) {
-    const std::uint32_t segment = segment_of(pair, *first);
-    const auto last = std::find_if(first, contacts_.end(), [&](const Contact& contact) {
-      return segment_of(pair, contact) != segment;
-    });
-    auto chosen = std::max_element(
-        first, last, [](const Contact& a, const Contact& b) { return a.depth < b.depth; });
-    before = std::find_if(before, active_.end(),
-                          [&](const SegmentManifold& entry) { return entry.segment >= segment; });
-    if (before != active_.end() && before->segment == segment) {
-      const auto id = static_cast<std::uint32_t>(before->manifold->getContactPoint(0).m_index0);
-      const auto same = std::ranges::find(first, last, id, &Contact::id);
-      if (same != last && same->depth >= chosen->depth - band) chosen = same;
-    }
-    contacts_[kept++] = *chosen;
-    first = last;
-  }
-  contacts_.resize(kept);
-}
-
-/// For contacts_ that are one a segment.
-void ModelAlgorithm::fill_segmented(const PosedPair& pair, const ContactRule& rule) {
+/// A manifold for each segment that has contacts, or one for all.
+void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
-  memory_.patch.keep(contacts_);
+  const auto group_of = [&](const Contact& contact) {
+    return is_regular ? 0 : segment_of(pair, contact);
+  };
+  const auto end_of_group = [&](auto first) {
+    return std::find_if(
+        first, contacts_.end(),
+        [&, group = group_of(*first)](const Contact& other) { return group_of(other) != group; });
+  };
   // Both lists ascend by segment: manifolds of segments that lost their contacts are emptied first,
   // so that segments which gained some can have them.
   auto old = active_.begin();
   next_.clear();
-  for (const Contact& contact : contacts_) {
-    const std::uint32_t segment = segment_of(pair, contact);
+  for (auto first = contacts_.begin(); first != contacts_.end(); first = end_of_group(first)) {
+    const std::uint32_t segment = group_of(*first);
     for (; old != active_.end() && old->segment < segment; ++old) idle_.push_back(old->manifold);
     const bool continues = old != active_.end() && old->segment == segment;
     next_.push_back({segment, continues ? (old++)->manifold : nullptr});
@@ -293,12 +250,29 @@ void ModelAlgorithm::fill_segmented(const PosedPair& pair, const ContactRule& ru
     if (manifold->getNumContacts() > 0) manifold->clearManifold();
   }
   active_.swap(next_);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    SegmentManifold& entry = active_[i];
+  // On a few segments a body may rest on more points than one of some of them.
+  constexpr std::size_t kFew = 4;
+  const bool is_few = is_regular || active_.size() <= kFew;
+  chosen_.clear();
+  auto first = contacts_.begin();
+  for (SegmentManifold& entry : active_) {
+    const auto last = end_of_group(first);
     if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
-    const WorldContact world = rule.to_world(contacts_[i]);
-    fill_manifold(*entry.manifold, std::span(&world, 1), pair.a.wrap(), pair.b.wrap());
+    const std::span<const Contact> group(first, last);
+    const double patch = is_few ? radius_of(group) : std::numeric_limits<double>::infinity();
+    const ManifoldPoints chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold,
+                                         kCarriesOn * static_cast<float>(rule.rest_margin()));
+    std::array<WorldContact, kManifoldSize> world;
+    for (std::size_t i = 0; i < chosen.count; ++i) {
+      const Contact& contact = group[chosen.indices[i]];
+      world[i] = rule.to_world(contact, patch);
+      chosen_.push_back(contact);
+    }
+    fill_manifold(*entry.manifold, std::span(world).first(chosen.count), pair.a.wrap(),
+                  pair.b.wrap());
+    first = last;
   }
+  memory_.patch.keep(chosen_);
 }
 
 btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {

@@ -45,17 +45,12 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void find_near(PosedPair& pair, double margin, Wanted wanted);
-  bool takes_one_manifold(const ContactRule& rule) const;
   int level() const;
   std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
-  void keep_one_a_segment(const PosedPair& pair, float band);
   void drop_idle_points(float band);
-  float depth_of(const ManifoldPoints& points) const;
-  ManifoldPoints points_of_last_step() const;
-  void fill_regular(const PosedPair& pair, const ContactRule& rule);
-  void fill_segmented(const PosedPair& pair, const ContactRule& rule);
+  void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
   const ContactSettings& settings_;
@@ -65,6 +60,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
+  std::vector<Contact> chosen_;              ///< those of contacts_ that are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step
   std::vector<btPersistentManifold*> idle_;  ///< empty ones, kept for later steps

@@ -8,23 +8,22 @@ void RestingPatch::settle(std::span<Contact> contacts, double thickness, double 
   // Of what has moved since, in each step: else errors of the solver add up to a tilt of the patch
   // that it is then held to.
   constexpr double kForgotten = 0.01;
-  const Contact deepest = *std::ranges::max_element(contacts, {}, &Contact::depth);
-  const double nearest = std::max(-static_cast<double>(deepest.depth) - thickness, 0.0);
+  // Points that hold do so for a while beyond the band, or a body rocks about its edge.
+  constexpr double kLetGo = 2.0;
+  const float deepest = std::ranges::max_element(contacts, {}, &Contact::depth)->depth;
+  const double nearest = std::max(-static_cast<double>(deepest) - thickness, 0.0);
   held_.swap(before_);
   held_.clear();
-  radius_ = 0.0;
   auto before = before_.begin();
   for (Contact& contact : contacts) {
     const double gap = -static_cast<double>(contact.depth) - thickness;
     double lift = gap - nearest;
     before = std::find_if(before, before_.end(),
                           [&](const Held& held) { return held.id >= contact.id; });
-    if (before != before_.end() && before->id == contact.id) {
-      lift = before->lift + kForgotten * (lift - before->lift);
+    if (before != before_.end() && before->id == contact.id && lift <= kLetGo * band) {
+      lift = std::min(before->lift + kForgotten * (lift - before->lift), band);
     }
-    if (lift > band) continue;
-    radius_ = std::max(radius_, static_cast<double>(length(contact.point - deepest.point)));
-    if (lift <= 0.0) continue;
+    if (lift <= 0.0 || lift > band) continue;
     contact.depth = static_cast<float>(lift - gap - thickness);
     held_.push_back({contact.id, lift});
   }
@@ -36,9 +35,6 @@ void RestingPatch::keep(std::span<const Contact> contacts) {
   });
 }
 
-void RestingPatch::release() {
-  held_.clear();
-  radius_ = 0.0;
-}
+void RestingPatch::release() { held_.clear(); }
 
 }  // namespace voxshell::bullet

@@ -29,9 +29,6 @@ class RestingPatch {
   /// For bodies that move.
   void release();
 
-  /// How far the points of the patch are from the nearest to the surface, metres.
-  double radius() const { return radius_; }
-
  private:
   struct Held {
     std::uint32_t id;
@@ -40,7 +37,6 @@ class RestingPatch {
 
   std::vector<Held> held_;  ///< ascending by id
   std::vector<Held> before_;
-  double radius_ = 0.0;
 };
 
 }  // namespace voxshell::bullet

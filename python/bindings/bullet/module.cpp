@@ -185,16 +185,18 @@ void bind_simulation(nb::module_& module) {
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
              bullet::ContactMode mode, int level, double margin, double sweep_beyond) {
-            new (self) Simulation({.gravity = to_vec3(gravity),
-                                   .time_step = time_step,
-                                   .sleeping = sleeping,
-                                   .split_impulse_threshold = split_impulse_threshold,
-                                   .solver = solver,
-                                   .iterations = iterations,
-                                   .contact = {.mode = mode,
-                                               .level = level,
-                                               .margin = margin,
-                                               .sweep_beyond = sweep_beyond}});
+            new (self)
+                Simulation({.gravity = to_vec3(gravity),
+                            .time_step = time_step,
+                            .sleeping = sleeping,
+                            .split_impulse_threshold = split_impulse_threshold,
+                            .solver = solver,
+                            .iterations = iterations,
+                            .contact = {.mode = mode,
+                                        .level = level,
+                                        .margin = margin,
+                                        .sweep_beyond = sweep_beyond,
+                                        .rolling_at_rest = solver != ConstraintSolver::kNncg}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),

@@ -5,14 +5,13 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  /// What rests most calmly: segmented, or regular where a body lies on one small patch, which may
-  /// be
-  /// in one segment.
-  kAutomatic,
+  kAutomatic,  ///< what rests most calmly: segmented
   /// One manifold of at most four points: the deepest, then area. Segmented in steps that sweep
   /// (see ContactSettings::sweep_beyond).
   kRegular,
-  kSegmented,  ///< a manifold of one point, the deepest, for each segment of a level
+  /// A manifold of one point, the deepest, for each segment of a level; of up to four where a body
+  /// lies still on few segments.
+  kSegmented,
 };
 
 /// Seconds spent in voxshell's part of the narrow phase since the last reset, for one thread.
@@ -41,6 +40,10 @@ struct ContactSettings {
   /// the step are contacts before they do, so that bodies of any speed stop at the surface, thin
   /// ones included. Negative: a voxel. Infinity: never.
   double sweep_beyond = -1.0;
+
+  /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from
+  /// rocking. Not for btNNCGConstraintSolver, which applies it beyond its limits.
+  bool rolling_at_rest = true;
 
   /// Where to add up times, or none. Not for worlds that dispatch on several threads.
   NarrowPhaseTimings* timings = nullptr;
