@@ -31,7 +31,7 @@ def test_every_level_has_its_times_in_own_falls_and_equal_poses(results):
     assert (same["query"] > 0.0).mean() > 0.9
     rest = steps["step"] > SETTINGS.first_step
     one, five = (steps["contacts"][rest & (steps["level"] == level)] for level in (1, 5))
-    assert one.max() == 1
+    assert one.max() <= 4  # one manifold
     assert five.mean() > 2.0
 
 
