@@ -15,8 +15,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
+
 namespace voxshell {
 namespace {
+
+using test_support::TemporaryFolder;
 
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
@@ -24,22 +28,16 @@ std::span<const std::byte> bytes_of(const std::string& text) {
 
 class File : public testing::Test {
  protected:
-  File() {
-    std::string name = (std::filesystem::temp_directory_path() / "voxshell-file-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~File() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   std::string content(const std::string& name) const {
-    std::ifstream file(folder_ / name);
+    std::ifstream file(folder_.path() / name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
   std::ptrdiff_t file_count() const {
-    return std::distance(std::filesystem::directory_iterator(folder_), {});
+    return std::distance(std::filesystem::directory_iterator(folder_.path()), {});
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(File, AppearsWhenItIsCommitted) {
@@ -47,7 +45,7 @@ TEST_F(File, AppearsWhenItIsCommitted) {
   ASSERT_TRUE(file) << file.error().message;
   ASSERT_TRUE(file->append(bytes_of("hello ")));
   ASSERT_TRUE(file->append(bytes_of("world")));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "a"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "a"));
   ASSERT_TRUE(file->commit());
   EXPECT_EQ(content("a"), "hello world");
   EXPECT_EQ(file_count(), 1);
@@ -113,7 +111,7 @@ void expect_unwritable(const std::string& path, const std::string& reason) {
 
 TEST_F(File, CannotBeWrittenWhereThereIsNoFolderOrIsOne) {
   expect_unwritable(path("missing/a"), "No such file or directory");
-  std::filesystem::create_directory(folder_ / "folder");
+  std::filesystem::create_directory(folder_.path() / "folder");
   expect_unwritable(path("folder"), "Is a directory");
   std::ofstream(path("text")) << "x";
   expect_unwritable(path("text/a"), "Not a directory");

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -19,6 +18,7 @@
 #include "support/meshes.h"
 #include "support/model_bytes.h"
 #include "support/random.h"
+#include "support/temporary_folder.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell {
@@ -111,17 +111,9 @@ void expect_equal(const Model& a, const Model& b) {
 
 class ModelFile : public testing::Test {
  protected:
-  ModelFile()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("voxshell-model-file-" +
-                 std::to_string(Random(reinterpret_cast<std::uintptr_t>(this)).next()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~ModelFile() override { std::filesystem::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(ModelFile, HoldsTheWholeModel) {
