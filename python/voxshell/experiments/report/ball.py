@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,10 @@ from voxshell.meshes import Mesh
 from voxshell.scenes.ball import GROUND_HALF_EXTENTS, BallSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
+    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from voxshell.experiments.experiment import Results
@@ -222,10 +225,24 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
     ]  # fmt: skip
 
 
-def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: str) -> None:
-    with open_figure(path, width=11, height=4) as figure:
+@contextmanager
+def _panels(
+    settings: BallSettings, path: Path, height: float, x: str, y: str
+) -> Iterator[list[tuple[Axes, float]]]:
+    """A figure, in inches of height, with a panel for each restitution."""
+    with open_figure(path, width=11, height=height) as figure:
         columns = figure.subplots(1, len(settings.restitutions), sharey=True, squeeze=False)[0]
+        yield list(zip(columns, settings.restitutions, strict=True))
         for axes, restitution in zip(columns, settings.restitutions, strict=True):
+            axes.set_title(f"c = {restitution:g}", fontsize=10)
+            axes.set_xlabel(x)
+        columns[0].set_ylabel(y)
+        columns[-1].legend(fontsize=8, frameon=False)
+
+
+def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: str) -> None:
+    with _panels(settings, path, 4, "step", "height of the centre, m") as panels:
+        for axes, restitution in panels:
             for method in ball.METHODS:
                 which = "published" if method == "bullet" else rule
                 fall = _select(results[f"fall-{which}-{method}"]["steps"], restitution)
@@ -238,16 +255,12 @@ def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: st
                 )
             ideal = settings.radius + restitution**2 * (settings.height - settings.radius)
             axes.axhline(ideal, color=FAINT, ls="--", lw=1, label="ideal first apex")
-            axes.set_title(f"c = {restitution:g}", fontsize=10)
-            axes.set_xlabel("step")
-        columns[0].set_ylabel("height of the centre, m")
-        columns[-1].legend(fontsize=8, frameon=False)
 
 
 def _draw_phases(settings: BallSettings, results: Results, path: Path) -> None:
-    with open_figure(path, width=11, height=4) as figure:
-        columns = figure.subplots(1, len(settings.restitutions), sharey=True, squeeze=False)[0]
-        for axes, restitution in zip(columns, settings.restitutions, strict=True):
+    x = "start height beside the published one, mm"
+    with _panels(settings, path, 4, x, "maximum penetration, mm") as panels:
+        for axes, restitution in panels:
             for method, rule, style in (
                 ("bullet", "published", "-"),
                 ("low", "published", "-"),
@@ -263,34 +276,24 @@ def _draw_phases(settings: BallSettings, results: Results, path: Path) -> None:
                     lw=1.4,
                     label=_label(settings, method) + (", our rule" if rule == "voxshell" else ""),
                 )
-            axes.set_title(f"c = {restitution:g}", fontsize=10)
-            axes.set_xlabel("start height beside the published one, mm")
-        columns[0].set_ylabel("maximum penetration, mm")
-        columns[-1].legend(fontsize=8, frameon=False)
 
 
 def _draw_energy(settings: BallSettings, results: Results, path: Path) -> None:
-    with open_figure(path, width=11, height=3.4) as figure:
-        columns = figure.subplots(1, len(settings.restitutions), sharey=True, squeeze=False)[0]
-        for axes, restitution in zip(columns, settings.restitutions, strict=True):
+    with _panels(settings, path, 3.4, "step", "energy / energy at the start") as panels:
+        for axes, restitution in panels:
             for rule, method in (
                 ("published", "bullet"),
                 ("voxshell", "high"),
                 ("voxshell", "low"),
             ):
                 fall = _select(results[f"fall-{rule}-{method}"]["steps"], restitution)
-                energy = ball.compute_energy(settings, fall)
                 axes.plot(
                     fall["step"],
-                    energy,
+                    ball.compute_energy(settings, fall),
                     color=COLORS[method],
                     lw=1.3,
                     label=_label(settings, method),
                 )
-            axes.set_title(f"c = {restitution:g}", fontsize=10)
-            axes.set_xlabel("step")
-        columns[0].set_ylabel("energy / energy at the start")
-        columns[-1].legend(fontsize=8, frameon=False)
 
 
 def _save_replay(settings: BallSettings, results: Results, path: Path) -> None:
