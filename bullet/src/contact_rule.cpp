@@ -60,7 +60,7 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
   const double weight =
       std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;
-  is_still_ = 0.5 * fastest * fastest <= energy_to_lift;
+  is_still_ = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
   sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : voxel_);
   // The solver may make points faster than they are.
   constexpr double kTurned = 2.0;

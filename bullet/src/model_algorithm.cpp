@@ -138,8 +138,9 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     rule->apply(contacts_);
-    if (takes_all && !rule->sweeps() && !contacts_.empty())
+    if (takes_all && !rule->sweeps() && !contacts_.empty()) {
       drop_idle_points(static_cast<float>(rule->rest_margin()) / 5.0f);
+    }
   }
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
@@ -224,44 +225,53 @@ void ModelAlgorithm::drop_idle_points(float band) {
   std::erase_if(contacts_, [&](const Contact& contact) { return contact.depth < least; });
 }
 
-/// A manifold for each segment that has contacts, or one for all.
-void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
+/// Makes active_ the manifolds that contacts_ need, each with how many they are: one for each
+/// segment that has some, or one for all.
+void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
-  const auto group_of = [&](const Contact& contact) {
-    return is_regular ? 0 : segment_of(pair, contact);
-  };
-  const auto end_of_group = [&](auto first) {
-    return std::find_if(
-        first, contacts_.end(),
-        [&, group = group_of(*first)](const Contact& other) { return group_of(other) != group; });
-  };
   // Both lists ascend by segment: manifolds of segments that lost their contacts are emptied first,
   // so that segments which gained some can have them.
   auto old = active_.begin();
   next_.clear();
-  for (auto first = contacts_.begin(); first != contacts_.end(); first = end_of_group(first)) {
-    const std::uint32_t segment = group_of(*first);
+  for (const Contact& contact : contacts_) {
+    const std::uint32_t segment = is_regular ? 0 : segment_of(pair, contact);
+    if (!next_.empty() && next_.back().segment == segment) {
+      ++next_.back().contact_count;
+      continue;
+    }
     for (; old != active_.end() && old->segment < segment; ++old) idle_.push_back(old->manifold);
     const bool continues = old != active_.end() && old->segment == segment;
-    next_.push_back({segment, continues ? (old++)->manifold : nullptr});
+    next_.push_back({segment, continues ? (old++)->manifold : nullptr, 1});
   }
   for (; old != active_.end(); ++old) idle_.push_back(old->manifold);
   for (btPersistentManifold* manifold : idle_) {
     if (manifold->getNumContacts() > 0) manifold->clearManifold();
   }
   active_.swap(next_);
+  for (SegmentManifold& entry : active_) {
+    if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
+  }
+}
+
+void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
+  assign_manifolds(pair, is_regular);
   // On a few segments a body may rest on more points than one of some of them.
   constexpr std::size_t kFew = 4;
   const bool is_few = is_regular || active_.size() <= kFew;
   chosen_.clear();
-  auto first = contacts_.begin();
-  for (SegmentManifold& entry : active_) {
-    const auto last = end_of_group(first);
-    if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
-    const std::span<const Contact> group(first, last);
-    const double patch = is_few ? radius_of(group) : std::numeric_limits<double>::infinity();
-    const ManifoldPoints chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold,
-                                         kCarriesOn * static_cast<float>(rule.rest_margin()));
+  std::span<const Contact> left(contacts_);
+  for (const SegmentManifold& entry : active_) {
+    const std::span<const Contact> group = left.first(entry.contact_count);
+    left = left.subspan(entry.contact_count);
+    ManifoldPoints chosen;
+    double patch = std::numeric_limits<double>::infinity();
+    {
+      const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
+      if (is_few) patch = radius_of(group);
+      chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold,
+                      kCarriesOn * static_cast<float>(rule.rest_margin()));
+    }
+    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
     std::array<WorldContact, kManifoldSize> world;
     for (std::size_t i = 0; i < chosen.count; ++i) {
       const Contact& contact = group[chosen.indices[i]];
@@ -270,7 +280,6 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
     }
     fill_manifold(*entry.manifold, std::span(world).first(chosen.count), pair.a.wrap(),
                   pair.b.wrap());
-    first = last;
   }
   memory_.patch.keep(chosen_);
 }

@@ -41,6 +41,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   struct SegmentManifold {
     std::uint32_t segment;
     btPersistentManifold* manifold;
+    std::size_t contact_count;
   };
   enum class Wanted { kAll, kOneASegment };
 
@@ -50,6 +51,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
   void drop_idle_points(float band);
+  void assign_manifolds(const PosedPair& pair, bool is_regular);
   void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
