@@ -90,8 +90,8 @@ class Model:
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
             resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
             point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
-                field's voxel size if this is not given and
-            target_points: neither is how many points are wanted, which is reached within 1 %.
+                field's voxel size if neither this nor ``target_points`` is given.
+            target_points: Or how many points are wanted, which is reached within 1 %.
             scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
             padding: Metres of grid beyond the mesh's bounds, by default 16 voxels; at least eight
                 are kept. The field continues beyond its grid, less precisely.
