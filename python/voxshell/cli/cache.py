@@ -27,10 +27,8 @@ Json = Annotated[bool, Parameter(name="--json", negative="")]
 def list_models(*, json_only: Json = False) -> None:
     """List the models, the most recently used first.
 
-    Parameters
-    ----------
-    json_only
-        Print JSON: key, size in bytes and time of last use in seconds since 1970 of each.
+    Args:
+        json_only: Print JSON: key, size in bytes and time of last use in seconds since 1970 of each.
     """
     entries = _open().entries()
     if json_only:
@@ -53,10 +51,8 @@ def list_models(*, json_only: Json = False) -> None:
 def size(*, json_only: Json = False) -> None:
     """Say how much the models take, and how much they may take.
 
-    Parameters
-    ----------
-    json_only
-        Print JSON: models, size and capacity in bytes.
+    Args:
+        json_only: Print JSON: models, size and capacity in bytes.
     """
     kept = _open()
     if json_only:

@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
-from voxshell.experiments.drop_report import format_time
+from voxshell.experiments.units import format_time
 
 if TYPE_CHECKING:
     from voxshell.experiments.drop import DropRun, DropSummary

@@ -5,7 +5,14 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,12 +21,14 @@ if TYPE_CHECKING:
 
 
 def open_progress(console: Console) -> Progress:
-    """A display of tasks, with what each is at and how long it has taken."""
+    """A display of tasks: how long each has taken, the time left, and what it is at."""
     return Progress(
         TextColumn("{task.description}"),
-        BarColumn(bar_width=24),
+        BarColumn(bar_width=16),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
+        TextColumn("[dim]left"),
+        TimeRemainingColumn(elapsed_when_finished=False),
         TextColumn("[dim]{task.fields[stage]}"),
         console=console,
     )

@@ -32,19 +32,13 @@ class Options:
     """What all experiments take.
 
     Attributes:
-    ----------
-    out
-        The folder to write into; finished parts that are there already are not run again.
-    quick
-        Fewer orientations, phases and steps.
-    settings
-        A TOML file with a table an experiment; its keys override settings.
-    scheduler
-        Address of a Dask scheduler, such as tcp://10.0.0.1:8786: what is not timed runs there.
-    jobs
-        Processes for what is not timed; one a core by default.
-    json_only
-        Print the rows as JSON and nothing else.
+        out: The folder to write into; finished parts that are there already are not run again.
+        quick: Fewer orientations, phases and steps.
+        settings: A TOML file with a table an experiment; its keys override settings.
+        scheduler: Address of a Dask scheduler, such as tcp://10.0.0.1:8786: what is not timed runs
+            there.
+        jobs: Processes for what is not timed; one a core by default.
+        json_only: Print the rows as JSON and nothing else.
     """
 
     out: Path = Path("reproduction")
@@ -125,7 +119,7 @@ def _run_missing(studies: list[Study], options: Options, console: Console) -> No
 
 
 def _add_command(experiment: Experiment) -> None:
-    def command(options: Options = DEFAULTS) -> None:
+    def command(*, options: Options = DEFAULTS) -> None:
         run((experiment,), options)
 
     command.__doc__ = f"{experiment.title}: {experiment.question}"
@@ -137,7 +131,7 @@ for _experiment in EXPERIMENTS:
 
 
 @reproduce.command(name="all")
-def everything(options: Options = DEFAULTS) -> None:
+def everything(*, options: Options = DEFAULTS) -> None:
     """All experiments, and one report: index.html, an offline page, and report.json."""
     from voxshell.experiments.report.page import PAGE, ROWS, write_report
 
@@ -146,3 +140,6 @@ def everything(options: Options = DEFAULTS) -> None:
     write_report(options.out, findings, command=command)
     if not options.json_only:
         print(f"  {options.out / PAGE}, {ROWS}")
+
+
+reproduce.command("voxshell.cli.reproduce_peers:peers", name="peers")

@@ -42,19 +42,13 @@ def peers(
     Each peer runs in a process of its own; one that is not installed, crashes or hangs is a row that
     says so. Rows that are done are not measured again.
 
-    Parameters
-    ----------
-    out
-        The folder to write into.
-    quick
-        Shorter, with fewer drops, and without the convex decomposition unless it is kept from an
-        earlier run.
-    settings
-        A TOML file; the keys of its table [peers] override settings.
-    only
-        Peers to measure, by key, such as voxshell coal mujoco-hull; all by default.
-    json_only
-        Print the results as JSON and nothing else.
+    Args:
+        out: The folder to write into.
+        quick: Shorter, with fewer drops, and without the convex decomposition unless it is kept from an
+            earlier run.
+        settings: A TOML file; the keys of its table [peers] override settings.
+        only: Peers to measure, by key, such as voxshell coal mujoco-hull; all by default.
+        json_only: Print the results as JSON and nothing else.
     """
     from voxshell.experiments.peers.comparison import compare
     from voxshell.experiments.settings import override, read_settings_file

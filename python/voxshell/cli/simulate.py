@@ -66,37 +66,21 @@ def drop(
         voxshell simulate drop --out bunny
         voxshell simulate drop part.stl --up z --size 0.1 --methods vps-fine hull
 
-    Parameters
-    ----------
-    mesh
-        A closed mesh in any format that trimesh reads; the Stanford bunny by default.
-    out
-        The folder to write into; it is made where there is none.
-    steps
-        How many steps to simulate.
-    slow_steps
-        The same for GImpact on the block, which takes tens of milliseconds a step.
-
-    Methods:
-        Which to run: all by default. Ratios need vps-fine.
-    size
-        Length of the body's longest side, metres; the mesh is scaled to it.
-    up
-        The mesh's axis that points up.
-    height
-        Of the body's lowest point over the ground, metres.
-    rate
-        Steps a second.
-    fine_points
-        Points of the fine shell.
-    coarse_points
-        Points of the coarse shell.
-    voxel_size
-        Of the distance fields, metres.
-    mass
-        Of the body, kilograms.
-    json_only
-        Print the table as JSON and nothing else.
+    Args:
+        mesh: A closed mesh in any format that trimesh reads; the Stanford bunny by default.
+        out: The folder to write into; it is made where there is none.
+        steps: How many steps to simulate.
+        slow_steps: The same for GImpact on the block, which takes tens of milliseconds a step.
+        methods: Which to run: all by default. Ratios need vps-fine.
+        size: Length of the body's longest side, metres; the mesh is scaled to it.
+        up: The mesh's axis that points up.
+        height: Of the body's lowest point over the ground, metres.
+        rate: Steps a second.
+        fine_points: Points of the fine shell.
+        coarse_points: Points of the coarse shell.
+        voxel_size: Of the distance fields, metres.
+        mass: Of the body, kilograms.
+        json_only: Print the table as JSON and nothing else.
     """
     if steps < 1 or slow_steps < 1:
         raise SettingsError(f"steps must be at least 1, not {min(steps, slow_steps)}")

@@ -19,23 +19,27 @@ if TYPE_CHECKING:
 def make_table(title: str, rows: Iterable[Row]) -> Table:
     """Published beside here, with the bar and the verdict; long words wrap."""
     table = Table(
-        *("quantity", "unit"),
         title=title,
         title_justify="left",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
+        padding=(0, 1, 0, 0),
+        expand=True,
     )
-    for heading in ("published", "here"):
-        table.add_column(heading, justify="right")
-    table.add_column("ours should be")
-    table.add_column("verdict")
+    # What is left over goes to the words that need it most.
+    table.add_column("quantity", ratio=1)
+    table.add_column("published", justify="right", max_width=10)
+    table.add_column("here", justify="right", no_wrap=True)
+    table.add_column("should be", max_width=16)
+    table.add_column("verdict", no_wrap=True)
     for row in rows:
         good = row.reproduced is not False and row.holds is not False
         said = row.reproduced is not None or row.holds is not None
         color = "" if not said else "green" if good else "red"
+        quantity = f"{row.quantity}, {row.unit}" if row.unit else row.quantity
+        verdict = row.verdict.replace(", ", ",\n").replace("for information", "-")
         table.add_row(
-            *map(escape, (row.quantity, row.unit, format_value(row.published))),
-            *map(escape, (format_value(row.here), row.bar)),
-            f"[{color}]{row.verdict}[/]" if color else row.verdict,
+            *map(escape, (quantity, format_value(row.published), format_value(row.here), row.bar)),
+            f"[{color}]{verdict}[/]" if color else verdict,
         )
     return table

@@ -11,6 +11,7 @@ from voxshell.errors import MissingExtraError
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import replacing, write_json
+from voxshell.experiments.units import format_time
 from voxshell.scenes.drop import GROUND_HALF_EXTENTS
 
 if TYPE_CHECKING:
@@ -148,17 +149,3 @@ def save_page(path: Path, title: str, runs: list[DropRun], summaries: list[DropS
         title=title,
         caption="Times: narrow phase of a step, median of the steps timed.",
     )
-
-
-def format_time(seconds: float) -> str:
-    """Three digits in the unit that suits: "12.3 us", "4.56 ms".
-
-    Example:
-        >>> format_time(1.234e-5), format_time(0.0456), format_time(float("nan"))
-        ('12.3 µs', '45.6 ms', '-')
-    """
-    if not np.isfinite(seconds):
-        return "-"
-    number, unit = (seconds * 1e3, "ms") if seconds >= 1e-3 else (seconds * 1e6, "\N{MICRO SIGN}s")
-    digits = 0 if number >= 100 else 1 if number >= 10 else 2
-    return f"{number:.{digits}f} {unit}"

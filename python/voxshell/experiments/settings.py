@@ -19,7 +19,7 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
     """The tables of a TOML file, one an experiment.
 
     Raises:
-        SettingsError: It is no TOML, or holds something other than tables.
+        SettingsError: It is not there, is no TOML, or holds something other than tables.
         OSError: It cannot be read.
     """
     try:
@@ -29,6 +29,8 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
 
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, IsADirectoryError):
+        raise SettingsError(f"there is no settings file {path}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SettingsError(f"{path}: no TOML: {error}") from error
     for name, table in tables.items():

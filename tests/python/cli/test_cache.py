@@ -68,5 +68,5 @@ def test_clear_removes_them(folder, two_models):
 def test_a_wrong_size_is_an_error(folder, monkeypatch):
     monkeypatch.setenv("VOXSHELL_CACHE_SIZE", "much")
     result = voxshell_cache("size")
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert "VOXSHELL_CACHE_SIZE must be a size" in result.stderr

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from voxshell.experiments.drop_report import format_time
+from voxshell.experiments.units import format_time
 
 
 def reproduce_peers(*arguments):
@@ -77,6 +77,6 @@ def test_wrong_requests_are_errors_that_say_what_there_is(tmp_path, arguments, t
     path = tmp_path / "settings.toml"
     path.write_text(f"[peers]\n{table}\n")
     result = reproduce_peers("--out", tmp_path / "out", "--settings", path, *arguments)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert message in " ".join(result.stderr.split())
     assert not (tmp_path / "out").exists()

@@ -104,7 +104,7 @@ def test_mesh_without_area_is_refused_with_its_path(tmp_path):
     corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
     trimesh.Trimesh(corners, [[0, 1, 2]], process=False).export(path)
     result = voxshell("simulate", "drop", path, "--out", tmp_path / "out", *SMALL)
-    assert result.returncode == 1
+    assert result.returncode == 2
     said = result.stderr.replace("\n", "")
     assert "area" in said
     assert "line.stl" in said

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from voxshell.experiments.drop import REST_STEPS, run_drop, summarise
-from voxshell.experiments.drop_report import draw_curves, format_time, write_results
+from voxshell.experiments.drop_report import draw_curves, write_results
+from voxshell.experiments.units import format_time
 from voxshell.scenes.bunny import find_bunny
 from voxshell.scenes.drop import METHODS, DropSettings, build_shapes
 
@@ -97,7 +98,13 @@ def test_curves_are_a_picture_with_a_line_a_method(tmp_path, runs):
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(0.00123, "1.23 ms"), (1.5e-6, "1.50 \N{MICRO SIGN}s"), (0.25, "250 ms"), (np.nan, "-")],
+    [
+        (0.00123, "1.23 ms"),
+        (1.5e-6, "1.50 \N{MICRO SIGN}s"),
+        (0.25, "250 ms"),
+        (np.nan, "-"),
+        (9.996e-3, "10.0 ms"),
+    ],
 )
 def test_times_are_short_to_read(seconds, text):
     assert format_time(seconds) == text

@@ -7,7 +7,6 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from voxshell.experiments.drop_report import format_time
 from voxshell.experiments.files import replacing, write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.peers.cases import (
@@ -20,6 +19,7 @@ from voxshell.experiments.peers.cases import (
 )
 from voxshell.experiments.peers.measure import REST_SPEED, REST_SPIN, SUNK
 from voxshell.experiments.peers.roster import REFERENCE
+from voxshell.experiments.units import format_time
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

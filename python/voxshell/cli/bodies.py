@@ -1,0 +1,162 @@
+"""Bodies as arguments name them: model files, meshes, and shapes in words."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from voxshell.errors import FileAccessError, MeshError, ModelFileError, SettingsError
+from voxshell.model import Model
+from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from voxshell.queries import Collidable
+
+SUFFIX = ".vxs"
+"""Of model files."""
+
+_SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., Collidable]]] = {
+    "plane": (("nx", "ny", "nz", "offset"), lambda x, y, z, offset: Plane((x, y, z), offset)),
+    "box": (("hx", "hy", "hz"), lambda x, y, z: Box((x, y, z))),
+    "sphere": (("radius",), Sphere),
+    "capsule": (("radius", "length"), Capsule),
+    "cylinder": (("radius", "length"), Cylinder),
+    "cone": (("radius", "height"), Cone),
+}
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ModelOptions:
+    """How meshes are made into models.
+
+    Attributes:
+        voxel_size: Edge of the distance field's cells, metres, after --scale.
+        resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
+        point_spacing: Edge of the voxels that get one point each, metres; the voxel size by default.
+        target_points: Or how many points are wanted, which is reached within 1 %.
+        scale: Factor that brings the mesh to metres: 0.001 for one in millimetres.
+        padding: Metres of grid beyond the mesh's bounds; 16 voxels by default.
+        sign: What tells inside from outside: the closed surface, winding numbers, or whichever suits.
+        threads: How many to build with; one a core by default.
+        cache: Take models from the disk where they were built before, and keep them there.
+    """
+
+    voxel_size: float | None = None
+    resolution: int | None = None
+    point_spacing: float | None = None
+    target_points: int | None = None
+    scale: float = 1.0
+    padding: float | None = None
+    sign: Literal["auto", "closed", "winding"] = "auto"
+    threads: int | None = None
+    cache: Annotated[bool, Parameter(negative="--no-cache")] = True
+
+    def build(self, path: Path, progress: Callable[[str, float], object] | None = None) -> Model:
+        """The model of a mesh file."""
+        return Model.from_mesh(path, progress=progress, **vars(self))
+
+
+DEFAULTS = ModelOptions()
+
+
+def is_model_file(path: Path) -> bool:
+    """Whether a file is called a model."""
+    return path.suffix.lower() == SUFFIX
+
+
+def require_file(path: Path) -> None:
+    """Refuses what is no file, before any work.
+
+    Raises:
+        MeshError: It does not exist, or is a folder.
+    """
+    if not path.is_file():
+        reason = "it is a folder" if path.is_dir() else "it does not exist"
+        raise MeshError(f"cannot read {path}: {reason}")
+
+
+def load_model(path: Path) -> Model:
+    """A model from its file.
+
+    Raises:
+        MeshError: There is no such file.
+        ModelFileError: It cannot be read, or is no model.
+    """
+    require_file(path)
+    try:
+        return Model.load(path)
+    except FileAccessError as error:
+        raise ModelFileError(str(error)) from error
+
+
+def read_body(
+    text: str,
+    options: ModelOptions,
+    progress: Callable[[str, float], object] | None = None,
+) -> Collidable:
+    """The body that an argument names.
+
+    Args:
+        text: A model file (``.vxs``), a mesh file, or a shape such as "plane", "sphere:0.1" or
+            "box:0.1,0.1,0.05"; where a file has that name, the file.
+        options: How to build a mesh's model.
+        progress: As for :meth:`voxshell.Model.from_mesh`.
+
+    Raises:
+        MeshError: A mesh cannot be read or built.
+        ModelFileError: A model file cannot be read.
+        SettingsError: A shape's numbers are wrong, or there is no such shape.
+    """
+    path = Path(text)
+    if not path.exists() and (match := re.fullmatch(r"([a-z]+)(?::(.*))?", text)):
+        return _make_shape(match[1], match[2])
+    if is_model_file(path):
+        return load_model(path)
+    require_file(path)
+    return options.build(path, progress)
+
+
+def describe_model(model: Model) -> dict[str, Any]:
+    """What there is to know of a model, ready for JSON; metres and bytes."""
+    vertices, faces = model.mesh
+    return {
+        "vertices": len(vertices),
+        "triangles": len(faces),
+        "bounds": model.bounds.tolist(),
+        "sign_method": model.field.sign_method,
+        "sign_confidence": model.field.sign_confidence,
+        "voxel_size": model.field.voxel_size,
+        "shape": list(model.field.shape),
+        "field_bytes": model.field.nbytes,
+        "interpolation_error": model.field.interpolation_error,
+        "points": len(model.shell),
+        "point_spacing": model.shell.spacing,
+        "levels": model.shell.tree.levels,
+    }
+
+
+def _make_shape(name: str, numbers: str | None) -> Collidable:
+    if name not in _SHAPES:
+        raise SettingsError(
+            f"{name!r} is no file and no shape; shapes are {', '.join(_SHAPES)}, as in sphere:0.1"
+        )
+    names, make = _SHAPES[name]
+    if name == "plane" and numbers is None:
+        return Plane()
+    usage = f"{name}:{','.join(map(str.upper, names))}"
+    try:
+        values = [float(number) for number in (numbers or "").split(",")]
+    except ValueError:
+        raise SettingsError(f"write {usage}, in metres, not {name}:{numbers or ''}") from None
+    if len(values) != len(names):
+        raise SettingsError(
+            f"write {usage}, in metres: {len(names)} number{'s'[: len(names) > 1]}, not {len(values)}"
+        )
+    return make(*values)

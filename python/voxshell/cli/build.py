@@ -1,0 +1,69 @@
+"""``voxshell build``: a mesh made ready to collide, in a file."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, is_model_file, require_file
+from voxshell.cli.model_facts import describe_facts
+from voxshell.cli.progress import open_progress, tracked
+from voxshell.cli.tables import list_facts
+from voxshell.errors import SettingsError
+from voxshell.experiments.files import finite
+from voxshell.experiments.units import format_size, format_time
+
+
+def build(
+    mesh: Path,
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"])],
+    options: ModelOptions = DEFAULTS,
+    json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
+) -> None:
+    """Make a mesh ready to collide: a distance field and a shell of points, in one file.
+
+    `voxshell query`, `voxshell.Model.load` and `voxshell/model_file.h` read the file in
+    milliseconds. It appears whole or not at all. `voxshell info MESH --advise` helps to choose
+    sizes.
+
+    For example, a part in millimetres with voxels of 2 mm, and one with as many points as wanted:
+
+        voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
+        voxshell build bunny.obj -o bunny.vxs --resolution 200 --target-points 5000
+
+    Args:
+        mesh: Any format that trimesh reads: STL, OBJ, PLY, OFF, GLB, ...
+        output: The model file to write, by custom ending in .vxs.
+        options: How.
+        json_only: Print what was built as JSON and nothing else.
+    """
+    require_file(mesh)
+    if is_model_file(mesh):
+        raise SettingsError(f"{mesh} is a model already; give the mesh that it was made of")
+    if output.is_dir():
+        raise SettingsError(f"{output} is a folder; name a file, as in {output / 'model.vxs'}")
+    if not output.parent.is_dir():
+        raise SettingsError(f"there is no folder {output.parent} to write into")
+    if output.exists() and output.samefile(mesh):
+        raise SettingsError(f"{output} is the mesh itself; give the model a name of its own")
+    start = time.perf_counter()
+    progress = open_progress(Console(quiet=json_only, stderr=True))
+    with progress, tracked(progress, f"build {mesh.name}") as track:
+        model = options.build(mesh, track.update)
+    seconds = time.perf_counter() - start
+    model.save(output)
+    size = output.stat().st_size
+    if json_only:
+        facts = describe_model(model) | {"file": str(output), "file_bytes": size}
+        print(json.dumps(finite(facts | {"seconds": seconds})))
+        return
+    console = Console(highlight=False)
+    console.print(list_facts(describe_facts(model)))
+    console.print(f"{output}: {format_size(size)}, built in {format_time(seconds)}", soft_wrap=True)

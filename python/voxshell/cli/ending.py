@@ -1,0 +1,78 @@
+"""How commands end: what they say, and with which exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING
+
+from cyclopts import CycloptsError, UnusedCliTokensError
+from rich.console import Console
+from rich.markup import escape
+
+from voxshell.cache import CacheWarning
+from voxshell.errors import FileAccessError, MissingExtraError, VoxshellError
+from voxshell.meshes import MeshWarning
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from cyclopts import App
+
+SUCCESS, FAILURE, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
+
+
+def run(app: App, arguments: Sequence[str]) -> int:
+    """Runs a command and says on standard error what went wrong, in one message.
+
+    Returns:
+        The exit code: 0; 1 where something failed that was asked for rightly; 2 where arguments,
+        settings or input files are wrong; 130 after Ctrl-C.
+    """
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        for ours in (CacheWarning, MeshWarning):
+            warnings.simplefilter("always", ours)
+        try:
+            app(
+                list(arguments), exit_on_error=False, print_error=False, result_action="return_none"
+            )
+        except CycloptsError as error:
+            words = [word for word in arguments if not word.startswith("-")][:1]
+            hint = " ".join(["voxshell", *(w for w in words if w in app), "--help"])
+            _say("error", f"{_describe(error)} ({hint} tells what there is)")
+            return WRONG_USE
+        except (FileAccessError, MissingExtraError) as error:
+            _say("error", str(error))
+            return FAILURE
+        except VoxshellError as error:
+            _say("error", str(error))
+            return WRONG_USE
+        except BrokenPipeError:
+            # Whoever read the output has gone; Python would complain again when it flushes.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return FAILURE
+        except OSError as error:
+            _say("error", str(error))
+            return FAILURE
+        except KeyboardInterrupt:
+            _say("stopped", "")
+            return INTERRUPTED
+    return SUCCESS
+
+
+def _describe(error: CycloptsError) -> str:
+    if isinstance(error, UnusedCliTokensError) and error.unused_tokens:
+        return f"too many arguments: {' '.join(error.unused_tokens)}"
+    return str(error).strip().rstrip(".")
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    _say("warning", str(message))
+
+
+def _say(kind: str, text: str) -> None:
+    color = {"error": "red", "warning": "yellow"}.get(kind, "")
+    label = f"[bold {color}]{kind}:[/] " if color else kind
+    Console(stderr=True, highlight=False).print(label + escape(text), soft_wrap=True)

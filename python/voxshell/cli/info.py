@@ -1,0 +1,234 @@
+"""``voxshell info``: what a mesh or a model is, and which voxel size suits it."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+from rich.console import Console
+
+from voxshell.cli.bodies import describe_model, is_model_file, load_model, require_file
+from voxshell.cli.model_facts import describe_facts, format_extents
+from voxshell.cli.progress import open_progress, tracked
+from voxshell.cli.tables import list_facts, new_table
+from voxshell.errors import MeshError, SettingsError
+from voxshell.experiments.files import finite
+from voxshell.experiments.units import format_length, format_size, format_time
+from voxshell.meshes import Mesh, MeshWarning, read_mesh
+from voxshell.model import Model
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from voxshell.cli.advice import Estimate
+
+_COARSE = 20
+"""Resolution at which it is tried whether a mesh can be made a model."""
+
+_LARGE = 10.0
+"""Metres; a mesh larger than this is probably in millimetres."""
+
+
+def info(
+    file: Path,
+    /,
+    *,
+    advise: Annotated[bool, Parameter(negative="")] = False,
+    scale: float | None = None,
+    json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
+) -> None:
+    """Tell about a mesh or a model file; with --advise, which sizes suit it.
+
+    The advice is measured on this machine with coarse models, and extrapolated to finer ones: memory,
+    points, the field's error, and the times to build and to query. It takes some seconds.
+
+    For example:
+
+        voxshell info bunny.vxs
+        voxshell info part.stl --scale 0.001 --advise
+        voxshell info part.stl --json
+
+    Args:
+        file: A model file (.vxs), or a mesh that trimesh reads.
+        advise: Estimate what other voxel sizes and point spacings would cost.
+        scale: Of a mesh: factor that brings it to metres, 0.001 for one in millimetres.
+        json_only: Print JSON and nothing else: metres, bytes, seconds.
+    """
+    console = Console(highlight=False)
+    if is_model_file(file):
+        if scale is not None:
+            raise SettingsError("scale is for meshes; a model has its size")
+        model = load_model(file)
+        mesh = Mesh(np.array(model.mesh.vertices), model.mesh.faces)
+        matter = model.mass_properties()
+        described: dict[str, Any] = {
+            "kind": "model",
+            **describe_model(model),
+            "file_bytes": file.stat().st_size,
+            "center_of_mass": matter.center_of_mass.tolist(),
+        }
+        facts = describe_facts(model)
+        facts.append(("centre of mass", _format_point(matter.center_of_mass)))
+        facts.append(("file", format_size(file.stat().st_size)))
+    else:
+        require_file(file)
+        mesh = _read_scaled(file, 1.0 if scale is None else scale)
+        described, facts = _describe_mesh(mesh, file)
+        described = {"kind": "mesh"} | described
+    estimates = _measure(mesh, console_quiet=json_only) if advise else []
+    if json_only:
+        if estimates:
+            described["advice"] = _describe_advice(estimates)
+        print(json.dumps(finite(described)))
+        return
+    console.print(list_facts(facts))
+    if estimates:
+        for table in _make_tables(estimates):
+            console.print(table)
+        console.print(_explain(estimates, file, scale), soft_wrap=True)
+
+
+def _read_scaled(file: Path, scale: float) -> Mesh:
+    if not scale > 0.0 or not np.isfinite(scale):
+        raise SettingsError(f"scale must be above 0, not {scale:g}")
+    mesh = read_mesh(file)
+    if not np.isfinite(mesh.vertices).all():
+        raise MeshError(f"{file}: some vertices are not finite")
+    return Mesh(mesh.vertices * scale, mesh.faces)
+
+
+def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """For JSON and in words, from the mesh and a coarse model of it."""
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", MeshWarning)
+            model = Model.from_mesh(mesh, resolution=_COARSE, cache=False)
+    except MeshError as error:
+        raise MeshError(f"{file}: {error}") from None
+    complaints = [str(each.message) for each in caught if each.category is MeshWarning]
+    volume, area = _measure_mesh(model.mesh)
+    vertices, faces = model.mesh
+    extents = np.ptp(model.bounds, axis=0)
+    facts = [
+        ("mesh", f"{len(faces):,} triangles, {len(vertices):,} vertices"),
+        ("extents", format_extents(model.bounds)),
+        ("from, to", " to ".join(_format_point(corner) for corner in model.bounds)),
+        ("area", f"{area:.4g} m2"),
+        ("volume", f"{volume:.4g} m3"),
+        ("closed", "yes" if model.field.sign_method == "closed" else "no"),
+        *(("warning", each) for each in complaints),
+    ]
+    if extents.max() > _LARGE:
+        facts.append(
+            ("hint", f"{extents.max():.4g} m is large; for a mesh in millimetres, --scale 0.001")
+        )
+    described = {
+        "vertices": len(vertices),
+        "triangles": len(faces),
+        "bounds": model.bounds.tolist(),
+        "area": area,
+        "volume": volume,
+        "closed": model.field.sign_method == "closed",
+        "sign_confidence": model.field.sign_confidence,
+        "warnings": complaints,
+    }
+    return described, facts
+
+
+def _measure_mesh(mesh: Mesh) -> tuple[float, float]:
+    """Enclosed volume and area, m3 and m2, by the divergence theorem."""
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    middle = mesh.vertices.mean(axis=0)
+    volume = np.einsum("ij,ij->", a - middle, normals) / 6.0
+    return float(volume), float(np.linalg.norm(normals, axis=1).sum() / 2.0)
+
+
+def _measure(mesh: Mesh, *, console_quiet: bool) -> list[Estimate]:
+    from voxshell.cli.advice import estimate
+
+    progress = open_progress(Console(quiet=console_quiet, stderr=True))
+    with progress, tracked(progress, "measure") as track:
+        return estimate(mesh, track.update)
+
+
+def _describe_advice(estimates: list[Estimate]) -> dict[str, Any]:
+    from voxshell.cli.advice import recommend
+
+    best = recommend(estimates)
+    return {
+        "estimates": [asdict(each) | {"unseen": each.unseen} for each in estimates],
+        "recommended": {"voxel_size": best.size, "point_spacing": best.size},
+    }
+
+
+def _make_tables(estimates: list[Estimate]) -> list[Table]:
+    from voxshell.cli.advice import recommend
+
+    best = recommend(estimates)
+    fields = new_table(
+        *("voxel", "along", "field", "field error", "to build"), title="Field, by voxel size"
+    )
+    shells = new_table(
+        *("spacing", "points", "unseen", "contacts", "yes or no"), title="Shell, by point spacing"
+    )
+    for each in estimates:
+        about = "" if each.measured else "~"
+        style = "bold" if each is best else ""
+        size = format_length(each.size) + (" *" if each is best else "")
+        fields.add_row(
+            size,
+            str(each.resolution),
+            about + format_size(each.field_bytes),
+            about + format_length(each.error),
+            about + format_time(each.build_seconds),
+            style=style,
+        )
+        shells.add_row(
+            size,
+            f"{about}{float(f'{each.points:.3g}'):,.0f}",
+            format_length(each.unseen),
+            about + format_time(each.contacts_seconds),
+            about + format_time(each.collide_seconds),
+            style=style,
+        )
+    return [fields, shells]
+
+
+def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
+    from voxshell.cli.advice import (
+        MOST_BUILD_SECONDS,
+        MOST_BYTES,
+        MOST_QUERY_SECONDS,
+        recommend,
+    )
+
+    best = recommend(estimates)
+    arguments = "" if scale is None else f" --scale {scale:g}"
+    command = (
+        f"  voxshell build {file}{arguments} -o {file.with_suffix('.vxs').name}"
+        f" --voxel-size {best.size:.4g}"
+    )
+    if is_model_file(file):
+        command = f"  voxshell build MESH -o {file.name} --voxel-size {best.size:.4g}"
+    return "\n".join(
+        [
+            "field error  of the distance on the surface; 99 % of it has less",
+            "to build     field and shell of that size, on this machine",
+            "unseen       what lies between points may be this far from one",
+            "contacts     median of two such bodies that touch; likewise yes or no",
+            "~            extrapolated from coarser models",
+            f"*            the finest that is built in {MOST_BUILD_SECONDS:g} s, takes "
+            f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)} a query:",
+            command,
+        ]
+    )
+
+
+def _format_point(point: Any) -> str:
+    return f"({', '.join(f'{x:.4g}' for x in point)})"

@@ -1,0 +1,108 @@
+"""Poses as arguments and files give them."""
+
+from __future__ import annotations
+
+import csv
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.errors import PoseError, SettingsError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike, NDArray
+
+FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, row by row)"
+"""How many numbers make a pose."""
+
+_UNIT_TOLERANCE = 1e-3
+
+
+def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
+    """The (4, 4) matrix that some numbers stand for: see :data:`FORMS`.
+
+    Args:
+        numbers: Metres; the quaternion of unit length to 0.001, which is made exact.
+        name: Of the argument, for errors.
+
+    Raises:
+        PoseError: There are too few or too many, they are not finite, or the quaternion has another
+            length.
+
+    Example:
+        >>> make_pose([0.1, 0, 0, 0, 0, 1, 0], "pose")[:2].round(6) + 0.0
+        array([[-1. ,  0. ,  0. ,  0.1],
+               [ 0. , -1. ,  0. ,  0. ]])
+    """
+    values = np.asarray(numbers, dtype=np.float64)
+    if not np.isfinite(values).all():
+        raise PoseError(f"{name} must be finite numbers")
+    pose = np.eye(4)
+    if len(values) == 16:
+        return values.reshape(4, 4)
+    if len(values) not in (3, 7):
+        raise PoseError(f"{name} must be {FORMS} numbers, not {len(values)}")
+    pose[:3, 3] = values[:3]
+    if len(values) == 7:
+        length = float(np.linalg.norm(values[3:]))
+        if abs(length - 1.0) > _UNIT_TOLERANCE:
+            raise PoseError(f"{name} must have a quaternion of length 1, not {length:.6g}")
+        x, y, z, w = values[3:] / length
+        pose[:3, :3] = (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+        )
+    return pose
+
+
+def read_poses(path: Path) -> NDArray[np.float64]:
+    """The poses of a file, (n, 4, 4).
+
+    Args:
+        path: A ``.npy`` file with an array (n, 4, 4) or rows of :data:`FORMS`; or a ``.csv`` file with
+            such rows, of which the first may be a heading.
+
+    Raises:
+        SettingsError: The file cannot be read, or is neither of these; says which line is wrong.
+        PoseError: A row is no pose.
+    """
+    try:
+        rows = _read_array(path) if path.suffix.lower() == ".npy" else _read_table(path)
+    except (FileNotFoundError, IsADirectoryError):
+        raise SettingsError(f"there is no file of poses {path}") from None
+    if not rows:
+        raise SettingsError(f"{path} holds no poses")
+    return np.array([make_pose(numbers, where) for where, numbers in rows])
+
+
+def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
+    try:
+        array = np.load(path, allow_pickle=False)
+    except (ValueError, EOFError) as error:
+        raise SettingsError(f"{path} is no array of numpy: {error}") from None
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu" or array.ndim < 2:
+        raise SettingsError(f"{path} must hold an array of numbers, (n, 4, 4) or rows of {FORMS}")
+    rows = array.reshape(len(array), -1)
+    return [(f"{path}: pose {index}", row) for index, row in enumerate(rows)]
+
+
+def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            lines = list(csv.reader(file, skipinitialspace=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SettingsError(f"{path} is no CSV file: {error}") from None
+    rows: list[tuple[str, ArrayLike]] = []
+    for number, words in enumerate(lines, start=1):
+        try:
+            values = [float(word) for word in words]
+        except ValueError:
+            if number == 1:
+                continue
+            raise SettingsError(f"{path}:{number}: not all of it is numbers: {words}") from None
+        if values:
+            rows.append((f"{path}:{number}", values))
+    return rows

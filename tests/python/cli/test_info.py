@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.cli import advice
+from voxshell.meshes import read_mesh
+
+
+def test_model_file_is_told_about(voxshell, cone_model_path):
+    model = vx.Model.load(cone_model_path)
+    told = voxshell("info", cone_model_path, "--json").json
+    assert told["kind"] == "model"
+    assert told["points"] == len(model.shell)
+    assert told["field_bytes"] == model.field.nbytes
+    np.testing.assert_allclose(told["center_of_mass"], model.mass_properties().center_of_mass)
+    ended = voxshell("info", cone_model_path)
+    assert f"{len(model.shell):,} points" in ended.out
+    assert max(map(len, ended.out.splitlines())) <= 80
+
+
+def test_mesh_is_measured(voxshell, cone_path):
+    cone = trimesh.load_mesh(cone_path)
+    told = voxshell("info", cone_path, "--json").json
+    assert told["kind"] == "mesh"
+    assert told["closed"] is True
+    assert told["volume"] == pytest.approx(cone.volume, rel=1e-6)
+    assert told["area"] == pytest.approx(cone.area, rel=1e-6)
+    ended = voxshell("info", cone_path)
+    assert "--scale 0.001" in ended.out  # 60 m would be a large cone
+    assert "--scale" not in voxshell("info", cone_path, "--scale", "0.001").out
+
+
+def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
+    box = trimesh.creation.box()
+    trimesh.Trimesh(box.vertices, box.faces[:-1]).export(tmp_path / "open.ply")
+    told = voxshell("info", tmp_path / "open.ply", "--json").json
+    assert told["closed"] is False
+    assert "3 open" in told["warnings"][0]
+
+
+# Within these factors of what is measured when the models are really built.
+FACTORS = {
+    "field_bytes": 1.6,
+    "points": 1.1,
+    "error": 2.0,
+    "build_seconds": 4.0,
+    "contacts_seconds": 4.0,
+    "collide_seconds": 4.0,
+}
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        trimesh.creation.torus(0.1, 0.03, major_sections=64, minor_sections=32),
+        trimesh.creation.cone(radius=0.03, height=0.05, sections=64),
+    ],
+    ids=["torus", "cone"],
+)
+def test_estimates_are_near_what_is_built(mesh):
+    arrays = read_mesh(mesh)
+    guessed = advice.estimate(arrays, lambda *_: None, (200,), (25, 50, 100))
+    built = advice.measure(arrays, lambda *_: None, (100, 200))
+    [guess], real = guessed, built[-1]
+    assert not guess.measured
+    assert real.measured
+    assert guess.size == pytest.approx(real.size)
+    for name, factor in FACTORS.items():
+        # Distances of a flat face are exact but for rounding.
+        least = 1e-6 * float(np.ptp(arrays.vertices)) if name == "error" else 0.0
+        one, other = (max(asdict(each)[name], least) for each in (guess, real))
+        assert 1.0 / factor <= one / other <= factor, (name, one, other)
+
+
+def test_advice_is_the_finest_that_is_cheap_enough():
+    def make(resolution, **costs):
+        cheap = dict.fromkeys(("field_bytes", "points", "error"), 1.0)
+        cheap |= dict.fromkeys(("build_seconds", "contacts_seconds", "collide_seconds"), 1e-6)
+        return advice.Estimate(resolution, 1.0 / resolution, False, **(cheap | costs))
+
+    dear = {"build_seconds": 31.0}, {"field_bytes": 1.1e8}, {"contacts_seconds": 2.1e-4}
+    for costs in dear:
+        assert advice.recommend([make(50), make(100), make(200, **costs)]).resolution == 100
+    assert advice.recommend([make(50, **dear[0]), make(100, **dear[0])]).resolution == 50
+
+
+def test_advice_is_printed_and_can_be_followed(voxshell, cone_path, tmp_path, monkeypatch):
+    monkeypatch.setattr(advice, "MEASURED", (10, 20))
+    monkeypatch.setattr(advice.estimate, "__defaults__", ((20, 40), (10, 20)))
+    ended = voxshell("info", cone_path, "--scale", "0.001", "--advise")
+    assert ended.code == 0, ended.err
+    command = ended.out.splitlines()[-1].split()
+    assert command[:2] == ["voxshell", "build"]
+    assert max(map(len, ended.out.splitlines()[:-1])) <= 80
+    monkeypatch.chdir(tmp_path)
+    assert voxshell(*command[1:]).code == 0
+    told = voxshell("info", cone_path, "--scale", "0.001", "--advise", "--json").json["advice"]
+    assert [each["measured"] for each in told["estimates"]] == [True, False]
+    size = vx.Model.load(tmp_path / "cone.vxs").field.voxel_size
+    assert told["recommended"]["voxel_size"] == pytest.approx(size, rel=1e-3)
