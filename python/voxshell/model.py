@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tempfile
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -227,6 +229,13 @@ class Model:
         """
         return cls(CoreModel.load(as_path(path, "path")))
 
+    def __reduce__(self) -> tuple[Callable[[bytes], Model], tuple[bytes]]:
+        """Pickles as the bytes of a model file."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "model.vxs")
+            self.save(path)
+            return _unpickle, (path.read_bytes(),)
+
     @property
     def mesh(self) -> Mesh:
         """The triangles: ``vertices, faces = model.mesh``, (n, 3) float64 and (m, 3) uint32."""
@@ -287,6 +296,13 @@ class Model:
             f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
             f"{self.field.nbytes / 1e6:.1f} MB)"
         )
+
+
+def _unpickle(content: bytes) -> Model:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "model.vxs")
+        path.write_bytes(content)
+        return Model.load(path)
 
 
 def _as_sign(value: str) -> str:
