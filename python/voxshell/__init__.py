@@ -63,16 +63,35 @@ from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plan
 from voxshell.shell import PointShell, PointSphereTree
 
 if TYPE_CHECKING:
+    from voxshell.body import Body
     from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
-    from voxshell.world import Body, World
+    from voxshell.compound import Compound
+    from voxshell.joints import (
+        FixedJoint,
+        HingeJoint,
+        Joint,
+        PointJoint,
+        Reaction,
+        SliderJoint,
+    )
+    from voxshell.world import World
+    from voxshell.world_state import WorldState
 
 # What needs Bullet; loaded when it is first asked for.
 _SIMULATION = {
-    "Body": "voxshell.world",
+    "Body": "voxshell.body",
+    "Compound": "voxshell.compound",
     "ConvexDecomposition": "voxshell.comparison_shapes",
     "ConvexHull": "voxshell.comparison_shapes",
+    "FixedJoint": "voxshell.joints",
     "GImpact": "voxshell.comparison_shapes",
+    "HingeJoint": "voxshell.joints",
+    "Joint": "voxshell.joints",
+    "PointJoint": "voxshell.joints",
+    "Reaction": "voxshell.joints",
+    "SliderJoint": "voxshell.joints",
     "World": "voxshell.world",
+    "WorldState": "voxshell.world_state",
 }
 
 __all__ = [
@@ -80,6 +99,7 @@ __all__ = [
     "Box",
     "CacheWarning",
     "Capsule",
+    "Compound",
     "Cone",
     "ContactBatch",
     "ContactBounds",
@@ -92,8 +112,11 @@ __all__ = [
     "DistanceField",
     "Field",
     "FileAccessError",
+    "FixedJoint",
     "GImpact",
+    "HingeJoint",
     "InputTypeError",
+    "Joint",
     "MassProperties",
     "MemoryLimitError",
     "Mesh",
@@ -103,15 +126,19 @@ __all__ = [
     "Model",
     "ModelFileError",
     "Plane",
+    "PointJoint",
     "PointShell",
     "PointSphereTree",
     "PoseError",
     "QueryScratch",
+    "Reaction",
     "RecordingError",
     "SettingsError",
+    "SliderJoint",
     "Sphere",
     "VoxshellError",
     "World",
+    "WorldState",
     "Wrench",
     "__version__",
     "collide",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 
-    Bodies must be added before the recording begins.
+    Bodies must be added before the recording begins; those that are removed stay where they were.
     """
 
     def __init__(self, world: World, every: int) -> None:
@@ -62,8 +62,15 @@ class Recorder:
         return self.recording().save_html(path, **options)
 
     def _take_frame(self) -> None:
-        self._poses.append(np.array([body.pose for body in self._bodies]).reshape(-1, 4, 4))
+        self._poses.append(
+            np.array([*map(self._pose_of, range(len(self._bodies)))]).reshape(-1, 4, 4)
+        )
         self._contacts.append(self._world.contacts())
+
+    def _pose_of(self, index: int) -> NDArray[np.float64]:
+        """Of bodies that have been removed, where they were last."""
+        body = self._bodies[index]
+        return self._poses[-1][index] if body.removed else body.pose
 
     def _is_unique(self, name: str) -> bool:
         return sum(body.name == name for body in self._bodies) == 1

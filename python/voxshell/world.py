@@ -1,4 +1,4 @@
-"""Simulation in stock Bullet: bodies made of models, analytic shapes and Bullet's own shapes."""
+"""Simulation in stock Bullet: bodies of models, analytic shapes and Bullet's own, and their joints."""
 
 from __future__ import annotations
 
@@ -8,19 +8,24 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell import _bullet
-from voxshell._arguments import as_floats, as_integer, as_positive, as_real, as_vector
+from voxshell._arguments import as_floats, as_integer, as_points, as_positive, as_real, as_vector
+from voxshell.body import Body, as_friction, as_groups, as_share
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import as_margin
-from voxshell.errors import PoseError, SettingsError
+from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.recorder import Recorder
 from voxshell.shapes import Plane
+from voxshell.world_state import WorldState, check_same
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
 
+    from voxshell.body import Motion
     from voxshell.body_shapes import Inertia, Shape
+    from voxshell.joints import JointKind
 
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
 """Of the library that simulates."""
@@ -37,6 +42,14 @@ CONTACT_DTYPE = np.dtype(
         ("impulse", np.float64),
     ]
 )
+RAY_DTYPE = np.dtype(
+    [
+        ("body", np.int32),
+        ("fraction", np.float64),
+        ("point", np.float64, 3),
+        ("normal", np.float64, 3),
+    ]
+)
 TIMINGS_DTYPE = np.dtype(
     [(name, np.float64) for name in ("step", "narrow_phase", "query", "reduction", "manifold")]
 )
@@ -46,6 +59,11 @@ _CONTACT_MODES = {
     "regular": _bullet.ContactMode.REGULAR,
     "segmented": _bullet.ContactMode.SEGMENTED,
 }
+_MOTIONS = {
+    "dynamic": _bullet.Motion.DYNAMIC,
+    "static": _bullet.Motion.STATIC,
+    "kinematic": _bullet.Motion.KINEMATIC,
+}
 _SOLVERS = {
     "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
     "nncg": _bullet.ConstraintSolver.NNCG,
@@ -54,70 +72,6 @@ _SOLVERS = {
 }
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
-
-
-class Body:
-    """A body of a :class:`World`; made by :meth:`World.add`.
-
-    Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
-    business.
-
-    Attributes:
-        number: Its place in ``World.bodies``, and its number in ``World.contacts()``.
-        name: For people.
-        shape: What it is made of; may be shared with other bodies.
-        mass: Kilograms; 0 for a static body.
-    """
-
-    __slots__ = ("_simulation", "mass", "name", "number", "shape")
-
-    def __init__(
-        self, simulation: _bullet.Simulation, number: int, name: str, shape: Shape, mass: float
-    ) -> None:
-        self._simulation = simulation
-        self.number = number
-        self.name = name
-        self.shape = shape
-        self.mass = mass
-
-    @property
-    def pose(self) -> NDArray[np.float64]:
-        """``world_from_body``, (4, 4) float64. Setting it wakes the body.
-
-        Raises:
-            PoseError: It is set to what is not a rigid transform.
-        """
-        return self._simulation.pose(self.number)
-
-    @pose.setter
-    def pose(self, value: ArrayLike) -> None:
-        self._simulation.set_pose(self.number, as_floats(value, "pose", (4, 4), PoseError))
-
-    @property
-    def linear_velocity(self) -> NDArray[np.float64]:
-        """Of the centre of mass, (3,) float64, m/s, world frame. Setting it wakes the body."""
-        return np.array(self._simulation.linear_velocity(self.number))
-
-    @linear_velocity.setter
-    def linear_velocity(self, value: ArrayLike) -> None:
-        self._simulation.set_linear_velocity(self.number, as_vector(value, "linear_velocity"))
-
-    @property
-    def angular_velocity(self) -> NDArray[np.float64]:
-        """(3,) float64, rad/s, world frame. Setting it wakes the body."""
-        return np.array(self._simulation.angular_velocity(self.number))
-
-    @angular_velocity.setter
-    def angular_velocity(self, value: ArrayLike) -> None:
-        self._simulation.set_angular_velocity(self.number, as_vector(value, "angular_velocity"))
-
-    @property
-    def sleeping(self) -> bool:
-        """Whether Bullet has put the body to sleep."""
-        return self._simulation.is_asleep(self.number)
-
-    def __repr__(self) -> str:
-        return f"Body({self.number}, {self.name!r}, {self.shape!r}, mass={self.mass:g})"
 
 
 class World:
@@ -195,6 +149,7 @@ class World:
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         self.time_step = as_positive(time_step, "time_step")
         self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
         self._recorders: list[Recorder] = []
         self._simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
@@ -219,11 +174,16 @@ class World:
         restitution: float = 0.0,
         inertia: Inertia = "solid",
         name: str | None = None,
+        motion: Motion | None = None,
+        linear_damping: float = 0.0,
+        angular_damping: float = 0.0,
+        group: int = 1,
+        mask: int = 2**31 - 1,
     ) -> Body:
         """Adds a body.
 
         Args:
-            shape: A model, an analytic shape, or one of Bullet's shapes for comparison.
+            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison.
             mass: Kilograms; 0 makes the body static.
             pose: (4, 4) ``world_from_body``; the identity by default.
             friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
@@ -231,63 +191,385 @@ class World:
             inertia: Of the uniform solid, of a thin skin on the surface, or given: then its mass is
                 replaced by ``mass``.
             name: For people; "body" and its number by default.
+            motion: "dynamic", moved by forces; "static", by nobody; "kinematic", by the user, who sets
+                its pose before each step. By default the first two, by the mass, which the last two
+                do without.
+            linear_damping: Share of the velocity that is lost in a second, 0 to 1.
+            angular_damping: The same of the angular velocity.
+            group: Bits of the groups that the body is in.
+            mask: Bits of the groups that it meets. Two bodies meet if each one's group has a bit of
+                the other's mask; see also :meth:`set_collision`.
 
         Returns:
             The body.
 
         Raises:
             InputTypeError: ``shape`` cannot be simulated.
-            SettingsError: A number is out of range, or a plane is given a mass.
+            SettingsError: A number is out of range, or a plane is to move.
             PoseError: ``pose`` is not a rigid transform.
+
+        Example:
+            A kinematic plate carries what lies on it, one metre a second:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> plate = world.add(vx.Box((0.5, 0.5, 0.05)), motion="kinematic")
+            >>> on_top = np.eye(4)
+            >>> on_top[2, 3] = 0.1
+            >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_top, friction=1.0)
+            >>> def push(world):
+            ...     pose = plate.pose
+            ...     pose[0, 3] += 1.0 * world.time_step
+            ...     plate.pose = pose
+            >>> world.step(400, before=push)
+            >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
+            True
         """
         kilograms = as_real(mass, "mass")
         if kilograms < 0.0:
             raise SettingsError(f"mass must be at least 0, not {kilograms:g}")
-        if isinstance(shape, Plane) and kilograms > 0.0:
+        if motion is None:
+            motion = "dynamic" if kilograms > 0.0 else "static"
+        elif motion not in _MOTIONS:
+            raise SettingsError(
+                f"motion must be one of {', '.join(map(repr, _MOTIONS))}, not {motion!r}"
+            )
+        elif motion == "dynamic" and kilograms == 0.0:
+            raise SettingsError("mass must be above 0 for a body that forces move")
+        if motion != "dynamic":
+            kilograms = 0.0
+        if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane has no end and cannot move: pass mass=0")
-        bounce = as_real(restitution, "restitution")
-        if not 0.0 <= bounce <= 1.0:
-            raise SettingsError(f"restitution must be from 0 to 1, not {bounce:g}")
-        grip = as_real(friction, "friction")
-        if grip < 0.0:
-            raise SettingsError(f"friction must be at least 0, not {grip:g}")
+        material = _bullet.BodyMaterial()
+        material.friction = as_friction(friction)
+        material.restitution = as_share(restitution, "restitution")
+        material.linear_damping = as_share(linear_damping, "linear_damping")
+        material.angular_damping = as_share(angular_damping, "angular_damping")
+        material.group = as_groups(group, "group")
+        material.mask = as_groups(mask, "mask")
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
         number = self._simulation.add_body(
             geometry,
+            motion=_MOTIONS[motion],
             mass=kilograms,
             centre_of_mass=matter.center_of_mass.tolist(),
             inertia=matter.inertia.tolist(),
             pose=world_from_body,
-            friction=grip,
-            restitution=bounce,
+            material=material,
         )
-        body = Body(self._simulation, number, name or f"body {number}", shape, kilograms)
+        body = Body(self._simulation, number, name or f"body {number}", shape, kilograms, motion)
         self.bodies.append(body)
         return body
 
-    def step(self, n: int = 1, callback: Callable[[World], object] | None = None) -> None:
+    def remove(self, what: Body | Joint) -> None:
+        """Takes a body, with the joints that hold it, or a joint out of the world.
+
+        Everything else stays as it is, numbers included; what was held or carried wakes.
+
+        Raises:
+            InputTypeError: ``what`` is neither.
+            SettingsError: It is of another world, or has been removed before.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1))
+            >>> world.remove(ball)
+            >>> world.bodies
+            []
+        """
+        if isinstance(what, Joint):
+            self._check_own_joint(what)
+            self._simulation.remove_joint(what._number)
+            what._world = None
+            self.joints.remove(what)
+            return
+        self._check_own(what, "what")
+        for joint in [joint for joint in self.joints if what in (joint.parent, joint.child)]:
+            self.remove(joint)
+        self._simulation.remove_body(what.number)
+        what._world = None
+        self.bodies.remove(what)
+
+    def add_joint(
+        self,
+        joint: JointKind,
+        parent: Body | None,
+        child: Body,
+        *,
+        parent_from_joint: ArrayLike | None = None,
+        child_from_joint: ArrayLike | None = None,
+        world_from_joint: ArrayLike | None = None,
+        collide: bool = False,
+        name: str | None = None,
+    ) -> Joint:
+        """Holds two bodies together, or one to the world.
+
+        A joint has a frame in each of its bodies, which coincide at position 0. It is at the child's
+        origin where nothing else is said, and at position 0 as the bodies stand now.
+
+        Args:
+            joint: What it leaves free: :class:`FixedJoint`, :class:`HingeJoint`, :class:`SliderJoint`
+                or :class:`PointJoint`.
+            parent: A body, or None for the world.
+            child: Another body. One of the two must be dynamic.
+            parent_from_joint: (4, 4) pose of the joint in the parent's frame, that of its mesh. Given
+                alone, it says how far the joint is from position 0 now.
+            child_from_joint: (4, 4) pose of the joint in the child's frame; the identity by default.
+            world_from_joint: (4, 4) pose of the joint now, instead of the two above.
+            collide: Whether the two bodies collide with each other.
+            name: For people; "joint" and its number by default.
+
+        Returns:
+            The joint, to read and to drive.
+
+        Raises:
+            InputTypeError: ``joint``, ``parent`` or ``child`` is of a wrong type.
+            SettingsError: A body is of another world or has been removed, both are the same, or none
+                of them can move.
+            PoseError: A frame is not a rigid transform.
+
+        Example:
+            A door of 0.8 m, hinged at its edge and pushed at its handle:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> door = world.add(vx.Box((0.4, 0.02, 1.0)), mass=20.0)
+            >>> edge = np.eye(4)
+            >>> edge[0, 3] = -0.4
+            >>> hinge = world.add_joint(
+            ...     vx.HingeJoint(axis=(0, 0, 1), limits=(0.0, 1.5)), None, door,
+            ...     world_from_joint=edge,
+            ... )
+            >>> push = lambda world: door.apply_force((0, 20, 0), at=(0.3, 0, 0))
+            >>> world.step(400, before=push)
+            >>> bool(abs(hinge.position - 1.5) < 0.01)
+            True
+        """
+        if parent is not None:
+            self._check_own(parent, "parent")
+        self._check_own(child, "child")
+        if parent is child:
+            raise SettingsError(f"parent and child are both {child.name!r}")
+        if child.motion != "dynamic" and (parent is None or parent.motion != "dynamic"):
+            raise SettingsError(
+                "a joint needs a body that can move: "
+                f"{'the world' if parent is None else repr(parent.name)} and {child.name!r} cannot"
+            )
+        frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
+        settings = make_settings(joint, parent, child, frames, bool(collide))
+        number = self._simulation.add_joint(settings)
+        made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
+        self.joints.append(made)
+        return made
+
+    def set_collision(self, a: Body, b: Body, collide: bool) -> None:
+        """Lets two bodies collide with each other or not, whatever else they meet.
+
+        Groups and joints may keep bodies apart that this leaves together.
+
+        Raises:
+            InputTypeError: One is no body.
+            SettingsError: One is of another world or has been removed, or both are the same.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> stone = world.add(vx.Sphere(0.1))
+            >>> world.set_collision(ground, stone, False)
+            >>> world.step(200)
+            >>> bool(stone.pose[2, 3] < -4.0)
+            True
+        """
+        self._check_own(a, "a")
+        self._check_own(b, "b")
+        if a is b:
+            raise SettingsError(f"a and b are both {a.name!r}")
+        self._simulation.set_collision(a.number, b.number, bool(collide))
+
+    def step(
+        self,
+        n: int = 1,
+        callback: Callable[[World], object] | None = None,
+        *,
+        before: Callable[[World], object] | None = None,
+    ) -> None:
         """Advances by ``n`` time steps. Ctrl-C stops between steps.
 
         Args:
             n: How many.
             callback: Called after each step; what it returns does not matter, what it raises ends
                 the run.
+            before: The same before each step: the place for forces, targets and kinematic poses.
 
         Raises:
             SettingsError: ``n`` is below 0.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
-        if callback is None and not self._recorders:
+        if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
             return
         for _ in range(count):
+            if before is not None:
+                before(self)
             self._simulation.step(1)
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
+
+    def save_state(self) -> WorldState:
+        """Takes down all that moves, for :meth:`restore_state`.
+
+        That is: poses, velocities, forces not yet spent, who sleeps and since when; contacts with the
+        impulses that the solver begins with; motors and turns of joints; friction, restitution,
+        damping, groups and pairs set apart. Bodies and joints are not in it: they must be the same at
+        :meth:`restore_state`.
+
+        After both calls the same steps give the same bits: both lay Bullet's caches (its tree of
+        bounds, pairs, contact points) anew from the state alone. This means that a run in which a
+        state was saved differs by rounding errors from one without: what a body at rest has learned
+        of the place that it lies on is learned again.
+
+        Returns:
+            The state; for this world alone.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> ball = world.add(vx.Sphere(0.1))
+            >>> state = world.save_state()
+            >>> world.step(100)
+            >>> first = ball.pose
+            >>> world.restore_state(state)
+            >>> world.step(100)
+            >>> bool((ball.pose == first).all())
+            True
+        """
+        return WorldState(
+            self,
+            self._simulation.save(),
+            tuple(self.bodies),
+            tuple(self.joints),
+        )
+
+    def restore_state(self, state: WorldState) -> None:
+        """Goes back to a state of :meth:`save_state`, as often as one likes.
+
+        Recorders and timings go on; they do not go back.
+
+        Raises:
+            InputTypeError: ``state`` is no state.
+            SettingsError: It is of another world, or bodies or joints were added or removed since.
+        """
+        check_same(self, state)
+        self._simulation.restore(state._state)
+
+    def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
+        """What rays meet first, of all bodies as they stand now.
+
+        Models are met at their meshes' triangles, from either side.
+
+        Args:
+            starts: (n, 3), metres, world frame; or (3,) for one ray.
+            ends: The same.
+
+        Returns:
+            (n,) structured array: ``body`` (its number; -1 where a ray meets nothing), ``fraction`` (of
+            the way, 0 to 1), ``point`` ((3,), metres, world frame; the end where it meets nothing) and
+            ``normal`` ((3,), of the surface, unit; zero where it meets nothing).
+
+        Raises:
+            SettingsError: The arrays are not of the same shape, or a number is not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> hits = world.ray_cast([(0, 0, 2), (0, 0, 2)], [(1, 0, -2), (0, 0, 1)])
+            >>> hits["body"].tolist(), hits["fraction"].tolist()
+            ([0, -1], [0.5, 1.0])
+            >>> hits["point"][0]
+            array([0.5, 0. , 0. ])
+        """
+        first = as_points(np.atleast_2d(starts), "starts")
+        last = as_points(np.atleast_2d(ends), "ends")
+        if first.shape != last.shape:
+            raise SettingsError(
+                f"starts and ends must be of the same shape, not {first.shape} and {last.shape}"
+            )
+        for name, points in (("starts", first), ("ends", last)):
+            if not np.isfinite(points).all():
+                raise SettingsError(f"{name} must be finite")
+        rows = self._simulation.cast_rays(first, last)
+        hits = np.empty(len(rows), RAY_DTYPE)
+        hits["body"], hits["fraction"] = rows[:, 0], rows[:, 1]
+        hits["point"], hits["normal"] = rows[:, 2:5], rows[:, 5:8]
+        return hits
+
+    def query_contacts(
+        self, a: Body, b: Body | None = None, *, margin: float = 0.0
+    ) -> NDArray[np.void]:
+        """Where a body touches another, or any other, as they stand now.
+
+        It asks for geometry alone: bodies that are kept apart by groups, pairs or joints are found,
+        and the simulation goes on as if nothing had been asked.
+
+        Args:
+            a: A body.
+            b: Another body; None: all others.
+            margin: Metres: places this near count as well, with a negative depth. Of pairs with a
+                model, the nearest place is among those that are found.
+
+        Returns:
+            As :meth:`contacts`, up to four points of each pair of parts; ``impulse`` is 0.
+
+        Raises:
+            InputTypeError: One is no body.
+            SettingsError: One is of another world or has been removed, or ``margin`` is below 0.
+
+        Example:
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> above = np.eye(4)
+            >>> above[2, 3] = 0.15
+            >>> ball = world.add(vx.Sphere(0.1), pose=above)
+            >>> len(world.query_contacts(ball))
+            0
+            >>> float(world.query_contacts(ball, margin=0.1)["depth"][0])
+            -0.04...
+        """
+        self._check_own(a, "a")
+        reach = as_margin(margin)
+        if b is not None:
+            self._check_own(b, "b")
+        others = [b] if b is not None else [body for body in self.bodies if body is not a]
+        rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
+        return _as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
+
+    def overlaps(self, a: Body, b: Body) -> bool:
+        """Whether two bodies touch or penetrate each other as they stand now.
+
+        Raises:
+            InputTypeError: One is no body.
+            SettingsError: One is of another world or has been removed.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> a, b = world.add(vx.Sphere(0.1)), world.add(vx.Box((1, 1, 1)))
+            >>> world.overlaps(a, b)
+            True
+        """
+        return len(self.query_contacts(a, b)) > 0
 
     def contacts(self) -> NDArray[np.void]:
         """The contact points after the last step, as Bullet's solver had them.
@@ -298,13 +580,7 @@ class World:
             body b and towards body a), ``depth`` (metres, positive where the bodies overlap) and
             ``impulse`` (normal, N s, of the last step).
         """
-        rows = self._simulation.contacts()
-        contacts = np.empty(len(rows), CONTACT_DTYPE)
-        contacts["body_a"], contacts["body_b"], contacts["id"] = rows[:, 0], rows[:, 1], rows[:, 2]
-        contacts["point_a"], contacts["point_b"] = rows[:, 3:6], rows[:, 6:9]
-        contacts["normal"] = rows[:, 9:12]
-        contacts["depth"], contacts["impulse"] = rows[:, 12], rows[:, 13]
-        return contacts
+        return _as_contacts(self._simulation.contacts())
 
     @property
     def timings(self) -> NDArray[np.void]:
@@ -347,6 +623,25 @@ class World:
         recorder = Recorder(self, as_integer(every, "every", 1, 2**31 - 1))
         self._recorders.append(recorder)
         return recorder
+
+    def _check_own(self, body: Body, name: str) -> None:
+        if not isinstance(body, Body):
+            raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
+        if body._simulation is not self._simulation:
+            raise SettingsError(f"body {body.name!r} is of another world")
+
+    def _check_own_joint(self, joint: Joint) -> None:
+        if joint._simulation is not self._simulation:
+            raise SettingsError(f"joint {joint.name!r} is of another world")
+
+
+def _as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
+    contacts = np.empty(len(rows), CONTACT_DTYPE)
+    contacts["body_a"], contacts["body_b"], contacts["id"] = rows[:, 0], rows[:, 1], rows[:, 2]
+    contacts["point_a"], contacts["point_b"] = rows[:, 3:6], rows[:, 6:9]
+    contacts["normal"] = rows[:, 9:12]
+    contacts["depth"], contacts["impulse"] = rows[:, 12], rows[:, 13]
+    return contacts
 
 
 def _as_reach(value: float) -> float:

@@ -1,5 +1,7 @@
 #include "bullet/shapes.h"
 
+#include <algorithm>
+
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btConvexHullComputer.h>
@@ -24,59 +26,110 @@ std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points,
   return hull;
 }
 
+/// Compounds skip children whose bounds are apart: bounds of models reach as far as their contacts.
+void widen(btCollisionShape& shape) {
+  if (shape.getShapeType() != FAST_CONCAVE_MESH_PROXYTYPE) return;
+  constexpr double kOfRadius = 0.05;
+  btVector3 centre;
+  btScalar radius = 0.0;
+  shape.getBoundingSphere(centre, radius);
+  shape.setMargin(std::max(shape.getMargin(), kOfRadius * radius));
+}
+
 }  // namespace
+
+bool is_axis_bound(const Geometry& geometry) {
+  return !std::holds_alternative<ModelGeometry>(geometry) &&
+         !std::holds_alternative<GImpactGeometry>(geometry) &&
+         !std::holds_alternative<HullsGeometry>(geometry);
+}
 
 BulletShape::BulletShape(const Geometry& geometry, const Pose& body_from_geometry) {
   std::visit([&](const auto& typed) { make(typed, body_from_geometry); }, geometry);
+  if (placed_.size() == 1 && to_bullet(placed_[0].body_from_shape) == btTransform::getIdentity()) {
+    shape_ = placed_[0].shape;
+    return;
+  }
+  auto compound = std::make_unique<btCompoundShape>();
+  for (const Placed& part : placed_) {
+    widen(*part.shape);
+    compound->addChildShape(to_bullet(part.body_from_shape), part.shape);
+  }
+  shape_ = compound.get();
+  owned_.push_back(std::move(compound));
+}
+
+void BulletShape::place(std::unique_ptr<btCollisionShape> shape, const Pose& body_from_shape) {
+  placed_.push_back({shape.get(), body_from_shape});
+  owned_.push_back(std::move(shape));
 }
 
 void BulletShape::make(const ModelGeometry& geometry, const Pose& body_from_geometry) {
-  parts_.push_back(std::make_unique<bullet::ModelShape>(geometry.model, body_from_geometry));
+  place(std::make_unique<bullet::ModelShape>(geometry.model, body_from_geometry), {});
 }
 
-void BulletShape::make(const PlaneGeometry& geometry, const Pose&) {
-  parts_.push_back(
-      std::make_unique<btStaticPlaneShape>(to_bullet(geometry.normal), geometry.offset));
+void BulletShape::make(const PlaneGeometry& geometry, const Pose& body_from_geometry) {
+  place(std::make_unique<btStaticPlaneShape>(to_bullet(geometry.normal), geometry.offset),
+        body_from_geometry);
 }
 
-void BulletShape::make(const BoxGeometry& geometry, const Pose&) {
-  parts_.push_back(std::make_unique<btBoxShape>(to_bullet(geometry.half_extents)));
+void BulletShape::make(const BoxGeometry& geometry, const Pose& body_from_geometry) {
+  place(std::make_unique<btBoxShape>(to_bullet(geometry.half_extents)), body_from_geometry);
 }
 
-void BulletShape::make(const SphereGeometry& geometry, const Pose&) {
-  parts_.push_back(std::make_unique<btSphereShape>(geometry.radius));
+void BulletShape::make(const SphereGeometry& geometry, const Pose& body_from_geometry) {
+  place(std::make_unique<btSphereShape>(geometry.radius), body_from_geometry);
+}
+
+void BulletShape::make(const CapsuleGeometry& geometry, const Pose& body_from_geometry) {
+  place(std::make_unique<btCapsuleShapeZ>(geometry.radius, geometry.length), body_from_geometry);
+}
+
+void BulletShape::make(const CylinderGeometry& geometry, const Pose& body_from_geometry) {
+  place(std::make_unique<btCylinderShapeZ>(
+            btVector3(geometry.radius, geometry.radius, geometry.length / 2.0)),
+        body_from_geometry);
+}
+
+void BulletShape::make(const ConeGeometry& geometry, const Pose& body_from_geometry) {
+  auto cone = std::make_unique<btConeShapeZ>(geometry.radius, geometry.height);
+  cone->setMargin(0.0);  // which Bullet adds to a cone
+  place(std::move(cone), body_from_geometry);
 }
 
 void BulletShape::make(const GImpactGeometry& geometry, const Pose& body_from_geometry) {
-  vertices_.reserve(3 * geometry.vertices.size());
+  auto mesh = std::make_unique<Mesh>();
+  mesh->vertices.reserve(3 * geometry.vertices.size());
   for (const Vec3& vertex : geometry.vertices) {
     const Vec3 p = body_from_geometry.transform_point(vertex);
-    vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
+    mesh->vertices.insert(mesh->vertices.end(), {p.x, p.y, p.z});
   }
-  indices_.reserve(3 * geometry.triangles.size());
+  mesh->indices.reserve(3 * geometry.triangles.size());
   for (const Triangle& triangle : geometry.triangles) {
-    for (const std::uint32_t index : triangle) indices_.push_back(static_cast<int>(index));
+    for (const std::uint32_t index : triangle) mesh->indices.push_back(static_cast<int>(index));
   }
-  mesh_ = std::make_unique<btTriangleIndexVertexArray>(
-      static_cast<int>(geometry.triangles.size()), indices_.data(),
+  mesh->triangles = std::make_unique<btTriangleIndexVertexArray>(
+      static_cast<int>(geometry.triangles.size()), mesh->indices.data(),
       static_cast<int>(3 * sizeof(int)), static_cast<int>(geometry.vertices.size()),
-      vertices_.data(), static_cast<int>(3 * sizeof(btScalar)));
-  auto shape = std::make_unique<btGImpactMeshShape>(mesh_.get());
+      mesh->vertices.data(), static_cast<int>(3 * sizeof(btScalar)));
+  auto shape = std::make_unique<btGImpactMeshShape>(mesh->triangles.get());
   shape->setMargin(geometry.margin);
   shape->updateBound();
-  parts_.push_back(std::move(shape));
+  meshes_.push_back(std::move(mesh));
+  place(std::move(shape), {});
 }
 
 void BulletShape::make(const HullsGeometry& geometry, const Pose& body_from_geometry) {
   for (const std::vector<Vec3>& points : geometry.hulls) {
-    parts_.push_back(make_hull(points, body_from_geometry, geometry.margin));
+    place(make_hull(points, body_from_geometry, geometry.margin), {});
   }
-  if (geometry.hulls.size() == 1) return;
-  auto compound = std::make_unique<btCompoundShape>();
-  for (const auto& hull : parts_) {
-    compound->addChildShape(btTransform::getIdentity(), hull.get());
+}
+
+void BulletShape::make(const CompoundGeometry& geometry, const Pose& body_from_geometry) {
+  for (const CompoundGeometry::Part& part : geometry.parts) {
+    const Pose body_from_part = body_from_geometry * part.compound_from_part;
+    std::visit([&](const auto& typed) { make(typed, body_from_part); }, part.geometry);
   }
-  parts_.push_back(std::move(compound));
 }
 
 HullMesh triangulate_hulls(const std::vector<std::vector<Vec3>>& hulls) {

@@ -26,6 +26,19 @@ struct BoxGeometry {
 struct SphereGeometry {
   double radius;
 };
+/// Along z, centred at the origin; a capsule's length is between the centres of its caps.
+struct CapsuleGeometry {
+  double radius;
+  double length;
+};
+struct CylinderGeometry {
+  double radius;
+  double length;
+};
+struct ConeGeometry {
+  double radius;
+  double height;
+};
 /// Bullet's own ways with a mesh, for comparison. The margin is Bullet's collision margin.
 struct GImpactGeometry {
   std::vector<Vec3> vertices;
@@ -37,8 +50,25 @@ struct HullsGeometry {
   double margin;
 };
 
-using Geometry = std::variant<ModelGeometry, PlaneGeometry, BoxGeometry, SphereGeometry,
-                              GImpactGeometry, HullsGeometry>;
+using PartGeometry =
+    std::variant<ModelGeometry, PlaneGeometry, BoxGeometry, SphereGeometry, CapsuleGeometry,
+                 CylinderGeometry, ConeGeometry, GImpactGeometry, HullsGeometry>;
+/// Several geometries as one body.
+struct CompoundGeometry {
+  struct Part {
+    PartGeometry geometry;
+    Pose compound_from_part;
+  };
+  std::vector<Part> parts;
+};
+
+using Geometry =
+    std::variant<ModelGeometry, PlaneGeometry, BoxGeometry, SphereGeometry, CapsuleGeometry,
+                 CylinderGeometry, ConeGeometry, GImpactGeometry, HullsGeometry, CompoundGeometry>;
+
+/// Whether Bullet's shape keeps to the axes of its own frame, so that a body whose frame is another
+/// needs a compound around it.
+bool is_axis_bound(const Geometry& geometry);
 
 /// A Bullet shape with all that it refers to.
 class BulletShape {
@@ -46,20 +76,36 @@ class BulletShape {
   /// The geometry as seen from the body's frame.
   BulletShape(const Geometry& geometry, const Pose& body_from_geometry);
 
-  btCollisionShape* get() const { return parts_.back().get(); }
+  btCollisionShape* get() const { return shape_; }
 
  private:
+  struct Placed {
+    btCollisionShape* shape;
+    Pose body_from_shape;
+  };
+
   void make(const ModelGeometry& geometry, const Pose& body_from_geometry);
   void make(const PlaneGeometry& geometry, const Pose& body_from_geometry);
   void make(const BoxGeometry& geometry, const Pose& body_from_geometry);
   void make(const SphereGeometry& geometry, const Pose& body_from_geometry);
+  void make(const CapsuleGeometry& geometry, const Pose& body_from_geometry);
+  void make(const CylinderGeometry& geometry, const Pose& body_from_geometry);
+  void make(const ConeGeometry& geometry, const Pose& body_from_geometry);
   void make(const GImpactGeometry& geometry, const Pose& body_from_geometry);
   void make(const HullsGeometry& geometry, const Pose& body_from_geometry);
+  void make(const CompoundGeometry& geometry, const Pose& body_from_geometry);
+  void place(std::unique_ptr<btCollisionShape> shape, const Pose& body_from_shape);
 
-  std::vector<btScalar> vertices_;
-  std::vector<int> indices_;
-  std::unique_ptr<btStridingMeshInterface> mesh_;
-  std::vector<std::unique_ptr<btCollisionShape>> parts_;  ///< children first, the shape last
+  /// The numbers that a mesh of Bullet's refers to.
+  struct Mesh {
+    std::vector<btScalar> vertices;
+    std::vector<int> indices;
+    std::unique_ptr<btStridingMeshInterface> triangles;
+  };
+  std::vector<std::unique_ptr<Mesh>> meshes_;
+  std::vector<std::unique_ptr<btCollisionShape>> owned_;
+  std::vector<Placed> placed_;
+  btCollisionShape* shape_ = nullptr;
 };
 
 /// The convex hulls of sets of points as one mesh of triangles, for mass properties and pictures.

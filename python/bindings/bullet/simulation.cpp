@@ -1,6 +1,8 @@
 #include "bullet/simulation.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
@@ -8,6 +10,7 @@
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
+#include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
 
@@ -23,41 +26,59 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::pair<int, int> ascending(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// The frame of a body of Bullet's in its geometry. Shapes that keep to their axes keep theirs
+/// where these are principal ones.
+bullet::BodyFrame choose_frame(const BodySettings& settings) {
+  if (settings.motion != Motion::kDynamic) return {};
+  const MassProperties& matter = settings.mass_properties;
+  const Vec3 moments{matter.inertia.row_x.x, matter.inertia.row_y.y, matter.inertia.row_z.z};
+  constexpr double kNothing = 1e-9;
+  const double most_off =
+      std::max({std::abs(matter.inertia.row_x.y), std::abs(matter.inertia.row_x.z),
+                std::abs(matter.inertia.row_y.z)});
+  if (!is_axis_bound(settings.geometry) ||
+      most_off > kNothing * (moments.x + moments.y + moments.z)) {
+    return bullet::compute_principal_frame(matter);
+  }
+  const bool is_centred = length(matter.centre_of_mass) < kNothing;
+  return {{{}, is_centred ? Vec3{} : matter.centre_of_mass}, moments};
+}
+
 }  // namespace
 
-struct Simulation::Body {
-  Pose body_from_geometry;
-  BulletShape shape;
-  btRigidBody rigid_body;
+Simulation::Body::Body(const BodySettings& settings, const bullet::BodyFrame& frame)
+    : body_from_geometry(frame.model_from_body.inverse()),
+      shape(settings.geometry, body_from_geometry),
+      rigid_body(settings.motion == Motion::kDynamic ? settings.mass_properties.mass : 0.0, nullptr,
+                 shape.get(), to_bullet(frame.principal_inertia)),
+      motion(settings.motion) {}
 
-  Body(const BodySettings& settings, const bullet::BodyFrame& frame)
-      : body_from_geometry(frame.model_from_body.inverse()),
-        shape(settings.geometry, body_from_geometry),
-        rigid_body(settings.mass_properties.mass, nullptr, shape.get(),
-                   to_bullet(frame.principal_inertia)) {}
-};
+void Simulation::TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs,
+                                                            const btDispatcherInfo& info,
+                                                            btDispatcher* dispatcher) {
+  const auto start = Clock::now();
+  btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
+  seconds = seconds_since(start);
+}
 
-/// Bullet's dispatcher, which also says how long the narrow phase took.
-class Simulation::TimedDispatcher : public btCollisionDispatcher {
- public:
-  using btCollisionDispatcher::btCollisionDispatcher;
-
-  void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
-                                 btDispatcher* dispatcher) override {
-    const auto start = Clock::now();
-    btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
-    seconds = seconds_since(start);
-  }
-
-  double seconds = 0.0;  ///< of the last dispatch
-};
-
-Simulation::Simulation(const SimulationSettings& settings) : settings_(settings) {
+Simulation::Simulation(const SimulationSettings& settings)
+    : settings_(settings),
+      filter_(std::make_unique<Filter>(*this)),
+      anchor_(0.0, nullptr, nullptr) {
   settings_.contact.timings = &model_timings_;
+  make_world();
+}
+
+Simulation::~Simulation() { drop_world(); }
+
+void Simulation::make_world() {
   configuration_ = std::make_unique<bullet::CollisionConfiguration>(settings_.contact);
   dispatcher_ = std::make_unique<TimedDispatcher>(configuration_.get());
   btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
+  broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
@@ -66,6 +87,22 @@ Simulation::Simulation(const SimulationSettings& settings) : settings_(settings)
   world_->getSolverInfo().m_splitImpulse = 1;
   world_->getSolverInfo().m_splitImpulsePenetrationThreshold = settings_.split_impulse_threshold;
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
+}
+
+/// Constraints leave before their bodies, bodies before what finds their pairs.
+void Simulation::drop_world() {
+  for (const auto& joint : joints_) {
+    if (joint != nullptr) world_->removeConstraint(&joint->constraint());
+  }
+  for (const auto& body : bodies_) {
+    if (body != nullptr) world_->removeRigidBody(&body->rigid_body);
+  }
+  world_.reset();
+  solver_.reset();
+  lcp_.reset();
+  broadphase_.reset();
+  dispatcher_.reset();
+  configuration_.reset();
 }
 
 void Simulation::make_solver() {
@@ -86,36 +123,163 @@ void Simulation::make_solver() {
   solver_ = std::make_unique<btMLCPSolver>(lcp_.get());
 }
 
-Simulation::~Simulation() {
-  for (const auto& body : bodies_) world_->removeRigidBody(&body->rigid_body);
-}
-
 std::size_t Simulation::add_body(const BodySettings& settings) {
-  const bool is_dynamic = settings.mass_properties.mass > 0.0;
-  const bullet::BodyFrame frame =
-      is_dynamic ? bullet::compute_principal_frame(settings.mass_properties) : bullet::BodyFrame{};
-  bodies_.push_back(std::make_unique<Body>(settings, frame));
+  bodies_.push_back(std::make_unique<Body>(settings, choose_frame(settings)));
   const std::size_t number = bodies_.size() - 1;
-  btRigidBody& body = bodies_.back()->rigid_body;
-  body.setUserIndex(static_cast<int>(number));
-  body.setFriction(settings.friction);
-  body.setRestitution(settings.restitution);
-  if (!settings_.sleeping) body.setActivationState(DISABLE_DEACTIVATION);
+  Body& body = *bodies_.back();
+  body.rigid_body.setUserIndex(static_cast<int>(number));
+  if (body.motion == Motion::kKinematic) {
+    const int flags = body.rigid_body.getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT;
+    body.rigid_body.setCollisionFlags(flags | btCollisionObject::CF_KINEMATIC_OBJECT);
+  }
+  if (!settings_.sleeping || body.motion == Motion::kKinematic) {
+    body.rigid_body.setActivationState(DISABLE_DEACTIVATION);
+  }
   set_world_from_geometry(number, settings.world_from_geometry);
-  world_->addRigidBody(&body);
+  body.rigid_body.setInterpolationWorldTransform(body.rigid_body.getWorldTransform());
+  set_material(number, settings.material);
+  enter(body);
   return number;
 }
 
+void Simulation::enter(Body& body) { world_->addRigidBody(&body.rigid_body); }
+
+void Simulation::remove_body(std::size_t body) {
+  const int number = static_cast<int>(body);
+  for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
+    if (joints_[joint] == nullptr) continue;
+    const JointSettings& settings = joints_[joint]->settings();
+    if (settings.parent == number || settings.child == number) remove_joint(joint);
+  }
+  // What lies on it must notice.
+  for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
+    if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();
+    if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
+  }
+  world_->removeRigidBody(&bodies_[body]->rigid_body);
+  bodies_[body].reset();
+  if (restored_contacts_) {
+    std::erase_if(*restored_contacts_, [&](const SimulationContact& contact) {
+      return contact.body_a == number || contact.body_b == number;
+    });
+  }
+  std::erase_if(apart_,
+                [&](const auto& pair) { return pair.first == number || pair.second == number; });
+}
+
+btRigidBody& Simulation::body_or_world(int number) {
+  return number == JointSettings::kWorld ? anchor_
+                                         : bodies_[static_cast<std::size_t>(number)]->rigid_body;
+}
+
+std::size_t Simulation::add_joint(const JointSettings& settings) {
+  const Pose parent_from_geometry =
+      settings.parent == JointSettings::kWorld
+          ? Pose{}
+          : bodies_[static_cast<std::size_t>(settings.parent)]->body_from_geometry;
+  const Body& child = *bodies_[static_cast<std::size_t>(settings.child)];
+  joints_.push_back(std::make_unique<Joint>(
+      settings, body_or_world(settings.parent), body_or_world(settings.child),
+      to_bullet(parent_from_geometry * settings.parent_from_joint),
+      to_bullet(child.body_from_geometry * settings.child_from_joint)));
+  world_->addConstraint(&joints_.back()->constraint());
+  update_pairs(child);
+  body_or_world(settings.parent).activate();
+  body_or_world(settings.child).activate();
+  return joints_.size() - 1;
+}
+
+void Simulation::remove_joint(std::size_t joint) {
+  for (const auto& other : joints_) {
+    if (other == nullptr || other->motor.mode != MotorMode::kFollow) continue;
+    if (other->motor.leader == static_cast<int>(joint)) other->motor = {};
+  }
+  const JointSettings settings = joints_[joint]->settings();
+  world_->removeConstraint(&joints_[joint]->constraint());
+  joints_[joint].reset();
+  update_pairs(*bodies_[static_cast<std::size_t>(settings.child)]);
+  body_or_world(settings.parent).activate();
+  body_or_world(settings.child).activate();
+}
+
+void Simulation::set_motor(std::size_t joint, const Motor& motor) {
+  joints_[joint]->motor = motor;
+  body_or_world(joints_[joint]->settings().parent).activate();
+  body_or_world(joints_[joint]->settings().child).activate();
+}
+
+bool Simulation::are_jointed_apart(int a, int b) const {
+  return std::ranges::any_of(joints_, [&](const auto& joint) {
+    return joint != nullptr && !joint->settings().collides &&
+           ascending(joint->settings().parent, joint->settings().child) == ascending(a, b);
+  });
+}
+
+bool Simulation::may_meet(const btCollisionObject& a, const btCollisionObject& b) const {
+  if (a.isStaticOrKinematicObject() && b.isStaticOrKinematicObject()) return false;
+  const int number_a = a.getUserIndex();
+  const int number_b = b.getUserIndex();
+  const BodyMaterial& of_a = bodies_[static_cast<std::size_t>(number_a)]->material;
+  const BodyMaterial& of_b = bodies_[static_cast<std::size_t>(number_b)]->material;
+  return (of_a.group & of_b.mask) != 0 && (of_b.group & of_a.mask) != 0 &&
+         !apart_.contains(ascending(number_a, number_b)) && !are_jointed_apart(number_a, number_b);
+}
+
+/// After a change of who may meet the body.
+void Simulation::update_pairs(const Body& body) {
+  btBroadphaseProxy* const proxy =
+      const_cast<btBroadphaseProxy*>(body.rigid_body.getBroadphaseHandle());
+  if (proxy == nullptr) return;
+  btOverlappingPairCache& pairs = *broadphase_->getOverlappingPairCache();
+  for (const auto& other : bodies_) {
+    if (other == nullptr || other.get() == &body) continue;
+    btBroadphaseProxy* const met = other->rigid_body.getBroadphaseHandle();
+    if (met == nullptr) continue;
+    if (!may_meet(body.rigid_body, other->rigid_body)) {
+      pairs.removeOverlappingPair(proxy, met, dispatcher_.get());
+    } else if (pairs.findPair(proxy, met) == nullptr &&
+               TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, met->m_aabbMin,
+                                    met->m_aabbMax)) {
+      pairs.addOverlappingPair(proxy, met);
+    }
+  }
+}
+
+void Simulation::set_collision(std::size_t a, std::size_t b, bool collides) {
+  const auto pair = ascending(static_cast<int>(a), static_cast<int>(b));
+  if (collides) {
+    apart_.erase(pair);
+  } else {
+    apart_.insert(pair);
+  }
+  update_pairs(*bodies_[a]);
+  wake(a);
+  wake(b);
+}
+
 void Simulation::step() {
+  restored_contacts_.reset();
+  for (const auto& joint : joints_) {
+    if (joint == nullptr) continue;
+    const bool follows = joint->motor.mode == MotorMode::kFollow;
+    joint->prepare_step(
+        settings_.time_step,
+        follows ? joints_[static_cast<std::size_t>(joint->motor.leader)]->read() : JointReading{});
+  }
   model_timings_ = {};
   const auto start = Clock::now();
   world_->stepSimulation(settings_.time_step, 0);
   timings_.push_back({seconds_since(start), dispatcher_->seconds, model_timings_.query,
                       model_timings_.reduction, model_timings_.manifold});
   if (timings_.size() > kMostTimings) timings_.pop_front();
+  for (const auto& joint : joints_) {
+    if (joint != nullptr) joint->finish_step();
+  }
 }
 
 std::vector<SimulationContact> Simulation::compute_contacts() const {
+  if (restored_contacts_) return *restored_contacts_;
   std::vector<SimulationContact> contacts;
   for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
@@ -138,7 +302,12 @@ Pose Simulation::world_from_geometry(std::size_t body) const {
 void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   btRigidBody& rigid_body = bodies_[body]->rigid_body;
   const btTransform world_from_body = to_bullet(pose * bodies_[body]->body_from_geometry.inverse());
-  rigid_body.setCenterOfMassTransform(world_from_body);
+  if (bodies_[body]->motion == Motion::kKinematic) {
+    // The place that it had after the last step stays, for its velocity.
+    rigid_body.setWorldTransform(world_from_body);
+  } else {
+    rigid_body.setCenterOfMassTransform(world_from_body);
+  }
   rigid_body.activate();
   if (rigid_body.isInWorld()) world_->updateSingleAabb(&rigid_body);
 }
@@ -153,14 +322,62 @@ Vec3 Simulation::angular_velocity(std::size_t body) const {
 
 void Simulation::set_linear_velocity(std::size_t body, const Vec3& velocity) {
   bodies_[body]->rigid_body.setLinearVelocity(to_bullet(velocity));
-  bodies_[body]->rigid_body.activate();
+  wake(body);
 }
 
 void Simulation::set_angular_velocity(std::size_t body, const Vec3& velocity) {
   bodies_[body]->rigid_body.setAngularVelocity(to_bullet(velocity));
-  bodies_[body]->rigid_body.activate();
+  wake(body);
 }
 
 bool Simulation::is_asleep(std::size_t body) const { return !bodies_[body]->rigid_body.isActive(); }
+
+void Simulation::wake(std::size_t body) { bodies_[body]->rigid_body.activate(); }
+
+void Simulation::apply_force(std::size_t body, const Vec3& force,
+                             const std::optional<Vec3>& place) {
+  btRigidBody& rigid_body = bodies_[body]->rigid_body;
+  rigid_body.applyCentralForce(to_bullet(force));
+  if (place) {
+    const btVector3 lever = to_bullet(*place) - rigid_body.getCenterOfMassPosition();
+    rigid_body.applyTorque(lever.cross(to_bullet(force)));
+  }
+  wake(body);
+}
+
+void Simulation::apply_torque(std::size_t body, const Vec3& torque) {
+  bodies_[body]->rigid_body.applyTorque(to_bullet(torque));
+  wake(body);
+}
+
+void Simulation::apply_impulse(std::size_t body, const Vec3& impulse,
+                               const std::optional<Vec3>& place) {
+  btRigidBody& rigid_body = bodies_[body]->rigid_body;
+  rigid_body.applyCentralImpulse(to_bullet(impulse));
+  if (place) {
+    const btVector3 lever = to_bullet(*place) - rigid_body.getCenterOfMassPosition();
+    rigid_body.applyTorqueImpulse(lever.cross(to_bullet(impulse)));
+  }
+  wake(body);
+}
+
+void Simulation::apply_torque_impulse(std::size_t body, const Vec3& impulse) {
+  bodies_[body]->rigid_body.applyTorqueImpulse(to_bullet(impulse));
+  wake(body);
+}
+
+const BodyMaterial& Simulation::material(std::size_t body) const { return bodies_[body]->material; }
+
+void Simulation::set_material(std::size_t number, const BodyMaterial& material) {
+  Body& body = *bodies_[number];
+  body.rigid_body.setFriction(material.friction);
+  body.rigid_body.setRestitution(material.restitution);
+  body.rigid_body.setDamping(material.linear_damping, material.angular_damping);
+  const bool meets_others =
+      material.group != body.material.group || material.mask != body.material.mask;
+  body.material = material;
+  if (meets_others) update_pairs(body);
+  body.rigid_body.activate();
+}
 
 }  // namespace voxshell::python

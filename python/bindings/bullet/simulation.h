@@ -3,11 +3,15 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <BulletDynamics/MLCPSolvers/btMLCPSolverInterface.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "bullet/joint.h"
 #include "bullet/shapes.h"
 #include "voxshell/bullet/collision_configuration.h"
 #include "voxshell/mass_properties.h"
@@ -30,12 +34,30 @@ struct SimulationSettings {
   bullet::ContactSettings contact;
 };
 
-struct BodySettings {
-  Geometry geometry;
-  MassProperties mass_properties;  ///< in the geometry's frame; mass 0: static
-  Pose world_from_geometry;
+/// Who moves a body.
+enum class Motion {
+  kDynamic,    ///< forces
+  kStatic,     ///< nobody
+  kKinematic,  ///< the user, pose by pose
+};
+
+/// What can be set of a body at any time.
+struct BodyMaterial {
   double friction = 0.5;
   double restitution = 0.0;
+  double linear_damping = 0.0;  ///< share of the velocity that is lost in a second
+  double angular_damping = 0.0;
+  /// Bodies meet if each one's group is in the other's mask.
+  int group = 1;
+  int mask = -1;
+};
+
+struct BodySettings {
+  Geometry geometry;
+  MassProperties mass_properties;  ///< in the geometry's frame; of dynamic bodies alone
+  Motion motion = Motion::kDynamic;
+  Pose world_from_geometry;
+  BodyMaterial material;
 };
 
 /// Seconds of one step.
@@ -47,7 +69,7 @@ struct StepTimings {
   double manifold;      ///< filling manifolds
 };
 
-/// A contact point after a step. Metres, world frame; normal on b, pointing towards a.
+/// A contact point. Metres, world frame; normal on b, pointing towards a.
 struct SimulationContact {
   int body_a;
   int body_b;
@@ -56,8 +78,23 @@ struct SimulationContact {
   Vec3 point_b;
   Vec3 normal;
   double depth;
-  double impulse;  ///< normal impulse of the last step, N s
+  double impulse;  ///< normal impulse of the last step, N s; 0 in queries
 };
+
+/// What a ray meets first. Metres, world frame.
+struct RayHit {
+  int body = -1;          ///< none
+  double fraction = 1.0;  ///< of the way
+  Vec3 point;             ///< the ray's end where it meets nothing
+  Vec3 normal;            ///< of the surface, towards the ray's start; zero where it meets nothing
+};
+
+struct Bounds {
+  Vec3 lower;
+  Vec3 upper;
+};
+
+struct SimulationState;
 
 /// A world of stock Bullet, float64, with voxshell's collision configuration.
 class Simulation {
@@ -67,9 +104,18 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// Adds a body and returns its number.
+  /// Adds a body and returns its number, which no other body ever has.
   std::size_t add_body(const BodySettings& settings);
-  std::size_t body_count() const { return bodies_.size(); }
+  /// Removes a body and the joints that hold it.
+  void remove_body(std::size_t body);
+
+  /// Adds a joint and returns its number, which no other joint ever has.
+  std::size_t add_joint(const JointSettings& settings);
+  void remove_joint(std::size_t joint);
+  JointReading read_joint(std::size_t joint) const { return joints_[joint]->read(); }
+  JointReaction joint_reaction(std::size_t joint) const { return joints_[joint]->reaction(); }
+  const Motor& motor(std::size_t joint) const { return joints_[joint]->motor; }
+  void set_motor(std::size_t joint, const Motor& motor);
 
   void step();
   /// Of the steps since the start or clear_timings(), the last kMostTimings at most.
@@ -86,22 +132,64 @@ class Simulation {
   void set_linear_velocity(std::size_t body, const Vec3& velocity);
   void set_angular_velocity(std::size_t body, const Vec3& velocity);
   bool is_asleep(std::size_t body) const;
+  void wake(std::size_t body);
+
+  /// For the next step. `place` is a point of the world frame; without one, the centre of mass.
+  void apply_force(std::size_t body, const Vec3& force, const std::optional<Vec3>& place);
+  void apply_torque(std::size_t body, const Vec3& torque);
+  /// At once.
+  void apply_impulse(std::size_t body, const Vec3& impulse, const std::optional<Vec3>& place);
+  void apply_torque_impulse(std::size_t body, const Vec3& impulse);
+
+  const BodyMaterial& material(std::size_t body) const;
+  void set_material(std::size_t body, const BodyMaterial& material);
+  /// Whether two bodies meet, whatever their groups.
+  void set_collision(std::size_t a, std::size_t b, bool collides);
+
+  /// Queries take bodies where they are now, and leave the simulation as it is.
+  std::vector<RayHit> cast_rays(const std::vector<Vec3>& starts,
+                                const std::vector<Vec3>& ends) const;
+  Bounds bounds(std::size_t body) const;
+  /// Places of two bodies within `margin` of each other, a few for each pair of parts.
+  std::vector<SimulationContact> find_contacts(std::size_t a, std::size_t b, double margin) const;
+
+  /// Both lay Bullet's caches anew, in the same way, so that what follows is the same to the bit.
+  std::shared_ptr<const SimulationState> save();
+  /// Bodies and joints must be those of the state.
+  void restore(const SimulationState& state);
+  std::vector<std::size_t> body_numbers() const;
+  std::vector<std::size_t> joint_numbers() const;
 
  private:
   struct Body;
   class TimedDispatcher;
+  class Filter;
 
   void make_solver();
+  void make_world();
+  void drop_world();
+  void enter(Body& body);
+  void update_pairs(const Body& body);
+  void rebuild(const SimulationState& state);
+  void warm_up(const SimulationState& state);
+  bool may_meet(const btCollisionObject& a, const btCollisionObject& b) const;
+  bool are_jointed_apart(int a, int b) const;
+  btRigidBody& body_or_world(int number);
 
   SimulationSettings settings_;
   bullet::NarrowPhaseTimings model_timings_;
   std::unique_ptr<bullet::CollisionConfiguration> configuration_;
   std::unique_ptr<TimedDispatcher> dispatcher_;
+  std::unique_ptr<Filter> filter_;
   std::unique_ptr<btBroadphaseInterface> broadphase_;
   std::unique_ptr<btMLCPSolverInterface> lcp_;  ///< of solvers that solve all constraints as one
   std::unique_ptr<btConstraintSolver> solver_;
-  std::vector<std::unique_ptr<Body>> bodies_;
+  btRigidBody anchor_;                         ///< what joints to the world hold on to
+  std::vector<std::unique_ptr<Body>> bodies_;  ///< by number; null: removed
+  std::vector<std::unique_ptr<Joint>> joints_;
+  std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not meet, ascending
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
+  std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
   std::deque<StepTimings> timings_;
 };
 

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell._arguments import as_positive
+from voxshell.body import Body
 from voxshell.comparison_shapes import ConvexHull
 from voxshell.experiments.part import Part
 from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose
 from voxshell.scenes.drop import BULLET_MARGIN
 from voxshell.shapes import Plane
-from voxshell.world import Body, World
+from voxshell.world import World
 
 if TYPE_CHECKING:
     from voxshell.experiments.part import Tables

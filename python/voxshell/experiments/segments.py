@@ -17,8 +17,8 @@ from voxshell.world import World
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from voxshell.body import Body
     from voxshell.experiments.part import Columns, Tables
-    from voxshell.world import Body
 
 GROUND_HALF_EXTENTS = (0.6, 0.6, 0.05)
 """Metres; none of the orientations rolls off."""

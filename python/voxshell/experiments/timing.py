@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from voxshell.world import Body, World
+    from voxshell.body import Body
+    from voxshell.world import World
 
 
 @contextmanager

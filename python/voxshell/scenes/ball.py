@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
+from voxshell.body import Body
 from voxshell.body_shapes import mesh_of
 from voxshell.errors import SettingsError
 from voxshell.model import Model
 from voxshell.shapes import Box, Plane, Sphere
-from voxshell.world import Body, World
+from voxshell.world import World
 
 if TYPE_CHECKING:
     from voxshell.body_shapes import Shape

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
+from voxshell.body import Body
 from voxshell.body_shapes import Shape, mesh_of
 from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
 from voxshell.errors import MeshError, MissingExtraError
 from voxshell.meshes import Mesh, naming_file, read_mesh
 from voxshell.model import Model
 from voxshell.shapes import Box, Plane
-from voxshell.world import Body, World
+from voxshell.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
+from voxshell.body import Body
 from voxshell.errors import SettingsError
 from voxshell.scenes.ball import PUBLISHED_RULE, Rule, build_ball
 from voxshell.shapes import Plane, Sphere
-from voxshell.world import Body, World
+from voxshell.world import World
 
 
 @dataclass(frozen=True)

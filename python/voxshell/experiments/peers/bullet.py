@@ -16,9 +16,9 @@ from voxshell.world import BULLET_VERSION
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from voxshell.body import Body
     from voxshell.body_shapes import Shape
     from voxshell.experiments.peers.protocol import Case, Job, Other
-    from voxshell.world import Body
 
 CASE_MARGIN = 0.0
 """Bullet's collision margin where contacts are asked for, metres: any other is part of the depths."""

@@ -1,0 +1,215 @@
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bullet/bindings.h"
+#include "bullet/conversions.h"
+#include "bullet/simulation.h"
+#include "bullet/simulation_state.h"
+
+namespace nb = nanobind;
+
+namespace voxshell::python {
+namespace {
+
+void step(Simulation& simulation, std::size_t count) {
+  constexpr std::size_t kStepsPerSignalCheck = 16;
+  while (count > 0) {
+    const std::size_t batch = std::min(count, kStepsPerSignalCheck);
+    {
+      const nb::gil_scoped_release released;
+      for (std::size_t i = 0; i < batch; ++i) simulation.step();
+    }
+    count -= batch;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  }
+}
+
+/// Each step's seconds: whole step, narrow phase, and its query, reduction and manifold parts.
+nb::ndarray<nb::numpy, double> timings(const Simulation& simulation) {
+  std::vector<std::array<double, 5>> rows;
+  rows.reserve(simulation.timings().size());
+  for (const StepTimings& t : simulation.timings()) {
+    rows.push_back({t.step, t.narrow_phase, t.query, t.reduction, t.manifold});
+  }
+  return to_array(std::move(rows));
+}
+
+/// Rows of body a, body b, id, point on a, point on b, normal, depth, impulse.
+nb::ndarray<nb::numpy, double> to_rows(const std::vector<SimulationContact>& contacts) {
+  std::vector<std::array<double, 14>> rows;
+  rows.reserve(contacts.size());
+  for (const SimulationContact& c : contacts) {
+    rows.push_back({static_cast<double>(c.body_a), static_cast<double>(c.body_b),
+                    static_cast<double>(c.id), c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x,
+                    c.point_b.y, c.point_b.z, c.normal.x, c.normal.y, c.normal.z, c.depth,
+                    c.impulse});
+  }
+  return to_array(std::move(rows));
+}
+
+/// Rows of body, fraction, point, normal.
+nb::ndarray<nb::numpy, double> cast_rays(const Simulation& simulation, const PointsArray& starts,
+                                         const PointsArray& ends) {
+  std::vector<RayHit> hits;
+  {
+    const std::vector<Vec3> from = read_points(starts);
+    const std::vector<Vec3> to = read_points(ends);
+    const nb::gil_scoped_release released;
+    hits = simulation.cast_rays(from, to);
+  }
+  std::vector<std::array<double, 8>> rows;
+  rows.reserve(hits.size());
+  for (const RayHit& h : hits) {
+    rows.push_back({static_cast<double>(h.body), h.fraction, h.point.x, h.point.y, h.point.z,
+                    h.normal.x, h.normal.y, h.normal.z});
+  }
+  return to_array(std::move(rows));
+}
+
+std::optional<Vec3> to_place(const std::optional<Coordinates>& place) {
+  return place ? std::optional(to_vec3(*place)) : std::nullopt;
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& module) {
+  nb::enum_<bullet::ContactMode>(module, "ContactMode")
+      .value("AUTO", bullet::ContactMode::kAutomatic)
+      .value("REGULAR", bullet::ContactMode::kRegular)
+      .value("SEGMENTED", bullet::ContactMode::kSegmented);
+
+  nb::enum_<ConstraintSolver>(module, "ConstraintSolver")
+      .value("SEQUENTIAL_IMPULSE", ConstraintSolver::kSequentialImpulse)
+      .value("NNCG", ConstraintSolver::kNncg)
+      .value("DANTZIG", ConstraintSolver::kDantzig)
+      .value("PROJECTED_GAUSS_SEIDEL", ConstraintSolver::kProjectedGaussSeidel);
+
+  nb::enum_<Motion>(module, "Motion")
+      .value("DYNAMIC", Motion::kDynamic)
+      .value("STATIC", Motion::kStatic)
+      .value("KINEMATIC", Motion::kKinematic);
+
+  nb::class_<BodyMaterial>(module, "BodyMaterial")
+      .def(nb::init<>())
+      .def_rw("friction", &BodyMaterial::friction)
+      .def_rw("restitution", &BodyMaterial::restitution)
+      .def_rw("linear_damping", &BodyMaterial::linear_damping)
+      .def_rw("angular_damping", &BodyMaterial::angular_damping)
+      .def_rw("group", &BodyMaterial::group)
+      .def_rw("mask", &BodyMaterial::mask);
+
+  nb::class_<SimulationState>(module, "SimulationState");
+
+  nb::class_<Simulation>(module, "Simulation")
+      .def(
+          "__init__",
+          [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
+             double split_impulse_threshold, ConstraintSolver solver, int iterations,
+             bullet::ContactMode mode, int level, double margin, double sweep_beyond) {
+            new (self)
+                Simulation({.gravity = to_vec3(gravity),
+                            .time_step = time_step,
+                            .sleeping = sleeping,
+                            .split_impulse_threshold = split_impulse_threshold,
+                            .solver = solver,
+                            .iterations = iterations,
+                            .contact = {.mode = mode,
+                                        .level = level,
+                                        .margin = margin,
+                                        .sweep_beyond = sweep_beyond,
+                                        .rolling_at_rest = solver != ConstraintSolver::kNncg}});
+          },
+          nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
+          nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
+          nb::arg("mode"), nb::arg("level"), nb::arg("margin"), nb::arg("sweep_beyond"))
+      .def(
+          "add_body",
+          [](Simulation& self, const Geometry& geometry, Motion motion, double mass,
+             const Coordinates& centre_of_mass, const std::array<Coordinates, 3>& inertia,
+             const PoseArray& pose, const BodyMaterial& material) {
+            return self.add_body({.geometry = geometry,
+                                  .mass_properties = {mass,
+                                                      to_vec3(centre_of_mass),
+                                                      {to_vec3(inertia[0]), to_vec3(inertia[1]),
+                                                       to_vec3(inertia[2])}},
+                                  .motion = motion,
+                                  .world_from_geometry = to_pose(pose),
+                                  .material = material});
+          },
+          nb::arg("geometry"), nb::arg("motion"), nb::arg("mass"), nb::arg("centre_of_mass"),
+          nb::arg("inertia"), nb::arg("pose"), nb::arg("material"))
+      .def("remove_body", &Simulation::remove_body)
+      .def("add_joint", &Simulation::add_joint)
+      .def("remove_joint", &Simulation::remove_joint)
+      .def("read_joint", &Simulation::read_joint)
+      .def("joint_reaction",
+           [](const Simulation& s, std::size_t i) {
+             const JointReaction reaction = s.joint_reaction(i);
+             return std::pair(to_coordinates(reaction.force), to_coordinates(reaction.torque));
+           })
+      .def("motor", [](const Simulation& s, std::size_t i) { return Motor(s.motor(i)); })
+      .def("set_motor", &Simulation::set_motor)
+      .def("step", &step, nb::arg("count"))
+      .def("timings", &timings)
+      .def("clear_timings", &Simulation::clear_timings)
+      .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })
+      .def("find_contacts", [](const Simulation& s, std::size_t a, std::size_t b,
+                               double margin) { return to_rows(s.find_contacts(a, b, margin)); })
+      .def("cast_rays", &cast_rays)
+      .def("bounds",
+           [](const Simulation& s, std::size_t i) {
+             const Bounds bounds = s.bounds(i);
+             return std::pair(to_coordinates(bounds.lower), to_coordinates(bounds.upper));
+           })
+      .def("pose",
+           [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
+      .def("set_pose", [](Simulation& s, std::size_t i,
+                          const PoseArray& pose) { s.set_world_from_geometry(i, to_pose(pose)); })
+      .def("linear_velocity",
+           [](const Simulation& s, std::size_t i) { return to_coordinates(s.linear_velocity(i)); })
+      .def("angular_velocity",
+           [](const Simulation& s, std::size_t i) { return to_coordinates(s.angular_velocity(i)); })
+      .def("set_linear_velocity",
+           [](Simulation& s, std::size_t i, const Coordinates& v) {
+             s.set_linear_velocity(i, to_vec3(v));
+           })
+      .def("set_angular_velocity",
+           [](Simulation& s, std::size_t i, const Coordinates& v) {
+             s.set_angular_velocity(i, to_vec3(v));
+           })
+      .def("apply_force",
+           [](Simulation& s, std::size_t i, const Coordinates& force,
+              const std::optional<Coordinates>& place) {
+             s.apply_force(i, to_vec3(force), to_place(place));
+           })
+      .def("apply_torque", [](Simulation& s, std::size_t i,
+                              const Coordinates& torque) { s.apply_torque(i, to_vec3(torque)); })
+      .def("apply_impulse",
+           [](Simulation& s, std::size_t i, const Coordinates& impulse,
+              const std::optional<Coordinates>& place) {
+             s.apply_impulse(i, to_vec3(impulse), to_place(place));
+           })
+      .def("apply_torque_impulse",
+           [](Simulation& s, std::size_t i, const Coordinates& impulse) {
+             s.apply_torque_impulse(i, to_vec3(impulse));
+           })
+      .def("material",
+           [](const Simulation& s, std::size_t i) { return BodyMaterial(s.material(i)); })
+      .def("set_material", &Simulation::set_material)
+      .def("set_collision", &Simulation::set_collision)
+      .def("save", &Simulation::save)
+      .def("restore", &Simulation::restore)
+      .def("is_asleep", &Simulation::is_asleep)
+      .def("wake", &Simulation::wake);
+}
+
+}  // namespace voxshell::python

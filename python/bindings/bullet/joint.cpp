@@ -1,0 +1,159 @@
+#include "bullet/joint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "voxshell/bullet/convert.h"
+
+namespace voxshell::python {
+using bullet::from_bullet;
+
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+/// Of an error, the share that a motor with a target closes in a step.
+constexpr double kServoGain = 0.2;
+/// Of an error of the other axes and at limits, the share that Bullet closes in a step. Its own
+/// default of 0.2 lets arms sag.
+constexpr double kErrorReduction = 0.8;
+constexpr double kStill = 1e-6;  // m/s, rad/s
+
+}  // namespace
+
+Joint::Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& child,
+             const btTransform& parent_from_joint, const btTransform& child_from_joint)
+    : settings_(settings),
+      parent_(parent),
+      child_(child),
+      parent_from_joint_(parent_from_joint),
+      child_from_joint_(child_from_joint) {
+  if (settings.kind == JointKind::kPoint) {
+    constraint_ = std::make_unique<btPoint2PointConstraint>(
+        parent, child, parent_from_joint.getOrigin(), child_from_joint.getOrigin());
+    constraint_->setParam(BT_CONSTRAINT_ERP, kErrorReduction);
+  } else {
+    auto axes = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, parent_from_joint,
+                                                                 child_from_joint);
+    axes_ = axes.get();
+    constexpr int kAxes = 6;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      axes_->setLimit(axis, 0.0, 0.0);
+      axes_->setParam(BT_CONSTRAINT_STOP_ERP, kErrorReduction, axis);
+    }
+    constraint_ = std::move(axes);
+  }
+  constraint_->setJointFeedback(&feedback_);
+  position_ = has_axis() ? raw_position() : 0.0;
+}
+
+btTransform Joint::world_from_joint() const {
+  return parent_.getCenterOfMassTransform() * parent_from_joint_;
+}
+
+btTransform Joint::parent_from_child_joint() const {
+  return world_from_joint().inverse() * child_.getCenterOfMassTransform() * child_from_joint_;
+}
+
+/// Of hinges, within a half turn.
+double Joint::raw_position() const {
+  const btTransform offset = parent_from_child_joint();
+  if (settings_.kind == JointKind::kSlider) return offset.getOrigin().x();
+  const btQuaternion turn = offset.getRotation();
+  return std::remainder(2.0 * std::atan2(turn.x(), turn.w()), kTurn);
+}
+
+double Joint::unwrap() const {
+  if (!has_axis()) return 0.0;
+  const double raw = raw_position();
+  if (settings_.kind == JointKind::kSlider) return raw;
+  return position_ + std::remainder(raw - position_, kTurn);
+}
+
+JointReading Joint::read() const {
+  if (!has_axis()) return {};
+  const btTransform joint = world_from_joint();
+  const btVector3 axis = joint.getBasis().getColumn(0);
+  if (settings_.kind == JointKind::kHinge) {
+    return {unwrap(), axis.dot(child_.getAngularVelocity() - parent_.getAngularVelocity())};
+  }
+  const btVector3 place = child_.getCenterOfMassTransform() * child_from_joint_.getOrigin();
+  const btVector3 speed =
+      child_.getVelocityInLocalPoint(place - child_.getCenterOfMassPosition()) -
+      parent_.getVelocityInLocalPoint(place - parent_.getCenterOfMassPosition());
+  return {unwrap(), axis.dot(speed)};
+}
+
+JointReaction Joint::reaction() const {
+  const btVector3 place = child_.getCenterOfMassTransform() * child_from_joint_.getOrigin();
+  const btVector3 lever = child_.getCenterOfMassPosition() - place;
+  return {from_bullet(feedback_.m_appliedForceBodyB),
+          from_bullet(feedback_.m_appliedTorqueBodyB + lever.cross(feedback_.m_appliedForceBodyB))};
+}
+
+/// Bullet's motors run the other way.
+void Joint::drive(double velocity, double force) {
+  const bool drives = force > 0.0;
+  if (settings_.kind == JointKind::kSlider) {
+    btTranslationalLimitMotor2& motor_of_axes = *axes_->getTranslationalLimitMotor();
+    motor_of_axes.m_enableMotor[0] = drives;
+    motor_of_axes.m_targetVelocity[0] = -velocity;
+    motor_of_axes.m_maxMotorForce[0] = force;
+    return;
+  }
+  btRotationalLimitMotor2& motor_of_axis = *axes_->getRotationalLimitMotor(0);
+  motor_of_axis.m_enableMotor = drives;
+  motor_of_axis.m_targetVelocity = -velocity;
+  motor_of_axis.m_maxMotorForce = force;
+}
+
+void Joint::prepare_step(double time_step, const JointReading& leader) {
+  if (!has_axis()) return;
+  const double position = unwrap();
+  const double lower = is_limited() ? settings_.lower : 1.0;
+  const double upper = is_limited() ? settings_.upper : -1.0;
+  if (settings_.kind == JointKind::kSlider) {
+    axes_->setLimit(0, lower, upper);
+  } else {
+    // Bullet's angles run the other way and know no turns: limits are moved to the turn that it is
+    // in.
+    const double turns = is_limited() ? position - raw_position() : 0.0;
+    btRotationalLimitMotor2& axis = *axes_->getRotationalLimitMotor(0);
+    axis.m_loLimit = is_limited() ? turns - upper : 1.0;
+    axis.m_hiLimit = is_limited() ? turns - lower : -1.0;
+  }
+  if (settings_.damping > 0.0) {
+    const int axis = settings_.kind == JointKind::kSlider ? 0 : 3;
+    axes_->enableSpring(axis, true);
+    axes_->setStiffness(axis, 0.0);
+    axes_->setDamping(axis, settings_.damping);
+  }
+
+  double velocity = 0.0;
+  const auto towards = [&](double target, double speed) {
+    const double closing = kServoGain * (target - position) / time_step + speed;
+    return std::clamp(closing, -motor.max_speed, motor.max_speed);
+  };
+  switch (motor.mode) {
+    case MotorMode::kNone:
+      drive(0.0, settings_.friction);
+      return;
+    case MotorMode::kVelocity:
+      velocity = motor.target;
+      break;
+    case MotorMode::kPosition:
+      velocity = towards(motor.target, 0.0);
+      break;
+    case MotorMode::kFollow:
+      velocity = towards(motor.multiplier * leader.position + motor.target,
+                         motor.multiplier * leader.velocity);
+      break;
+  }
+  drive(velocity, motor.max_force);
+  if (std::abs(velocity) > kStill) {
+    parent_.activate();
+    child_.activate();
+  }
+}
+
+}  // namespace voxshell::python

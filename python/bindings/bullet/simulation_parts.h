@@ -1,0 +1,44 @@
+#pragma once
+
+#include "bullet/simulation.h"
+#include "voxshell/bullet/model_shape.h"
+
+namespace voxshell::python {
+
+/// A body as the simulation keeps it.
+struct Simulation::Body {
+  Pose body_from_geometry;
+  BulletShape shape;
+  btRigidBody rigid_body;
+  Motion motion;
+  BodyMaterial material;
+
+  Body(const BodySettings& settings, const bullet::BodyFrame& frame);
+};
+
+/// Bullet's dispatcher, which also says how long the narrow phase took.
+class Simulation::TimedDispatcher : public btCollisionDispatcher {
+ public:
+  using btCollisionDispatcher::btCollisionDispatcher;
+
+  void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
+                                 btDispatcher* dispatcher) override;
+
+  double seconds = 0.0;  ///< of the last dispatch
+};
+
+/// Which pairs of bodies Bullet looks at.
+class Simulation::Filter : public btOverlapFilterCallback {
+ public:
+  explicit Filter(const Simulation& simulation) : simulation_(simulation) {}
+
+  bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
+    return simulation_.may_meet(*static_cast<btCollisionObject*>(a->m_clientObject),
+                                *static_cast<btCollisionObject*>(b->m_clientObject));
+  }
+
+ private:
+  const Simulation& simulation_;
+};
+
+}  // namespace voxshell::python

@@ -1,0 +1,168 @@
+#include "bullet/simulation_state.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "bullet/simulation_parts.h"
+
+namespace voxshell::python {
+namespace {
+
+using ManifoldState = SimulationState::ManifoldState;
+
+/// A point of the state that has not been given to a new one yet.
+struct Saved {
+  const btManifoldPoint* point;
+  bool taken = false;
+};
+
+/// Lets points of a new manifold go on from those of the state. Points of shells are known by their
+/// ids; Bullet's own points, which have none, by where they lie.
+void carry_over(btManifoldPoint& point, std::vector<Saved>& saved, double threshold) {
+  Saved* best = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Saved& candidate : saved) {
+    if (candidate.taken || candidate.point->m_index0 != point.m_index0 ||
+        candidate.point->m_index1 != point.m_index1) {
+      continue;
+    }
+    const double gap = candidate.point->m_localPointA.distance(point.m_localPointA);
+    if (gap < nearest && gap <= threshold) {
+      best = &candidate;
+      nearest = gap;
+    }
+  }
+  if (best == nullptr) return;
+  best->taken = true;
+  point = *best->point;
+}
+
+/// Whether all that the state has of the manifold's bodies is one manifold.
+bool is_whole(const SimulationState& state, const btPersistentManifold& manifold) {
+  return std::ranges::count_if(state.manifolds, [&](const ManifoldState& saved) {
+           return saved.body_0 == manifold.getBody0()->getUserIndex() &&
+                  saved.body_1 == manifold.getBody1()->getUserIndex();
+         }) == 1;
+}
+
+}  // namespace
+
+std::vector<std::size_t> Simulation::body_numbers() const {
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i] != nullptr) numbers.push_back(i);
+  }
+  return numbers;
+}
+
+std::vector<std::size_t> Simulation::joint_numbers() const {
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (joints_[i] != nullptr) numbers.push_back(i);
+  }
+  return numbers;
+}
+
+std::shared_ptr<const SimulationState> Simulation::save() {
+  auto state = std::make_shared<SimulationState>();
+  for (const std::size_t number : body_numbers()) {
+    const Body& body = *bodies_[number];
+    const btRigidBody& rigid_body = body.rigid_body;
+    state->bodies.push_back(
+        {number, rigid_body.getWorldTransform(), rigid_body.getInterpolationWorldTransform(),
+         rigid_body.getLinearVelocity(), rigid_body.getAngularVelocity(),
+         rigid_body.getInterpolationLinearVelocity(), rigid_body.getInterpolationAngularVelocity(),
+         rigid_body.getTotalForce(), rigid_body.getTotalTorque(), rigid_body.getActivationState(),
+         rigid_body.getDeactivationTime(), body.material});
+  }
+  for (const std::size_t number : joint_numbers()) {
+    state->joints.push_back({number, joints_[number]->motor, joints_[number]->counted_position()});
+  }
+  state->apart = apart_;
+  for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
+    if (manifold.getNumContacts() == 0) continue;
+    ManifoldState saved{
+        manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex(), {}};
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      saved.points.push_back(manifold.getContactPoint(i));
+    }
+    state->manifolds.push_back(std::move(saved));
+  }
+  state->contacts = compute_contacts();
+  rebuild(*state);
+  return state;
+}
+
+void Simulation::restore(const SimulationState& state) { rebuild(state); }
+
+/// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on all that went before: a new
+/// world has none that the state does not name.
+void Simulation::rebuild(const SimulationState& state) {
+  drop_world();
+  make_world();
+  apart_ = state.apart;
+  for (const SimulationState::BodyState& saved : state.bodies) {
+    Body& body = *bodies_[saved.number];
+    btRigidBody& rigid_body = body.rigid_body;
+    body.material = saved.material;
+    set_material(saved.number, saved.material);
+    rigid_body.setCenterOfMassTransform(saved.world_from_body);
+    rigid_body.setInterpolationWorldTransform(saved.interpolated_world_from_body);
+    rigid_body.setLinearVelocity(saved.linear_velocity);
+    rigid_body.setAngularVelocity(saved.angular_velocity);
+    rigid_body.setInterpolationLinearVelocity(saved.interpolated_linear_velocity);
+    rigid_body.setInterpolationAngularVelocity(saved.interpolated_angular_velocity);
+    // Awake until the contacts are found: sleeping pairs are not looked at.
+    rigid_body.forceActivationState(ACTIVE_TAG);
+    enter(body);
+    rigid_body.clearForces();
+    rigid_body.applyCentralForce(saved.force);
+    rigid_body.applyTorque(saved.torque);
+  }
+  for (const SimulationState::JointState& saved : state.joints) {
+    Joint& joint = *joints_[saved.number];
+    joint.motor = saved.motor;
+    joint.set_counted_position(saved.position);
+    world_->addConstraint(&joint.constraint());
+  }
+  world_->getDispatchInfo().m_timeStep = settings_.time_step;
+  world_->performDiscreteCollisionDetection();
+  warm_up(state);
+  for (const SimulationState::BodyState& saved : state.bodies) {
+    btRigidBody& rigid_body = bodies_[saved.number]->rigid_body;
+    rigid_body.forceActivationState(saved.activation);
+    rigid_body.setDeactivationTime(saved.still_for);
+  }
+  restored_contacts_ = state.contacts;
+}
+
+/// Gives the manifolds what the next step is to begin with.
+void Simulation::warm_up(const SimulationState& state) {
+  std::map<std::pair<int, int>, std::vector<Saved>> saved;
+  for (const ManifoldState& manifold : state.manifolds) {
+    for (const btManifoldPoint& point : manifold.points) {
+      saved[{manifold.body_0, manifold.body_1}].push_back({&point});
+    }
+  }
+  for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
+    btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
+    const auto found =
+        saved.find({manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex()});
+    if (found == saved.end()) continue;
+    const double threshold = manifold.getContactBreakingThreshold();
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      carry_over(manifold.getContactPoint(i), found->second, threshold);
+    }
+    // Bullet's algorithms find one point a step and collect them.
+    const bool collects = threshold < BT_LARGE_FLOAT && is_whole(state, manifold);
+    for (Saved& point : found->second) {
+      if (!collects || point.taken || manifold.getNumContacts() >= MANIFOLD_CACHE_SIZE) continue;
+      manifold.addManifoldPoint(*point.point);
+      point.taken = true;
+    }
+  }
+}
+
+}  // namespace voxshell::python

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "bullet/simulation.h"
+
+namespace voxshell::python {
+
+/// All of a simulation that changes, but for which bodies and joints there are.
+struct SimulationState {
+  struct BodyState {
+    std::size_t number;
+    btTransform world_from_body;
+    btTransform interpolated_world_from_body;
+    btVector3 linear_velocity;
+    btVector3 angular_velocity;
+    btVector3 interpolated_linear_velocity;
+    btVector3 interpolated_angular_velocity;
+    btVector3 force;
+    btVector3 torque;
+    int activation;
+    double still_for;  ///< seconds
+    BodyMaterial material;
+  };
+  struct JointState {
+    std::size_t number;
+    Motor motor;
+    double position;
+  };
+  struct ManifoldState {
+    int body_0;
+    int body_1;
+    std::vector<btManifoldPoint> points;
+  };
+
+  std::vector<BodyState> bodies;
+  std::vector<JointState> joints;
+  std::set<std::pair<int, int>> apart;
+  std::vector<ManifoldState> manifolds;  ///< whose impulses the next step begins with
+  std::vector<SimulationContact> contacts;
+};
+
+}  // namespace voxshell::python

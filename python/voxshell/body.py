@@ -1,0 +1,320 @@
+"""Bodies of a world: where they are, what they weigh, what pushes them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+
+from voxshell._arguments import as_floats, as_integer, as_real, as_vector
+from voxshell.errors import PoseError, SettingsError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell import _bullet
+    from voxshell.body_shapes import Shape
+
+Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
+"""Who moves a body: forces, nobody, or the user, pose by pose."""
+
+_ALL_GROUPS = 2**31 - 1
+
+
+class Body:
+    """A body of a :class:`World`; made by :meth:`World.add`.
+
+    Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
+    business. Vectors are in the world frame. All that is set wakes the body.
+
+    Attributes:
+        number: What ``World.contacts()`` and other results call it; its place in ``World.bodies`` as
+            long as none is removed. No two bodies of a world have had the same.
+        name: For people.
+        shape: What it is made of; may be shared with other bodies.
+        mass: Kilograms; 0 for static and kinematic bodies.
+        motion: Who moves it: "dynamic" (forces), "static" (nobody), "kinematic" (the user).
+
+    Raises:
+        SettingsError: Anything is asked of a body that has been removed from its world.
+
+    Example:
+        >>> import voxshell as vx
+        >>> world = vx.World(gravity=(0, 0, 0))
+        >>> ball = world.add(vx.Sphere(0.1), mass=2.0)
+        >>> ball.apply_impulse((1.0, 0.0, 0.0))
+        >>> ball.linear_velocity
+        array([0.5, 0. , 0. ])
+    """
+
+    __slots__ = ("_world", "mass", "motion", "name", "number", "shape")
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        number: int,
+        name: str,
+        shape: Shape,
+        mass: float,
+        motion: Motion,
+    ) -> None:
+        self._world: _bullet.Simulation | None = simulation
+        self.number = number
+        self.name = name
+        self.shape = shape
+        self.mass = mass
+        self.motion: Motion = motion
+
+    @property
+    def removed(self) -> bool:
+        """Whether it has been taken out of its world."""
+        return self._world is None
+
+    @property
+    def _simulation(self) -> _bullet.Simulation:
+        if self._world is None:
+            raise SettingsError(f"body {self.name!r} has been removed from its world")
+        return self._world
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``world_from_body``, (4, 4) float64.
+
+        A dynamic body that is given a pose is there at once, whatever lies between. A kinematic one
+        moves there within the next step, and takes along what lies on it.
+
+        Raises:
+            PoseError: It is set to what is not a rigid transform.
+        """
+        return self._simulation.pose(self.number)
+
+    @pose.setter
+    def pose(self, value: ArrayLike) -> None:
+        self._simulation.set_pose(self.number, as_floats(value, "pose", (4, 4), PoseError))
+
+    @property
+    def linear_velocity(self) -> NDArray[np.float64]:
+        """Of the centre of mass, (3,) float64, m/s.
+
+        Of kinematic bodies, whose origin takes the place of a centre of mass, that of the last step.
+
+        Raises:
+            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+        """
+        return np.array(self._simulation.linear_velocity(self.number))
+
+    @linear_velocity.setter
+    def linear_velocity(self, value: ArrayLike) -> None:
+        velocity = as_vector(value, "linear_velocity")
+        self._moved_by_forces("linear_velocity").set_linear_velocity(self.number, velocity)
+
+    @property
+    def angular_velocity(self) -> NDArray[np.float64]:
+        """(3,) float64, rad/s.
+
+        Raises:
+            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+        """
+        return np.array(self._simulation.angular_velocity(self.number))
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        velocity = as_vector(value, "angular_velocity")
+        self._moved_by_forces("angular_velocity").set_angular_velocity(self.number, velocity)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of a box along the world's axes that holds it, (2, 3), metres.
+
+        Up to some millimetres larger than the body. Those of a plane have no end: 1e18.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.25), pose=np.diag([1.0, 1.0, 1.0, 1.0]))
+            >>> body.bounds.tolist()
+            [[-0.25, -0.25, -0.25], [0.25, 0.25, 0.25]]
+        """
+        return np.array(self._simulation.bounds(self.number))
+
+    @property
+    def sleeping(self) -> bool:
+        """Whether Bullet has put the body to sleep."""
+        return self._simulation.is_asleep(self.number)
+
+    def wake(self) -> None:
+        """Wakes a sleeping body, as what touches it does."""
+        self._simulation.wake(self.number)
+
+    def apply_force(self, force: ArrayLike, *, at: ArrayLike | None = None) -> None:
+        """Pushes the body during the next step; call it before every step for a lasting force.
+
+        Args:
+            force: (3,), newtons, world frame.
+            at: (3,), metres, world frame: the point that it acts on; the centre of mass by default.
+
+        Raises:
+            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
+
+        Example:
+            A force that carries the weight:
+
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1), mass=2.0)
+            >>> lift = lambda world: ball.apply_force((0, 0, 2.0 * 9.81))
+            >>> world.step(100, before=lift)
+            >>> bool(abs(ball.pose[2, 3]) < 1e-9)
+            True
+        """
+        self._moved_by_forces("a force").apply_force(
+            self.number, as_vector(force, "force"), _as_place(at)
+        )
+
+    def apply_torque(self, torque: ArrayLike) -> None:
+        """Turns the body during the next step.
+
+        Args:
+            torque: (3,), newton metres, world frame.
+
+        Raises:
+            SettingsError: The body is not dynamic, or ``torque`` is not three finite numbers.
+        """
+        self._moved_by_forces("a torque").apply_torque(self.number, as_vector(torque, "torque"))
+
+    def apply_impulse(self, impulse: ArrayLike, *, at: ArrayLike | None = None) -> None:
+        """Changes the velocities at once, as a blow does.
+
+        Args:
+            impulse: (3,), newton seconds, world frame.
+            at: (3,), metres, world frame: the point that is hit; the centre of mass by default.
+
+        Raises:
+            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
+        """
+        self._moved_by_forces("an impulse").apply_impulse(
+            self.number, as_vector(impulse, "impulse"), _as_place(at)
+        )
+
+    def apply_torque_impulse(self, impulse: ArrayLike) -> None:
+        """Changes the angular velocity at once.
+
+        Args:
+            impulse: (3,), newton metre seconds, world frame.
+
+        Raises:
+            SettingsError: The body is not dynamic, or ``impulse`` is not three finite numbers.
+        """
+        self._moved_by_forces("an impulse").apply_torque_impulse(
+            self.number, as_vector(impulse, "impulse")
+        )
+
+    @property
+    def friction(self) -> float:
+        """Coulomb coefficient; Bullet multiplies those of the two bodies."""
+        return self._simulation.material(self.number).friction
+
+    @friction.setter
+    def friction(self, value: float) -> None:
+        self._set(friction=as_friction(value))
+
+    @property
+    def restitution(self) -> float:
+        """0 to 1; Bullet multiplies those of the two bodies."""
+        return self._simulation.material(self.number).restitution
+
+    @restitution.setter
+    def restitution(self, value: float) -> None:
+        self._set(restitution=as_share(value, "restitution"))
+
+    @property
+    def linear_damping(self) -> float:
+        """Share of the velocity that is lost in a second, 0 to 1."""
+        return self._simulation.material(self.number).linear_damping
+
+    @linear_damping.setter
+    def linear_damping(self, value: float) -> None:
+        self._set(linear_damping=as_share(value, "linear_damping"))
+
+    @property
+    def angular_damping(self) -> float:
+        """Share of the angular velocity that is lost in a second, 0 to 1."""
+        return self._simulation.material(self.number).angular_damping
+
+    @angular_damping.setter
+    def angular_damping(self, value: float) -> None:
+        self._set(angular_damping=as_share(value, "angular_damping"))
+
+    @property
+    def group(self) -> int:
+        """Bits of the groups that it is in; bodies meet if each is in a group of the other's mask.
+
+        Example:
+            Ghosts fall through each other, but not through the ground:
+
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> ghosts = [world.add(vx.Sphere(0.1), group=2, mask=1) for _ in range(2)]
+            >>> world.overlaps(*ghosts)
+            True
+            >>> world.step(300)
+            >>> sorted({(int(c["body_a"]), int(c["body_b"])) for c in world.contacts()})
+            [(1, 0), (2, 0)]
+        """
+        return self._simulation.material(self.number).group
+
+    @group.setter
+    def group(self, value: int) -> None:
+        self._set(group=as_groups(value, "group"))
+
+    @property
+    def mask(self) -> int:
+        """Bits of the groups that it meets; all by default."""
+        return self._simulation.material(self.number).mask
+
+    @mask.setter
+    def mask(self, value: int) -> None:
+        self._set(mask=as_groups(value, "mask"))
+
+    def _set(self, **changes: float) -> None:
+        material = self._simulation.material(self.number)
+        for name, value in changes.items():
+            setattr(material, name, value)
+        self._simulation.set_material(self.number, material)
+
+    def _moved_by_forces(self, what: str) -> _bullet.Simulation:
+        if self.motion == "static":
+            raise SettingsError(f"body {self.name!r} is static: {what} cannot move it")
+        if self.motion == "kinematic":
+            raise SettingsError(
+                f"body {self.name!r} is kinematic: set its pose before each step, not {what}"
+            )
+        return self._simulation
+
+    def __repr__(self) -> str:
+        return f"Body({self.number}, {self.name!r}, {self.shape!r}, mass={self.mass:g})"
+
+
+def as_friction(value: float) -> float:
+    """A coefficient of at least 0."""
+    friction = as_real(value, "friction")
+    if friction < 0.0:
+        raise SettingsError(f"friction must be at least 0, not {friction:g}")
+    return friction
+
+
+def as_share(value: float, name: str) -> float:
+    """A number from 0 to 1."""
+    share = as_real(value, name)
+    if not 0.0 <= share <= 1.0:
+        raise SettingsError(f"{name} must be from 0 to 1, not {share:g}")
+    return share
+
+
+def as_groups(value: int, name: str) -> int:
+    """Up to 31 bits; all of them stand for every group."""
+    return as_integer(value, name, 0, _ALL_GROUPS)
+
+
+def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
+    return None if at is None else as_vector(at, "at")

@@ -1,0 +1,277 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+
+def at(x=0.0, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.fixture(scope="module")
+def bar():
+    """0.4 m along x from its origin at one end: its mass lies elsewhere, its principal axes turned."""
+    mesh = trimesh.creation.box(extents=(0.4, 0.05, 0.03))
+    mesh.apply_translation((0.2, 0.0, 0.0))
+    return vx.Model.from_mesh(mesh, voxel_size=0.01)
+
+
+AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, -2, 0.5)]
+
+
+@pytest.mark.parametrize("kind", [vx.HingeJoint, vx.SliderJoint])
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("velocity", [2.5, -2.5])
+def test_motor_reaches_its_velocity_along_its_axis(bar, kind, axis, velocity):
+    world = vx.World(gravity=(0, 0, 0))
+    start = trimesh.transformations.rotation_matrix(0.5, (1, 1, 0))
+    body = world.add(bar, pose=start)
+    joint = world.add_joint(kind(axis=axis), None, body)
+    joint.set_target_velocity(velocity, max_force=200.0)
+    world.step(200)
+    assert joint.velocity == pytest.approx(velocity, rel=1e-3)
+    assert joint.position == pytest.approx(velocity, rel=0.03)
+    along = start[:3, :3] @ np.array(axis) / np.linalg.norm(axis)
+    if kind is vx.HingeJoint:
+        np.testing.assert_allclose(body.angular_velocity, velocity * along, atol=5e-3)
+        turned = trimesh.transformations.rotation_matrix(joint.position, axis)
+        np.testing.assert_allclose(body.pose, start @ turned, atol=5e-3)
+    else:
+        np.testing.assert_allclose(body.pose[:3, 3], joint.position * along, atol=1e-3)
+
+
+@pytest.mark.parametrize("turns", [0.4, 2.25, -3.6])
+def test_hinge_counts_turns_and_reaches_its_target(bar, turns):
+    world = vx.World()
+    body = world.add(bar, mass=0.5)
+    hinge = world.add_joint(vx.HingeJoint(axis=(0, 1, 0)), None, body)
+    target = turns * 2.0 * math.pi
+    hinge.set_target_position(target, max_force=30.0, max_speed=20.0)
+    positions = []
+    world.step(400, lambda world: positions.append(hinge.position))
+    assert np.abs(np.diff(positions)).max() < 0.2  # no jump at half turns
+    assert hinge.position == pytest.approx(target, abs=1e-3)
+    assert abs(hinge.velocity) < 1e-3
+
+
+@pytest.mark.parametrize("kind", [vx.HingeJoint, vx.SliderJoint])
+@pytest.mark.parametrize("limits", [(-0.3, 0.2), (0.0, 9.0), (-14.0, 0.1)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_limits_hold_against_a_motor(bar, kind, limits, sign):
+    world = vx.World(gravity=(0, 0, 0))
+    joint = world.add_joint(kind(axis=(0, 0, 1), limits=limits), None, world.add(bar, mass=0.2))
+    joint.set_target_velocity(sign * 12.0, max_force=20.0)
+    world.step(400)
+    assert joint.position == pytest.approx(limits[1] if sign > 0 else limits[0], abs=2e-3)
+    joint.set_target_position(sum(limits) / 2.0, max_force=50.0, max_speed=10.0)
+    world.step(400)
+    assert joint.position == pytest.approx(sum(limits) / 2.0, abs=2e-3)
+
+
+def test_motor_is_no_stronger_than_it_is_told(bar):
+    """The bar's weight turns it by 1 kg * 9.81 * 0.2 m = 1.96 N m."""
+    angles = []
+    for max_force in (1.8, 2.2):
+        world = vx.World()
+        body = world.add(bar)
+        hinge = world.add_joint(vx.HingeJoint(axis=(0, -1, 0)), None, body)
+        hinge.set_target_position(0.0, max_force=max_force)
+        world.step(200)
+        angles.append(hinge.position)
+    assert angles[0] < -0.2
+    assert angles[1] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", [vx.HingeJoint, vx.SliderJoint])
+def test_friction_and_damping_slow_down_as_physics_says(kind):
+    def speed_after_a_fifth_of_a_second(**loss):
+        world = vx.World(gravity=(0, 0, 0), sleeping=False)
+        body = world.add(vx.Sphere(0.5), mass=10.0)  # a moment of inertia of 1 kg m2
+        joint = world.add_joint(kind(axis=(0, 0, 1), **loss), None, body)
+        if kind is vx.HingeJoint:
+            body.angular_velocity = (0, 0, 1)
+        else:
+            body.linear_velocity = (0, 0, 1)
+        world.step(40)
+        return joint.velocity
+
+    resistance = 1.0 if kind is vx.HingeJoint else 10.0
+    assert speed_after_a_fifth_of_a_second() == pytest.approx(1.0)
+    assert speed_after_a_fifth_of_a_second(friction=2.0 * resistance) == pytest.approx(
+        0.6, rel=1e-3
+    )
+    assert speed_after_a_fifth_of_a_second(friction=9.0 * resistance) == pytest.approx(
+        0.0, abs=1e-6
+    )
+    assert speed_after_a_fifth_of_a_second(damping=3.0 * resistance) == pytest.approx(
+        math.exp(-0.6), rel=0.01
+    )
+
+
+def test_reaction_carries_the_weight_about_the_joint(bar):
+    world = vx.World()
+    body = world.add(bar, mass=2.0)
+    nail = world.add_joint(vx.FixedJoint(), None, body)
+    world.step(300)
+    np.testing.assert_allclose(nail.reaction.force, (0, 0, 2.0 * 9.81), atol=0.02)
+    # The weight at x = 0.2 m turns the bar about y by -0.2 * -19.62; the nail holds against it.
+    np.testing.assert_allclose(nail.reaction.torque, (0, -0.2 * 2.0 * 9.81, 0), atol=0.02)
+
+
+def test_frames_are_of_meshes_wherever_the_mass_lies(bar):
+    world = vx.World()
+    post = world.add(bar, mass=0, pose=trimesh.transformations.rotation_matrix(0.3, (0, 0, 1)))
+    arm = world.add(bar, pose=at(z=3.0))
+    hinge = world.add_joint(
+        vx.HingeJoint(axis=(0, 0, 1)),
+        post,
+        arm,
+        parent_from_joint=at(x=0.4, z=0.1),
+        child_from_joint=at(x=0.05),
+    )
+    arm.pose = post.pose @ at(x=0.4, z=0.1) @ at(x=-0.05)
+    assert hinge.position == pytest.approx(0.0, abs=1e-9)
+    hinge.set_target_position(1.0, max_force=50.0)
+    world.step(200)
+    expected = (
+        post.pose
+        @ at(x=0.4, z=0.1)
+        @ trimesh.transformations.rotation_matrix(1.0, (0, 0, 1))
+        @ at(x=-0.05)
+    )
+    np.testing.assert_allclose(arm.pose, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("kind", [vx.FixedJoint(), vx.PointJoint(), vx.HingeJoint(axis=(0, 1, 0))])
+def test_chains_stay_together(bar, kind):
+    world = vx.World(sleeping=False)
+    links = [world.add(bar, pose=at(x=0.4 * i)) for i in range(5)]
+    for i, link in enumerate(links):
+        world.add_joint(kind, links[i - 1] if i else None, link)
+    gaps, heights = [], []
+
+    def measure(world):
+        ends = [np.zeros(3), *((link.pose @ [0.4, 0, 0, 1])[:3] for link in links[:-1])]
+        heights.append(links[-1].pose[2, 3])
+        gaps.append(
+            max(
+                np.linalg.norm(link.pose[:3, 3] - end)
+                for link, end in zip(links, ends, strict=True)
+            )
+        )
+
+    world.step(300, measure)
+    assert max(gaps) < 0.004
+    if not isinstance(kind, vx.FixedJoint):
+        assert min(heights) < -1.0  # it hangs and swings
+
+
+def test_jointed_bodies_do_not_collide_unless_told(bar):
+    def pair(**options):
+        world = vx.World(gravity=(0, 0, 0))
+        first = world.add(bar)
+        second = world.add(bar, pose=at(x=0.02))
+        joint = world.add_joint(
+            vx.SliderJoint(axis=(0, 0, 1)), first, second, world_from_joint=at(), **options
+        )
+        world.step(2)
+        return world, joint
+
+    assert len(pair()[0].contacts()) == 0
+    assert len(pair(collide=True)[0].contacts()) > 0
+    world, joint = pair()
+    world.remove(joint)
+    world.step()
+    assert len(world.contacts()) > 0
+
+
+def test_what_is_removed_leaves_the_rest_as_it_was(bar):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    anchor = world.add(bar, mass=0, pose=at(z=2.0))
+    held = world.add(bar, pose=at(z=2.0, x=0.4))
+    other = world.add(bar, pose=at(y=1.0, z=0.02), name="other")
+    first = world.add_joint(vx.HingeJoint(axis=(0, 1, 0)), anchor, held)
+    second = world.add_joint(vx.HingeJoint(axis=(0, 1, 0)), None, other)
+    second.follow(first, max_force=5.0)
+    world.step(50)
+    world.remove(anchor)
+    assert world.joints == [second]
+    assert world.bodies[0].number == 0
+    assert other.number == 3
+    world.step(300)
+    assert held.pose[2, 3] < 0.1  # it has fallen
+    assert {int(c["body_a"]) for c in world.contacts()} <= {0, 2, 3}
+    for gone in (lambda: anchor.pose, lambda: first.position, lambda: world.remove(first)):
+        with pytest.raises(vx.SettingsError, match="removed"):
+            gone()
+    added = world.add(bar)
+    assert added.number == 4
+
+
+def test_motors_wake_their_bodies(bar):
+    world = vx.World(gravity=(0, 0, 0))
+    body = world.add(bar)
+    hinge = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, body)
+    world.step(500)
+    assert body.sleeping
+    # Slower than what Bullet takes for rest.
+    hinge.set_target_velocity(0.05, max_force=5.0)
+    world.step(2000)
+    assert hinge.position == pytest.approx(0.5, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("make", "part"),
+    [
+        (lambda: vx.HingeJoint(axis=(0, 0, 0)), "axis must not be zero"),
+        (lambda: vx.HingeJoint(axis=(0, 0)), r"axis must be \(3,\)"),
+        (lambda: vx.SliderJoint(limits=(1.0, 0.0)), "the lower first, not 1 and 0"),
+        (lambda: vx.SliderJoint(limits=(0.0, math.inf)), "pass None for none"),
+        (lambda: vx.HingeJoint(friction=-1.0), "friction must be at least 0"),
+        (lambda: vx.HingeJoint(damping=math.nan), "damping must be finite"),
+    ],
+)
+def test_wrong_settings_of_a_joint(make, part):
+    with pytest.raises(vx.SettingsError, match=part):
+        make()
+
+
+def test_wrong_uses_are_refused(bar):
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0, name="ground")
+    body = world.add(bar, name="bar")
+    hinge = vx.HingeJoint()
+    with pytest.raises(vx.SettingsError, match="both 'ground'"):
+        world.add_joint(hinge, ground, ground)
+    with pytest.raises(vx.SettingsError, match="the world and 'ground' cannot"):
+        world.add_joint(hinge, None, ground)
+    with pytest.raises(vx.SettingsError, match="another world"):
+        world.add_joint(hinge, None, vx.World().add(bar))
+    with pytest.raises(vx.InputTypeError, match="not str"):
+        world.add_joint("hinge", None, body)
+    with pytest.raises(vx.InputTypeError, match="child must be a Body"):
+        world.add_joint(hinge, body, None)
+    with pytest.raises(vx.PoseError, match="pose"):
+        world.add_joint(hinge, None, body, child_from_joint=2 * np.eye(4))
+    with pytest.raises(vx.SettingsError, match="not both"):
+        world.add_joint(hinge, None, body, child_from_joint=at(), world_from_joint=at())
+    assert world.joints == []
+    joint = world.add_joint(vx.HingeJoint(limits=(0, 1)), None, body, name="elbow")
+    with pytest.raises(vx.SettingsError, match="limits of joint 'elbow', 0 to 1, not 2"):
+        joint.set_target_position(2.0, max_force=1.0)
+    with pytest.raises(vx.SettingsError, match="max_force must be above 0"):
+        joint.set_target_velocity(2.0, max_force=0.0)
+    with pytest.raises(vx.SettingsError, match="cannot follow itself"):
+        joint.follow(joint, max_force=1.0)
+    nail = world.add_joint(vx.FixedJoint(), None, body, name="nail")
+    with pytest.raises(vx.SettingsError, match="'nail', a FixedJoint, has no axis"):
+        nail.set_target_velocity(1.0, max_force=1.0)
+    with pytest.raises(vx.SettingsError, match="has no axis"):
+        _ = nail.position

@@ -1,0 +1,279 @@
+"""What can be done to bodies of a world: kinematic motion, forces, groups, removal; compounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+
+def at(x=0.0, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.fixture(scope="module")
+def brick():
+    return vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.1, 0.06)), voxel_size=0.005)
+
+
+@pytest.mark.parametrize("plate", ["box", "model"])
+def test_kinematic_body_takes_along_what_lies_on_it(brick, plate):
+    slab = vx.Box((0.5, 0.5, 0.03))
+    if plate == "model":
+        slab = vx.Model.from_mesh(trimesh.creation.box(extents=(1, 1, 0.06)), voxel_size=0.01)
+    world = vx.World()
+    carrier = world.add(slab, motion="kinematic", pose=at(z=-0.03))
+    parcel = world.add(brick, pose=at(z=0.031), friction=1.0)
+    world.step(50)
+
+    def push(world):
+        carrier.pose = carrier.pose @ at(x=0.4 * world.time_step)
+
+    world.step(300, before=push)
+    np.testing.assert_allclose(carrier.linear_velocity, (0.4, 0, 0), atol=1e-9)
+    np.testing.assert_allclose(parcel.linear_velocity, (0.4, 0, 0), atol=5e-3)
+    assert parcel.pose[2, 3] == pytest.approx(0.03, abs=1e-3)
+    world.step(2)
+    np.testing.assert_allclose(carrier.linear_velocity, 0.0)
+
+
+def test_kinematic_velocity_is_of_the_last_pose_set(brick):
+    world = vx.World()
+    body = world.add(brick, motion="kinematic")
+    body.pose = at(x=5.0)
+    body.pose = at(x=0.01)
+    world.step()
+    np.testing.assert_allclose(body.linear_velocity, (0.01 * 200.0, 0, 0), atol=1e-9)
+    turned = trimesh.transformations.rotation_matrix(0.01, (0, 0, 1)) @ at(x=0.01)
+    body.pose = turned
+    world.step()
+    np.testing.assert_allclose(body.angular_velocity, (0, 0, 2.0), atol=1e-6)
+    assert body.mass == 0.0
+
+
+def test_a_lever_is_as_long_as_it_is(brick):
+    world = vx.World(gravity=(0, 0, 0))
+    inertia = brick.mass_properties(2.0).inertia
+    body = world.add(brick, mass=2.0, pose=at(x=1.0))
+    body.apply_impulse((0, 3.0, 0), at=(1.1, 0, 0))
+    np.testing.assert_allclose(body.linear_velocity, (0, 1.5, 0))
+    np.testing.assert_allclose(body.angular_velocity, (0, 0, 0.1 * 3.0 / inertia[2, 2]), atol=1e-9)
+    pushed = world.add(brick, mass=2.0, pose=at(x=3.0))
+    pushed.apply_force((0, 3.0, 0), at=(3.1, 0, 0))
+    world.step(2)  # it acts in the first alone
+    np.testing.assert_allclose(pushed.linear_velocity, (0, 1.5 / 200.0, 0))
+    np.testing.assert_allclose(
+        pushed.angular_velocity, (0, 0, 0.1 * 3.0 / 200.0 / inertia[2, 2]), atol=1e-9
+    )
+    spun = world.add(brick, mass=2.0, pose=at(x=5.0))
+    spun.apply_torque((0, 0, 1.0))
+    world.step()
+    spun.apply_torque_impulse((0, 0, -1.0 / 200.0))
+    np.testing.assert_allclose(spun.angular_velocity, 0.0, atol=1e-12)
+
+
+def test_damping_is_the_share_lost_in_a_second():
+    world = vx.World(gravity=(0, 0, 0), sleeping=False)
+    body = world.add(vx.Sphere(0.1), linear_damping=0.3)
+    body.angular_damping = 0.6
+    body.linear_velocity, body.angular_velocity = (1, 0, 0), (0, 1, 0)
+    world.step(200)
+    assert body.linear_velocity[0] == pytest.approx(0.7, rel=1e-6)
+    assert body.angular_velocity[1] == pytest.approx(0.4, rel=1e-6)
+
+
+def test_friction_and_restitution_can_be_set_at_any_time(brick):
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0, friction=1.0, restitution=1.0)
+    body = world.add(brick, pose=at(z=0.0301), friction=0.0)
+    body.linear_velocity = (1, 0, 0)
+    world.step(50)
+    assert body.linear_velocity[0] == pytest.approx(1.0, rel=1e-3)
+    body.friction = 0.5
+    world.step(50)
+    assert body.linear_velocity[0] < 0.1
+    assert (ground.friction, body.friction, body.restitution) == (1.0, 0.5, 0.0)
+
+
+@pytest.mark.parametrize("apart", ["pair", "groups", "later", "pair from the start"])
+def test_bodies_set_apart_pass_through(brick, apart):
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0)
+    table = world.add(brick, mass=0, pose=at(z=0.5))
+    body = world.add(brick, pose=at(z=0.561), group=2 if apart == "groups" else 1)
+    if apart == "groups":
+        table.mask = 1
+    if apart == "pair from the start":
+        world.set_collision(body, table, False)
+    world.step(100)
+    if apart == "pair":
+        assert body.pose[2, 3] > 0.55
+        world.set_collision(table, body, False)
+    if apart == "later":
+        body.group, table.mask = 4, 3
+    world.step(300)
+    assert body.pose[2, 3] == pytest.approx(0.03, abs=1e-3)
+    world.set_collision(ground, body, False)
+    world.set_collision(ground, body, True)
+    world.step(200)
+    assert body.pose[2, 3] == pytest.approx(0.03, abs=1e-3)
+
+
+def test_what_lay_on_a_removed_body_falls(brick):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    table = world.add(brick, mass=0, pose=at(z=0.5))
+    body = world.add(brick, pose=at(z=0.5601))
+    world.step(500)
+    assert body.sleeping
+    world.remove(table)
+    world.step(200)
+    assert body.pose[2, 3] < 0.1
+    assert world.bodies == [world.bodies[0], body]
+
+
+def test_recorders_keep_removed_bodies_where_they_were(brick):
+    world = vx.World()
+    kept, gone = world.add(brick), world.add(brick, pose=at(x=1.0), name="gone")
+    recorder = world.record()
+    world.step(5)
+    last = gone.pose
+    world.remove(gone)
+    world.step(5)
+    tracks = {track.name: track for track in recorder.recording().bodies}
+    np.testing.assert_array_equal(tracks["gone"].poses[5:], [last] * 6)
+    assert (tracks["body 0"].poses[-1] == kept.pose).all()
+
+
+def test_callbacks_run_before_and_after_each_step(brick):
+    world = vx.World()
+    body = world.add(brick)
+    seen = []
+    world.step(
+        2,
+        lambda world: seen.append(("after", body.pose[2, 3])),
+        before=lambda world: seen.append(("before", body.pose[2, 3])),
+    )
+    assert [when for when, _ in seen] == ["before", "after"] * 2
+    assert seen[0][1] > seen[1][1] == seen[2][1] > seen[3][1]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0), (1, 0, 2)])
+def test_boxes_stand_as_they_are_put(order):
+    """Their axes were those of inertia, sorted, and the box was not."""
+    half = np.array([0.1, 0.2, 0.3])[list(order)]
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    body = world.add(vx.Box(half), pose=at(z=half[2] + 0.001))
+    world.step(200)
+    assert body.pose[2, 3] == pytest.approx(half[2], abs=1e-3)
+    np.testing.assert_allclose(body.bounds, [[*-half[:2], 0], [*half[:2], 2 * half[2]]], atol=5e-3)
+
+
+ROUND = {
+    "capsule": (vx.Capsule(0.05, 0.2), 0.15),
+    "cylinder": (vx.Cylinder(0.05, 0.2), 0.1),
+    "cone": (vx.Cone(0.05, 0.2), 0.1),
+}
+
+
+@pytest.mark.parametrize("kind", ROUND)
+@pytest.mark.parametrize("ground", ["box", "model"])
+def test_round_shapes_stand_along_z(brick, kind, ground):
+    shape, height = ROUND[kind]
+    world = vx.World()
+    world.add(brick if ground == "model" else vx.Box((0.1, 0.05, 0.03)), mass=0, pose=at(z=-0.03))
+    body = world.add(shape, pose=at(z=height + 0.001))
+    world.step(20)
+    assert body.pose[2, 3] == pytest.approx(height, abs=3e-3)
+    assert len(world.contacts()) > 0
+
+
+def test_given_mass_properties_put_the_mass_elsewhere():
+    world = vx.World(gravity=(0, 0, 0))
+    matter = vx.MassProperties(1.0, np.array([0.0, 0.0, 0.2]), np.diag([0.1, 0.2, 0.3]))
+    body = world.add(vx.Box((0.1, 0.1, 0.3)), inertia=matter)
+    body.angular_velocity = (1, 0, 0)
+    world.step(100)
+    np.testing.assert_allclose((body.pose @ [0, 0, 0.2, 1])[:3], (0, 0, 0.2), atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(body.pose[:3, 3] - (0, 0, 0.2)), 0.2, atol=1e-6)
+
+
+def test_compound_has_the_matter_of_its_parts():
+    left, right = vx.Box((0.5, 0.1, 0.1)), vx.Box((0.5, 0.1, 0.1))
+    halves = vx.Compound([(left, at(x=0.2)), (right, at(x=1.2))])
+    world = vx.World(gravity=(0, 0, 0))
+    whole = world.add(vx.Box((1.0, 0.1, 0.1)), mass=3.0, pose=at(x=0.7, y=3.0))
+    joined = world.add(halves, mass=3.0)
+    for body, center in ((whole, (0.7, 3, 0)), (joined, (0.7, 0, 0))):
+        body.apply_impulse((0, 0, 1.0), at=np.add(center, (0.4, 0.05, 0)))
+    np.testing.assert_allclose(joined.angular_velocity, whole.angular_velocity, rtol=1e-9)
+    np.testing.assert_allclose(joined.linear_velocity, whole.linear_velocity, rtol=1e-9)
+
+
+@pytest.mark.parametrize("ground", ["plane", "model"])
+def test_compound_of_models_and_shapes_stands_on_its_legs(brick, ground):
+    """A stool: a model as its seat, and a leg of each kind."""
+    legs = [vx.Cylinder(0.02, 0.2), vx.Box((0.02, 0.02, 0.1)), vx.Capsule(0.02, 0.16), brick]
+    sides = [(-0.07, -0.07), (0.07, -0.07), (-0.07, 0.07), (0.07, 0.07)]
+    turned = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
+    stool = vx.Compound(
+        [(brick, at(z=0.03))]
+        + [
+            (leg, at(x, y, -0.1) @ (turned if leg is brick else np.eye(4)))
+            for leg, (x, y) in zip(legs, sides, strict=True)
+        ]
+    )
+    world = vx.World()
+    floor = vx.Plane()
+    if ground == "model":
+        floor = vx.Model.from_mesh(trimesh.creation.box(extents=(1, 1, 0.1)), voxel_size=0.01)
+    world.add(floor, mass=0, pose=at(z=-0.05 if ground == "model" else 0.0))
+    body = world.add(stool, pose=at(z=0.205))
+    world.step(300)
+    assert body.pose[2, 3] == pytest.approx(0.2, abs=2e-3)
+    assert body.pose[2, 2] > 0.999
+    assert np.linalg.norm(body.angular_velocity) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("parts", "error", "part"),
+    [
+        ([], vx.SettingsError, "at least one part"),
+        ([vx.Sphere(1.0)], vx.InputTypeError, r"parts\[0\] must be a pair"),
+        ([(vx.Plane(), np.eye(4))], vx.InputTypeError, r"parts\[0\] must be one of .* not Plane"),
+        ([(vx.Sphere(1.0), np.eye(3))], vx.PoseError, r"the pose of parts\[0\]"),
+    ],
+)
+def test_wrong_compounds_are_refused(parts, error, part):
+    with pytest.raises(error, match=part):
+        vx.Compound(parts)
+
+
+def test_wrong_uses_of_bodies_are_refused(brick):
+    world = vx.World()
+    still = world.add(brick, mass=0, name="still")
+    driven = world.add(brick, motion="kinematic", name="driven")
+    body = world.add(brick)
+    for act, part in [
+        (lambda: still.apply_force((1, 0, 0)), "'still' is static"),
+        (lambda: driven.apply_impulse((1, 0, 0)), "'driven' is kinematic: set its pose"),
+        (lambda: setattr(driven, "linear_velocity", (1, 0, 0)), "kinematic"),
+        (lambda: body.apply_force((1, 0)), "force must be"),
+        (lambda: body.apply_force((1, 0, 0), at=(1, 0, np.nan)), "at must be finite"),
+        (lambda: setattr(body, "friction", -1), "friction must be at least 0"),
+        (lambda: setattr(body, "linear_damping", 2), "linear_damping must be from 0 to 1"),
+        (lambda: setattr(body, "group", -1), "group must be from 0"),
+        (lambda: world.set_collision(body, body, False), "both 'body 2'"),
+        (lambda: world.add(brick, motion="flying"), "'dynamic', 'static', 'kinematic'"),
+        (lambda: world.add(brick, mass=0, motion="dynamic"), "mass must be above 0"),
+        (lambda: world.add(vx.Plane(), motion="kinematic"), "a plane has no end"),
+        (lambda: vx.World().remove(body), "another world"),
+    ]:
+        with pytest.raises(vx.SettingsError, match=part):
+            act()
+    with pytest.raises(vx.InputTypeError, match="must be a Body"):
+        world.remove("body")

@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+
+def at(x=0.0, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.fixture(scope="module")
+def ring_mesh():
+    return trimesh.creation.torus(0.1, 0.03)
+
+
+@pytest.fixture(scope="module")
+def ring(ring_mesh):
+    return vx.Model.from_mesh(ring_mesh, voxel_size=0.005)
+
+
+def meet_triangles(mesh, starts, ends):
+    """Fraction and normal of the first triangle that each ray meets (Moeller and Trumbore 1997)."""
+    corner, along, aside = mesh.triangles[:, 0], *np.diff(mesh.triangles, axis=1).swapaxes(0, 1)
+    aside = along + aside
+    nearest, normals = np.full(len(starts), np.inf), np.zeros((len(starts), 3))
+    for i, (start, way) in enumerate(zip(starts, ends - starts, strict=True)):
+        across = np.cross(way, aside)
+        scale = np.sum(across * along, axis=1)
+        to_start = start - corner
+        u = np.sum(to_start * across, axis=1) / scale
+        turned = np.cross(to_start, along)
+        v = turned @ way / scale
+        fraction = np.sum(turned * aside, axis=1) / scale
+        inside = (u >= 0) & (v >= 0) & (u + v <= 1) & (fraction >= 0) & (fraction <= 1)
+        if inside.any():
+            first = np.flatnonzero(inside)[fraction[inside].argmin()]
+            nearest[i], normals[i] = fraction[first], mesh.face_normals[first]
+    return nearest, normals
+
+
+def test_rays_agree_with_the_mesh(ring, ring_mesh):
+    random = np.random.default_rng(1)
+    pose = trimesh.transformations.rotation_matrix(0.8, (1, 2, 3)) @ at(0.02, 0.01, 0.03)
+    world = vx.World()
+    body = world.add(ring, pose=pose)
+    starts = random.normal(size=(500, 3))
+    starts *= 0.4 / np.linalg.norm(starts, axis=1, keepdims=True)
+    ends = -starts + random.normal(size=(500, 3)) * 0.05
+    hits = world.ray_cast(starts, ends)
+    nearest, normals = meet_triangles(ring_mesh.copy().apply_transform(pose), starts, ends)
+    found = hits["body"] == body.number
+    assert 100 < found.sum() < 450
+    # A ray through an edge may be told either way.
+    assert (found != (nearest <= 1.0)).sum() <= 1
+    both = found & (nearest <= 1.0)
+    np.testing.assert_allclose(hits["fraction"][both], nearest[both], atol=1e-6)
+    np.testing.assert_allclose(
+        hits["point"][both], (starts + nearest[:, None] * (ends - starts))[both], atol=1e-6
+    )
+    assert (np.sum(hits["normal"] * normals, axis=1)[both] > 0.999).mean() > 0.99
+    assert (hits["body"][~found] == -1).all()
+    np.testing.assert_array_equal(hits["point"][~found], ends[~found])
+
+
+@pytest.mark.parametrize(
+    ("shape", "top"),
+    [
+        (vx.Plane(), 0.0),
+        (vx.Box((1, 1, 0.5)), 0.5),
+        (vx.Sphere(0.3), 0.3),
+        (vx.Capsule(0.1, 0.2), 0.2),
+        (vx.Cylinder(0.1, 0.2), 0.1),
+        (vx.Cone(0.1, 0.2), 0.1),
+        (vx.ConvexHull(trimesh.creation.box().vertices), 0.5),
+        (vx.GImpact(trimesh.creation.box()), 0.5),
+        (vx.Compound([(vx.Sphere(0.1), at(z=0.4)), (vx.Box((1, 1, 0.1)), at())]), 0.5),
+    ],
+    ids=lambda value: type(value).__name__ if not isinstance(value, float) else "",
+)
+def test_rays_meet_every_shape(shape, top):
+    world = vx.World()
+    body = world.add(shape, mass=0)
+    hit = world.ray_cast((1e-3, 1e-3, 2.0), (1e-3, 1e-3, -2.0))[0]
+    assert hit["body"] == body.number
+    assert hit["point"][2] == pytest.approx(top, abs=3e-3)
+    assert hit["normal"][2] > 0.4
+
+
+def test_rays_see_bodies_where_they_are_now(ring):
+    world = vx.World(gravity=(0, 0, 0))
+    body = world.add(vx.Sphere(0.1))
+    body.linear_velocity = (100.0, 0, 0)
+    world.step(1)
+    assert body.pose[0, 3] == pytest.approx(0.5)
+    hits = world.ray_cast([(0.5, 0, 1), (0, 0, 1)], [(0.5, 0, -1), (0, 0, -1)])
+    assert hits["body"].tolist() == [0, -1]
+    world.remove(body)
+    assert world.ray_cast((0.5, 0, 1), (0.5, 0, -1))["body"].tolist() == [-1]
+
+
+def test_a_rings_hole_is_a_hole(ring):
+    world = vx.World()
+    through = world.add(ring)
+    needle = world.add(vx.Capsule(0.02, 0.5))
+    assert not world.overlaps(through, needle)
+    needle.pose = at(x=0.06)
+    assert world.overlaps(through, needle)
+    contacts = world.query_contacts(through, needle)
+    assert contacts["depth"].max() == pytest.approx(0.01, abs=1e-3)
+    assert set(contacts["body_a"]) | set(contacts["body_b"]) == {0, 1}
+
+
+def test_queries_with_a_margin_tell_the_distance(ring):
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0)
+    body = world.add(ring, pose=at(z=0.05))
+    far = world.add(vx.Sphere(0.1), pose=at(x=3.0, z=2.0))
+    assert len(world.query_contacts(body)) == 0
+    assert not world.overlaps(body, ground)
+    near = world.query_contacts(body, margin=0.03)
+    assert near["depth"].max() == pytest.approx(-0.02, abs=1e-3)
+    assert far.number not in near["body_a"]
+    assert far.number not in near["body_b"]
+    assert (np.abs(near["normal"][:, 2]) > 0.9).all()
+    np.testing.assert_allclose(
+        near["point_a"] - near["point_b"], -near["depth"][:, None] * near["normal"], atol=1e-5
+    )
+
+
+def test_query_finds_what_is_kept_apart(ring):
+    world = vx.World()
+    first, second = world.add(ring), world.add(ring, group=0)
+    world.set_collision(first, second, False)
+    assert world.overlaps(first, second)
+    world.step()
+    assert len(world.contacts()) == 0
+
+
+def test_queries_leave_the_simulation_as_it_is(ring):
+    def fall(asks):
+        world = vx.World()
+        world.add(vx.Plane(), mass=0)
+        for i in range(3):
+            world.add(ring, pose=at(x=0.03 * i, z=0.1 + 0.1 * i))
+
+        def ask(world):
+            for body in world.bodies:
+                world.query_contacts(body, margin=0.02)
+                _ = body.bounds
+            world.ray_cast([(0, 0, 1), (0.1, 0, 1)], [(0, 0, -1), (0.1, 0, -1)])
+
+        world.step(200, ask if asks else None)
+        return b"".join(body.pose.tobytes() for body in world.bodies)
+
+    assert fall(asks=True) == fall(asks=False)
+
+
+def test_bounds_hold_the_mesh_tightly(ring, ring_mesh):
+    pose = trimesh.transformations.rotation_matrix(1.0, (3, 2, 1)) @ at(0.3, 0.2, 0.1)
+    body = vx.World().add(ring, pose=pose)
+    exact = ring_mesh.copy().apply_transform(pose).bounds
+    assert (body.bounds[0] <= exact[0]).all()
+    assert (body.bounds[1] >= exact[1]).all()
+    assert (body.bounds[1] - body.bounds[0] < 1.7 * (exact[1] - exact[0])).all()
+
+
+def test_wrong_queries_are_refused(ring):
+    world = vx.World()
+    body = world.add(ring)
+    with pytest.raises(vx.SettingsError, match=r"same shape, not \(1, 3\) and \(2, 3\)"):
+        world.ray_cast((0, 0, 0), [(0, 0, 1), (0, 0, 2)])
+    with pytest.raises(vx.SettingsError, match="ends must be finite"):
+        world.ray_cast((0, 0, 0), (0, 0, np.inf))
+    with pytest.raises(vx.SettingsError, match="margin must be at least 0"):
+        world.query_contacts(body, margin=-1.0)
+    with pytest.raises(vx.InputTypeError, match="b must be a Body, not Model"):
+        world.overlaps(body, ring)
