@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 from cyclopts import App
 
 import voxshell
+from voxshell.cli.bench import bench
+from voxshell.cli.build import build
+from voxshell.cli.cache import cache
 from voxshell.cli.ending import run
+from voxshell.cli.info import info
+from voxshell.cli.query import query
+from voxshell.cli.reproduce import reproduce
+from voxshell.cli.reproduce_peers import peers
+from voxshell.cli.simulate import simulate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,17 +31,9 @@ app = App(
     version=voxshell.__version__,
     suppress_keyboard_interrupt=False,
 )
-# Each is imported when it is used: none waits for what another needs.
-for _name, _place, _help in (
-    ("build", "build:build", "Make a mesh ready to collide, and keep it in a file."),
-    ("info", "info:info", "Tell about a mesh or a model; advise on voxel sizes."),
-    ("query", "query:query", "Ask how two bodies touch: contacts, yes or no, distance, force."),
-    ("simulate", "simulate:simulate", "Simulate a scene and write down what happened."),
-    ("bench", "bench:bench", "Time queries of a mesh on this machine."),
-    ("reproduce", "reproduce:reproduce", "Re-run the experiments of the thesis' section 5.3."),
-    ("cache", "cache:cache", "Models that are kept on the disk: list or remove them."),
-):
-    app.command(f"voxshell.cli.{_place}", name=_name, help=_help)
+for _command in (build, info, query, simulate, bench, reproduce, cache):
+    app.command(_command)
+reproduce.command(peers)
 app.register_install_completion_command()
 
 

@@ -120,7 +120,9 @@ def query(
                     track,
                 )
             except PoseError as error:
-                raise PoseError(str(error).replace("b_poses", str(poses or "pose"))) from None
+                text = str(error)
+                text = text.removeprefix("b_poses[0]: ") if poses is None else f"{poses}: {text}"
+                raise PoseError(text) from None
     if json_only:
         print(json.dumps(finite(answers)))
         return

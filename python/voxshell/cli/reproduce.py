@@ -140,6 +140,3 @@ def everything(*, options: Options = DEFAULTS) -> None:
     write_report(options.out, findings, command=command)
     if not options.json_only:
         print(f"  {options.out / PAGE}, {ROWS}")
-
-
-reproduce.command("voxshell.cli.reproduce_peers:peers", name="peers")

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 from rich.console import Console
+from rich.markup import escape
 
+from voxshell.cli.bodies import require_file
 from voxshell.cli.drop_table import explain, make_table
 from voxshell.cli.progress import open_progress, tracked
+from voxshell.cli.tables import new_table
 from voxshell.errors import SettingsError
 from voxshell.experiments.files import finite
+from voxshell.experiments.units import format_length, format_time
 
 if TYPE_CHECKING:
     from voxshell.experiments.drop import DropRun, DropSummary
@@ -21,7 +25,7 @@ if TYPE_CHECKING:
 
 RESULTS, CURVES, PAGE = "results.json", "curves.png", "index.html"
 
-simulate = App(name="simulate", help="Simulate a scene and write down what happened.")
+simulate = App(name="simulate")
 
 MethodKey = Literal[
     "vps-fine",
@@ -32,6 +36,83 @@ MethodKey = Literal[
     "hull",
     "decomposition",
 ]
+
+
+@simulate.default
+def scene(
+    file: Path,
+    /,
+    *,
+    out: Path,
+    json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
+) -> None:
+    """Simulate a scene file: bodies of meshes and shapes that fall, slide and collide.
+
+    Writes into OUT what the file asks for: index.html (an offline replay), poses and contacts (Parquet
+    or CSV), plot.png, and results.json (settings, ends, times). The files appear once all are complete.
+
+    A scene in few lines:
+
+        [scene]
+        duration = 2.0
+        [meshes.part]
+        file = "part.stl"
+        scale = 0.001
+        voxel_size = 0.002
+        [bodies.ground]
+        shape = "plane"
+        [bodies.part]
+        mesh = "part"
+        mass = 0.2
+        position = [0, 0, 0.3]
+
+    It runs with:
+
+        voxshell simulate scene.toml --out result
+
+    Args:
+        file: The scene, TOML; examples/scenes of the sources shows every key.
+        out: The folder to write into; it is made where there is none.
+        json_only: Print results.json and nothing else.
+    """
+    from voxshell.cli.scene_report import check_extras, describe_results, write_outputs
+    from voxshell.scenes.scene_file import read_scene
+    from voxshell.scenes.scene_run import run_scene
+    from voxshell.scenes.scene_world import build_world
+
+    read = read_scene(file)
+    check_extras(read)
+    if out.exists() and not out.is_dir():
+        raise SettingsError(f"{out} is a file; --out names a folder")
+    with open_progress(Console(quiet=json_only, stderr=True)) as progress:
+        with tracked(progress, "build") as track:
+            world = build_world(read, track.update)
+        with tracked(progress, "simulate") as track:
+            run = run_scene(read, world, track.advance)
+        with tracked(progress, "write") as track:
+            paths = write_outputs(out, read, world, run, track.update)
+    results = describe_results(read, run)
+    if json_only:
+        print(json.dumps(finite(results)))
+        return
+    console = Console(highlight=False)
+    table = new_table("body", "ends at, m", "speed", "contacts", "deepest")
+    for row in results["bodies"]:
+        table.add_row(
+            escape(row["body"]),
+            " ".join(f"{x + 0.0:.4g}" for x in row["position"]),
+            f"{row['speed']:.3g} m/s",
+            str(row["contacts"]),
+            format_length(row["deepest"]),
+        )
+    console.print(table)
+    times = results["narrow_phase_seconds"]
+    console.print(
+        f"{results['steps']} steps; narrow phase {format_time(times['median'])} a step, "
+        f"p99 {format_time(times['p99'])}"
+    )
+    for path in paths:
+        console.print(f"  {path}", soft_wrap=True)
 
 
 @simulate.command
@@ -99,6 +180,7 @@ def drop(
     )
     wanted = tuple(m for m in METHODS if methods is None or m.key in methods)
     path = find_bunny() if mesh is None else mesh
+    require_file(path)
     out.mkdir(parents=True, exist_ok=True)
     runs, summaries = _run(
         path, out, settings, wanted, steps, slow_steps, Console(quiet=json_only, stderr=True)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from types import UnionType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any
 
+from voxshell._settings import override, parse_toml
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
-Settings = TypeVar("Settings")
+__all__ = ["override", "read_settings_file"]
 
 
 def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
@@ -23,78 +21,14 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
         OSError: It cannot be read.
     """
     try:
-        import tomllib  # pyright: ignore[reportMissingImports]
-    except ModuleNotFoundError:  # before Python 3.11
-        import tomli as tomllib  # pyright: ignore[reportMissingImports]
-
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = parse_toml(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, IsADirectoryError):
         raise SettingsError(f"there is no settings file {path}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"{path}: no TOML: {error}") from error
+    except (SettingsError, UnicodeDecodeError) as error:
+        raise SettingsError(f"{path}: {error}") from error
     for name, table in tables.items():
         if not isinstance(table, dict):
             raise SettingsError(
                 f"{path}: {name} = {table!r} stands outside a table; begin with [ball], [bunny], ..."
             )
     return tables
-
-
-def override(settings: Settings, table: Mapping[str, Any], name: str) -> Settings:
-    """The same settings with some fields replaced.
-
-    Args:
-        settings: A frozen dataclass.
-        table: Values by field, as TOML has them; lists become tuples.
-        name: Of the table, for errors.
-
-    Raises:
-        SettingsError: A key is no field, or a value is not of its type or range; it names the key.
-
-    Example:
-        >>> from dataclasses import dataclass
-        >>> @dataclass(frozen=True)
-        ... class Fall:
-        ...     height: float = 1.0
-        >>> override(Fall(), {"height": 2}, "fall")
-        Fall(height=2.0)
-        >>> override(Fall(), {"hight": 2}, "fall")
-        Traceback (most recent call last):
-        voxshell.errors.SettingsError: fall.hight is no setting; there are: height
-    """
-    types = get_type_hints(type(settings))
-    known = [field.name for field in fields(settings)]  # pyright: ignore[reportArgumentType]
-    changes = {}
-    for key, value in table.items():
-        if key not in known:
-            raise SettingsError(f"{name}.{key} is no setting; there are: {', '.join(known)}")
-        changes[key] = _convert(value, types[key], f"{name}.{key}")
-    try:
-        return replace(settings, **changes)  # pyright: ignore[reportArgumentType]
-    except SettingsError as error:
-        raise SettingsError(f"{name}.{error}") from error
-
-
-def _convert(value: Any, kind: Any, name: str) -> Any:
-    """The value as its field's type has it."""
-    origin = get_origin(kind)
-    if origin in (Union, UnionType):
-        return _convert(value, next(k for k in get_args(kind) if k is not type(None)), name)
-    if origin is tuple:
-        if not isinstance(value, list):
-            raise SettingsError(f"{name} must be a list, not {value!r}")
-        item = get_args(kind)[0]
-        return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
-    if origin is Literal:
-        if value not in get_args(kind):
-            raise SettingsError(
-                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {value!r}"
-            )
-        return value
-    words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
-    # TOML writes 2 for a float of 2, and True is an int to Python.
-    accepted = (int, float) if kind is float else (kind,)
-    if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
-        raise SettingsError(f"{name} must be {words[kind]}, not {value!r}")
-    return kind(value)

@@ -1,0 +1,120 @@
+"""Settings as typed dataclasses, whose fields a TOML file can override."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, fields, replace
+from types import UnionType
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from voxshell.errors import MissingExtraError, SettingsError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Settings = TypeVar("Settings")
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """What a TOML text holds.
+
+    Raises:
+        SettingsError: It is no TOML; says at which line.
+    """
+    try:
+        import tomllib  # pyright: ignore[reportMissingImports]
+    except ModuleNotFoundError:  # before Python 3.11
+        try:
+            import tomli as tomllib  # pyright: ignore[reportMissingImports]
+        except ModuleNotFoundError as error:
+            raise MissingExtraError(
+                "Python 3.10 needs tomli to read TOML: pip install voxshell[experiments]"
+            ) from error
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SettingsError(f"no TOML: {error}") from error
+
+
+def override(settings: Settings, table: Mapping[str, Any], name: str) -> Settings:
+    """The same settings with some fields replaced.
+
+    Args:
+        settings: A frozen dataclass.
+        table: Values by field, as TOML has them; lists become tuples.
+        name: Of the table, for errors.
+
+    Raises:
+        SettingsError: A key is no field, or a value is not of its type or range; it names the key.
+
+    Example:
+        >>> from dataclasses import dataclass
+        >>> @dataclass(frozen=True)
+        ... class Fall:
+        ...     height: float = 1.0
+        >>> override(Fall(), {"height": 2}, "fall")
+        Fall(height=2.0)
+        >>> override(Fall(), {"hight": 2}, "fall")
+        Traceback (most recent call last):
+        voxshell.errors.SettingsError: fall.hight is no setting; there are: height
+    """
+    changes = _convert_table(type(settings), table, name)
+    try:
+        return replace(settings, **changes)  # pyright: ignore[reportArgumentType]
+    except SettingsError as error:
+        raise SettingsError(f"{name}.{error}") from error
+
+
+def make(kind: type[Settings], table: Mapping[str, Any], name: str) -> Settings:
+    """Settings from a table that gives all fields without a default.
+
+    Args:
+        kind: A frozen dataclass.
+        table: Values by field, as TOML has them; lists become tuples.
+        name: Of the table, for errors.
+
+    Raises:
+        SettingsError: As for :func:`override`, or a field is missing.
+    """
+    values = _convert_table(kind, table, name)
+    for each in fields(kind):  # pyright: ignore[reportArgumentType]
+        if each.name not in values and each.default is MISSING:
+            raise SettingsError(f"{name}.{each.name} must be given")
+    try:
+        return kind(**values)
+    except SettingsError as error:
+        raise SettingsError(f"{name}.{error}") from error
+
+
+def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict[str, Any]:
+    types = get_type_hints(kind)
+    known = [each.name for each in fields(kind)]
+    values = {}
+    for key, value in table.items():
+        if key not in known:
+            raise SettingsError(f"{name}.{key} is no setting; there are: {', '.join(known)}")
+        values[key] = _convert(value, types[key], f"{name}.{key}")
+    return values
+
+
+def _convert(value: Any, kind: Any, name: str) -> Any:
+    """The value as its field's type has it."""
+    origin = get_origin(kind)
+    if origin in (Union, UnionType):
+        return _convert(value, next(k for k in get_args(kind) if k is not type(None)), name)
+    if origin is tuple:
+        if not isinstance(value, list):
+            raise SettingsError(f"{name} must be a list, not {value!r}")
+        item = get_args(kind)[0]
+        return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
+    if origin is Literal:
+        if value not in get_args(kind):
+            raise SettingsError(
+                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {value!r}"
+            )
+        return value
+    words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
+    # TOML writes 2 for a float of 2, and True is an int to Python.
+    accepted = (int, float) if kind is float else (kind,)
+    if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
+        raise SettingsError(f"{name} must be {words[kind]}, not {value!r}")
+    return kind(value)

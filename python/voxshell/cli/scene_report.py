@@ -1,0 +1,196 @@
+"""What the simulation of a scene file leaves in its folder: all of it or nothing."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.errors import MissingExtraError
+from voxshell.experiments.environment import describe_environment
+from voxshell.experiments.files import write_json
+from voxshell.scenes.scene_run import make_recording, tabulate_contacts, tabulate_poses
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from voxshell.scenes.scene_file import Scene
+    from voxshell.scenes.scene_run import SceneRun
+    from voxshell.world import World
+
+PAGE, PLOT, RESULTS = "index.html", "plot.png", "results.json"
+
+
+def check_extras(scene: Scene) -> None:
+    """Tells before the work what would be missing after it.
+
+    Raises:
+        MissingExtraError: An output needs a library that is not installed.
+    """
+    from importlib.util import find_spec
+
+    outputs = scene.outputs
+    for wanted, library, extra in (
+        (outputs.replay, "viser", "viewer"),
+        (outputs.plot, "matplotlib", "experiments"),
+        ("parquet" in (outputs.poses, outputs.contacts), "pyarrow", "experiments"),
+    ):
+        if wanted and find_spec(library) is None:
+            raise MissingExtraError(
+                f"the outputs of {scene.path} need {library}: pip install voxshell[{extra}]"
+            )
+
+
+def write_outputs(
+    out: Path,
+    scene: Scene,
+    world: World,
+    run: SceneRun,
+    progress: Callable[[str, float], object],
+) -> list[Path]:
+    """Writes what the scene asks for; the files appear together, once all are complete.
+
+    Returns:
+        Their paths.
+
+    Raises:
+        OSError: A file cannot be written; then none is.
+    """
+    existed = out.is_dir()
+    out.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(tempfile.mkdtemp(dir=out, prefix=".unfinished-"))
+    try:
+        _write_all(unfinished, scene, world, run, progress)
+        names = sorted(path.name for path in unfinished.iterdir())
+        return [(unfinished / name).replace(out / name) for name in names]
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        if not existed and not any(out.iterdir()):
+            out.rmdir()
+
+
+def summarise(run: SceneRun) -> list[dict[str, Any]]:
+    """Of each body: where it ended, how fast, how deep its contacts were, ready for JSON."""
+    rows = []
+    for index, name in enumerate(run.names):
+        depths = [
+            frame["depth"][(frame["body_a"] == index) | (frame["body_b"] == index)]
+            for frame in run.contacts
+        ]
+        deepest = max((float(each.max()) for each in depths if len(each)), default=0.0)
+        rows.append(
+            {
+                "body": name,
+                "position": run.poses[-1, index, :3, 3].tolist(),
+                "speed": float(np.linalg.norm(run.linear_velocities[-1, index])),
+                "angular_speed": float(np.linalg.norm(run.angular_velocities[-1, index])),
+                "contacts": len(depths[-1]),
+                "deepest": max(deepest, 0.0),
+            }
+        )
+    return rows
+
+
+def describe_results(scene: Scene, run: SceneRun) -> dict[str, Any]:
+    """Settings, the end of each body, times of steps and versions, ready for JSON."""
+    narrow = run.timings["narrow_phase"]
+    return {
+        "scene": str(scene.path),
+        "title": scene.title,
+        "settings": {
+            "scene": asdict(scene.world),
+            "outputs": asdict(scene.outputs),
+            "meshes": {name: asdict(each) for name, each in scene.meshes.items()},
+            "bodies": {name: asdict(each) for name, each in scene.bodies.items()},
+        },
+        "steps": scene.world.steps,
+        "bodies": summarise(run),
+        "narrow_phase_seconds": {
+            "median": float(np.median(narrow)),
+            "p99": float(np.percentile(narrow, 99)),
+        },
+        "step_seconds": {
+            "median": float(np.median(run.timings["step"])),
+            "p99": float(np.percentile(run.timings["step"], 99)),
+        },
+        "units": "seconds, metres, m/s, rad/s",
+        "environment": describe_environment(),
+    }
+
+
+def _write_all(
+    folder: Path,
+    scene: Scene,
+    world: World,
+    run: SceneRun,
+    progress: Callable[[str, float], object],
+) -> None:
+    outputs = scene.outputs
+    progress(RESULTS, 0.0)
+    write_json(folder / RESULTS, describe_results(scene, run))
+    for name, form, tabulate in (
+        ("poses", outputs.poses, tabulate_poses),
+        ("contacts", outputs.contacts, tabulate_contacts),
+    ):
+        if form != "none":
+            progress(f"{name}.{form}", 0.1)
+            _write_table(folder / f"{name}.{form}", tabulate(run))
+    if outputs.plot:
+        progress(PLOT, 0.3)
+        _draw(folder / PLOT, scene, run)
+    if outputs.replay:
+        progress(PAGE, 0.5)
+        make_recording(scene, world, run).save_html(folder / PAGE, title=scene.title)
+
+
+def _write_table(path: Path, columns: Mapping[str, NDArray[np.generic]]) -> None:
+    if path.suffix == ".csv":
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+        return
+    import pyarrow
+    from pyarrow import parquet
+
+    parquet.write_table(
+        pyarrow.table({name: pyarrow.array(column) for name, column in columns.items()}), path
+    )
+
+
+def _draw(path: Path, scene: Scene, run: SceneRun) -> None:
+    """Heights, speeds and numbers of contacts over time, of the bodies that move."""
+    from matplotlib.figure import Figure
+
+    up = -np.array(scene.world.gravity)
+    length = float(np.linalg.norm(up))
+    up = up / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
+    figure = Figure(figsize=(9, 8), dpi=120, layout="constrained")
+    heights, speeds, counts = figure.subplots(3, 1, sharex=True)
+    for index, (name, body) in enumerate(scene.bodies.items()):
+        if body.kilograms == 0.0:
+            continue
+        color = None if body.color is None else np.array(body.color) / 255.0
+        line = {"label": name, "lw": 1.2, "color": color}
+        heights.plot(run.times, run.poses[:, index, :3, 3] @ up, **line)
+        speeds.plot(run.times, np.linalg.norm(run.linear_velocities[:, index], axis=1), **line)
+    counts.plot(run.times, [len(frame) for frame in run.contacts], lw=1.2, color="#555555")
+    heights.set_ylabel("height of the origin, m")
+    speeds.set_ylabel("speed, m/s")
+    counts.set_ylabel("contact points")
+    counts.set_xlabel("time, s")
+    for axes in (heights, speeds, counts):
+        axes.grid(visible=True, color="#dddddd", lw=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.margins(x=0.01)
+    if heights.lines:
+        heights.legend(loc="upper right", frameon=False)
+    figure.suptitle(scene.title, x=0.01, ha="left", fontsize=13)
+    figure.savefig(path)

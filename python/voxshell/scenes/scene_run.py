@@ -1,0 +1,126 @@
+"""A scene, run: what every body and contact did, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.body_shapes import mesh_of
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.world import CONTACT_DTYPE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from voxshell.scenes.scene_file import Scene
+    from voxshell.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRun:
+    """What happened, frame by frame; the first frame is the start.
+
+    Attributes:
+        times: (frames,) seconds.
+        names: Of the bodies, in the order of the arrays.
+        poses: (frames, bodies, 4, 4) ``world_from_body``.
+        linear_velocities, angular_velocities: (frames, bodies, 3), m/s of the centre of mass, rad/s.
+        contacts: Of each frame, as :meth:`voxshell.World.contacts`.
+        timings: Of every step, as :attr:`voxshell.World.timings`.
+    """
+
+    times: NDArray[np.float64]
+    names: tuple[str, ...]
+    poses: NDArray[np.float64]
+    linear_velocities: NDArray[np.float64]
+    angular_velocities: NDArray[np.float64]
+    contacts: list[NDArray[np.void]]
+    timings: NDArray[np.void]
+
+
+def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -> SceneRun:
+    """Runs a world for as long as its scene says.
+
+    Args:
+        scene: The scene.
+        world: Of the scene, as it was built.
+        progress: Called now and then with the share that is done, 0 to 1.
+    """
+    steps, every = scene.world.steps, scene.outputs.every
+    poses, linear, angular, contacts = [], [], [], []
+
+    def take() -> None:
+        poses.append([body.pose for body in world.bodies])
+        linear.append([body.linear_velocity for body in world.bodies])
+        angular.append([body.angular_velocity for body in world.bodies])
+        contacts.append(world.contacts())
+
+    take()
+    for step in range(1, steps + 1):
+        world.step()
+        if step % every == 0:
+            take()
+        if step % 16 == 0:
+            progress(step / steps)
+    return SceneRun(
+        times=np.arange(len(poses), dtype=np.float64) * (every * world.time_step),
+        names=tuple(body.name for body in world.bodies),
+        poses=np.array(poses),
+        linear_velocities=np.array(linear),
+        angular_velocities=np.array(angular),
+        contacts=contacts,
+        timings=world.timings,
+    )
+
+
+def make_recording(scene: Scene, world: World, run: SceneRun) -> Recording:
+    """The run as something to look at."""
+    tracks = []
+    for index, (body, settings) in enumerate(zip(world.bodies, scene.bodies.values(), strict=True)):
+        mesh = mesh_of(body.shape)
+        color = settings.color
+        assert color is None or len(color) == 3
+        faces = mesh.faces.astype(np.int64)
+        tracks.append(BodyTrack(body.name, mesh.vertices, faces, color, run.poses[:, index]))
+    frames = [(frame["point_b"], frame["normal"], frame["depth"]) for frame in run.contacts]
+    time_step = scene.outputs.every * world.time_step
+    return Recording(time_step, tuple(tracks), ContactTrack.from_frames(frames))
+
+
+def tabulate_poses(run: SceneRun) -> dict[str, NDArray[np.generic]]:
+    """One row a frame and body: time, name, position, quaternion and velocities."""
+    from trimesh.transformations import quaternion_from_matrix
+
+    frames, bodies = run.poses.shape[:2]
+    quaternions = np.array([quaternion_from_matrix(pose) for pose in run.poses.reshape(-1, 4, 4)])
+    columns: dict[str, NDArray[np.generic]] = {
+        "time": np.repeat(run.times, bodies),
+        "body": np.tile(np.array(run.names), frames),
+    }
+    for axis, name in enumerate("xyz"):
+        columns[name] = run.poses[:, :, axis, 3].ravel()
+    for place, name in enumerate(("qw", "qx", "qy", "qz")):
+        columns[name] = quaternions[:, place]
+    for prefix, array in (("v", run.linear_velocities), ("w", run.angular_velocities)):
+        for axis, name in enumerate("xyz"):
+            columns[prefix + name] = array[:, :, axis].ravel()
+    return columns
+
+
+def tabulate_contacts(run: SceneRun) -> dict[str, NDArray[np.generic]]:
+    """One row a frame and contact: time, bodies, points, normal, depth and impulse."""
+    rows = np.concatenate([np.empty(0, CONTACT_DTYPE), *run.contacts])
+    names = np.array(run.names)
+    columns: dict[str, NDArray[np.generic]] = {
+        "time": np.repeat(run.times, [len(frame) for frame in run.contacts]),
+        "body_a": names[rows["body_a"]],
+        "body_b": names[rows["body_b"]],
+    }
+    for name in ("point_a", "point_b", "normal"):
+        for axis, letter in enumerate("xyz"):
+            columns[f"{name}_{letter}"] = rows[name][:, axis]
+    return columns | {"depth": rows["depth"], "impulse": rows["impulse"]}

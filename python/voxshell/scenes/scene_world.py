@@ -1,0 +1,98 @@
+"""The world of a scene file: its meshes built, its bodies in place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voxshell.comparison_shapes import ConvexHull, GImpact
+from voxshell.errors import MemoryLimitError, MeshError, SettingsError
+from voxshell.meshes import Mesh, read_mesh
+from voxshell.model import Model
+from voxshell.shapes import Box, Plane, Sphere
+from voxshell.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from voxshell.body_shapes import Shape
+    from voxshell.scenes.scene_file import BodySettings, MeshSettings, Scene
+
+_BUILD_NAMES = ("voxel_size", "resolution", "point_spacing", "target_points", "sign")
+
+
+def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World:
+    """Builds the meshes and adds the bodies, named as in the file.
+
+    Args:
+        scene: The scene.
+        progress: Called with what is being built and the share that is done, 0 to 1.
+
+    Raises:
+        SettingsError: A mesh cannot be read or built; names file, line and key.
+    """
+    meshes: dict[str, Shape] = {}
+    for index, (name, settings) in enumerate(scene.meshes.items()):
+
+        def report(stage: str, share: float, name: str = name, index: int = index) -> None:
+            progress(f"{name}: {stage}" if stage else name, (index + share) / len(scene.meshes))
+
+        try:
+            meshes[name] = _build_mesh(scene, settings, report)
+        except (MeshError, MemoryLimitError, SettingsError) as error:
+            raise scene.describe_error(("meshes", name, "file"), str(error)) from error
+    settings = scene.world
+    world = World(
+        gravity=settings.gravity,
+        time_step=1.0 / settings.rate,
+        contact=settings.contact,
+        level=settings.level,
+        solver=settings.solver,
+        iterations=settings.iterations,
+        sleeping=settings.sleeping,
+        sweep_beyond=settings.sweep_beyond,
+    )
+    for name, body in scene.bodies.items():
+        try:
+            added = world.add(
+                _make_shape(body, meshes),
+                mass=body.kilograms,
+                pose=body.pose,
+                friction=body.friction,
+                restitution=body.restitution,
+                inertia=body.inertia,
+                name=name,
+            )
+            if body.kilograms > 0.0:
+                added.linear_velocity = body.linear_velocity
+                added.angular_velocity = body.angular_velocity
+        except (MeshError, SettingsError) as error:
+            raise scene.describe_error(("bodies", name), str(error)) from error
+    return world
+
+
+def _build_mesh(
+    scene: Scene, settings: MeshSettings, progress: Callable[[str, float], object]
+) -> Shape:
+    path = scene.path.parent / settings.file
+    if settings.collide_as == "model":
+        sizes = {name: getattr(settings, name) for name in _BUILD_NAMES}
+        return Model.from_mesh(path, scale=settings.scale, progress=progress, **sizes)
+    progress("read", 0.0)
+    mesh = read_mesh(path)
+    scaled = Mesh(mesh.vertices * settings.scale, mesh.faces)
+    return GImpact(scaled) if settings.collide_as == "gimpact" else ConvexHull(scaled.vertices)
+
+
+def _make_shape(body: BodySettings, meshes: dict[str, Shape]) -> Shape:
+    if body.mesh is not None:
+        return meshes[body.mesh]
+    match body.shape:
+        case "box":
+            assert body.half_extents is not None
+            return Box(body.half_extents)
+        case "sphere":
+            assert body.radius is not None
+            return Sphere(body.radius)
+        case _:
+            normal = (0.0, 0.0, 1.0) if body.normal is None else body.normal
+            return Plane(normal, 0.0 if body.offset is None else body.offset)

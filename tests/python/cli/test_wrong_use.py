@@ -1,0 +1,230 @@
+"""What people do wrong: each time one message, exit code 2, and nothing left behind."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+COMMANDS = [
+    ("solve", "Unknown command"),
+    ("build", "parameter MESH requires an argument"),
+    ("build cone.stl", "--output requires an argument"),
+    ("build cone.stl -o", "-o requires an argument"),
+    ("build cone.stl other.stl -o x.vxs", "too many arguments: other.stl"),
+    ("build missing.stl -o x.vxs", "cannot read missing.stl: it does not exist"),
+    ("build folder -o x.vxs", "cannot read folder: it is a folder"),
+    ("build noise.stl -o x.vxs", "cannot read mesh noise.stl"),
+    ("build empty.stl -o x.vxs", "empty.stl"),
+    ("build line.stl -o x.vxs", "line.stl: "),
+    ("build open.ply -o x.vxs --sign closed", "open.ply: mesh is not"),
+    ("build cone.vxs -o x.vxs", "cone.vxs is a model already"),
+    ("build cone.stl -o folder", "folder is a folder; name a file"),
+    ("build cone.stl -o nowhere/x.vxs", "there is no folder nowhere"),
+    ("build cone.stl -o cone.stl", "cone.stl is the mesh itself"),
+    ("build cone.stl -o x.vxs --voxel-size 0", "voxel_size must be above 0"),
+    ("build cone.stl -o x.vxs --voxel-size nan", "voxel_size must be finite"),
+    ("build cone.stl -o x.vxs --voxel-size 2mm", 'unable to convert "2mm" into float'),
+    ("build cone.stl -o x.vxs --voxel-size 1e-6", "voxel size"),
+    ("build cone.stl -o x.vxs --voxel-size 1 --resolution 9", "either voxel_size or resolution"),
+    ("build cone.stl -o x.vxs --point-spacing 1 --target-points 9", "either point_spacing or"),
+    ("build cone.stl -o x.vxs --resolution 1", "resolution must be from 2"),
+    ("build cone.stl -o x.vxs --target-points 0", "target_points must be from 1"),
+    ("build cone.stl -o x.vxs --scale -1", "scale must be above 0"),
+    ("build cone.stl -o x.vxs --padding -1", "padding must be from 0"),
+    ("build cone.stl -o x.vxs --sign guess", "Choose from"),
+    ("build cone.stl -o x.vxs --threads 0", "threads must be from 1"),
+    ("build cone.stl -o x.vxs --voxels 3", "Unknown option: --voxels"),
+    ("info missing.vxs", "cannot read missing.vxs: it does not exist"),
+    ("info torn.vxs", "torn.vxs: "),
+    ("info false.vxs", "false.vxs: it is no model file"),
+    ("info noise.stl --advise", "cannot read mesh noise.stl"),
+    ("info cone.vxs --scale 2", "scale is for meshes"),
+    ("info cone.stl --scale 0", "scale must be above 0"),
+    ("query cone.vxs", "requires an argument"),
+    ("query cone.vxs egg", "'egg' is no file and no shape"),
+    ("query cone.vxs sphere", "write sphere:RADIUS"),
+    ("query cone.vxs sphere:big", "write sphere:RADIUS"),
+    ("query cone.vxs box:1,2", "3 numbers, not 2"),
+    ("query cone.vxs sphere:-1", "radius must be above 0"),
+    ("query plane sphere:1", "must be a model"),
+    ("query cone.vxs cone.vxs --pose 1 2", "not 2"),
+    ("query cone.vxs cone.vxs --pose 1 2 x", 'unable to convert "x" into float'),
+    ("query cone.vxs cone.vxs --pose 0 0 0 1 1 0 0", "quaternion of length 1"),
+    ("query cone.vxs cone.vxs --pose 0 0 nan", "pose must be finite"),
+    ("query cone.vxs cone.vxs --pose 2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "rotation is off"),
+    ("query cone.vxs cone.vxs --pose 0 0 0 --poses poses.csv", "either pose or poses"),
+    ("query cone.vxs cone.vxs --poses missing.csv", "no file of poses missing.csv"),
+    ("query cone.vxs cone.vxs --poses poses.csv", "poses.csv:3: not all of it is numbers"),
+    ("query cone.vxs cone.vxs --poses short.csv", "short.csv:2 must be 3"),
+    ("query cone.vxs cone.vxs --poses none.csv", "none.csv holds no poses"),
+    ("query cone.vxs cone.vxs --poses flat.npy", "flat.npy must hold an array of numbers"),
+    ("query cone.vxs cone.vxs --poses objects.npy", "objects.npy is no array of numpy"),
+    ("query cone.vxs cone.vxs --ask wrench", "wrench needs a stiffness"),
+    ("query cone.vxs cone.vxs --ask wrench --stiffness -1", "stiffness must be at least 0"),
+    ("query cone.vxs cone.vxs --ask depth", "Choose from"),
+    ("query cone.vxs plane --shell b", "shell"),
+    ("query cone.vxs cone.vxs --margin inf", "margin"),
+    ("query cone.vxs cone.vxs --max-points -1", "max_points must be"),
+    ("bench sphere:1", "sphere:1 is a shape"),
+    ("bench cone.vxs --poses 0", "poses must be from 1"),
+    ("bench cone.vxs --repeats 0", "repeats must be from 1"),
+    ("simulate", "requires an argument"),
+    ("simulate scene.toml", "--out requires an argument"),
+    ("simulate missing.toml --out x", "there is no scene file missing.toml"),
+    ("simulate scene.toml --out cone.stl", "cone.stl is a file; --out names a folder"),
+    ("simulate drop --steps 0", "steps must be at least 1"),
+    ("simulate drop missing.stl --out x", "missing.stl"),
+    ("reproduce tower", "Unknown command"),
+    ("reproduce ball --jobs 0 --out x", "jobs must be at least 1"),
+    ("reproduce ball --settings missing.toml --out x", "no settings file missing.toml"),
+    ("reproduce ball --settings false.toml --out x", "false.toml: no TOML"),
+    ("reproduce ball extra --out x", "too many arguments: extra"),
+    ("cache empty", "Unknown command"),
+    ("cache list all", "too many arguments: all"),
+]
+
+# What a scene file says, and what is wrong with it, at which line.
+SCENES = [
+    ("[scene\n", 1, "no TOML"),
+    ("[scene]\nrate = 100\nrate = 200\n", 3, "no TOML"),
+    ("", 1, "bodies must hold a body"),
+    ("[world]\n", 1, "world is no table of a scene; there are: scene, outputs"),
+    ("bodies = 3\n", 1, "bodies must be a table"),
+    ("[bodies]\nball = 3\n", 2, "bodies.ball must be a table"),
+    ('[bodies."my ball"]\nshape = "plane"\n', 1, "names of letters, digits"),
+    ("[scene]\nduration = 0\n", 2, "scene.duration must be above 0"),
+    ("[scene]\n# slowly\nrate = -1\n", 3, "scene.rate must be above 0"),
+    ("[scene]\nduration = 1e9\n", 2, "scene.duration must be at most"),
+    ("[scene]\nrate = true\n", 2, "scene.rate must be a number"),
+    ("[scene]\ngravity = [0, 0]\n", 2, "scene.gravity must be 3 finite numbers"),
+    ("[scene]\n\ngravity = [\n 0,\n 0,\n nan,\n]\n", 3, "scene.gravity must be 3 finite"),
+    ("[scene]\niterations = 0\n", 2, "scene.iterations must be from 1"),
+    ('[scene]\ncontact = "soft"\n', 2, "scene.contact must be one of 'auto'"),
+    ('[scene]\ncontact = "regular"\nlevel = 2\n', 3, "scene.level is for segmented"),
+    ("[scene]\nspeed = 3\n", 2, "scene.speed is no setting; there are: title, duration"),
+    ("[outputs]\nevery = 0\n", 2, "outputs.every must be from 1"),
+    ('[outputs]\nposes = "xml"\n', 2, "outputs.poses must be one of 'parquet'"),
+    ("[meshes.part]\nscale = 1\n", 1, "meshes.part.file must be given"),
+    ('[meshes.part]\nfile = "part.stl"\nscale = 0\n', 3, "meshes.part.scale must be above 0"),
+    (
+        '[meshes.part]\nfile = "a.stl"\nvoxel_size = 1\nresolution = 9\n',
+        4,
+        "meshes.part.resolution and voxel_size cannot both be given",
+    ),
+    ("[bodies.ball]\nmass = 1\n", 1, "bodies.ball.shape or mesh must be given"),
+    ('[bodies.ball]\nshape = "egg"\n', 2, "bodies.ball.shape must be one of 'plane'"),
+    ('[bodies.ball]\nshape = "sphere"\n', 1, "bodies.ball.radius must be given"),
+    ('[bodies.ball]\nshape = "sphere"\nradius = 0\n', 3, "bodies.ball.radius must be above 0"),
+    (
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\noffset = 1\n',
+        4,
+        "bodies.ball.offset is nothing that a sphere has",
+    ),
+    (
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmass = -1\n',
+        4,
+        "bodies.ball.mass must be at least 0 kg (0: static), not -1",
+    ),
+    ('[bodies.ground]\nshape = "plane"\nmass = 2\n', 3, "bodies.ground.mass of a plane must be 0"),
+    (
+        '[bodies.brick]\nshape = "box"\nhalf_extents = [1, 1, 0]\n',
+        3,
+        "bodies.brick.half_extents must be above 0",
+    ),
+    ('[bodies.brick]\nmesh = "part"\n', 2, "bodies.brick.mesh is 'part', which is not in [meshes]"),
+    ('[bodies.ground]\nshape = "plane"\nfriction = -1\n', 3, "bodies.ground.friction must be at"),
+    ('[bodies.ground]\nshape = "plane"\nrestitution = 2\n', 3, "bodies.ground.restitution must be"),
+    (
+        '[bodies.ground]\nshape = "plane"\nquaternion_xyzw = [0, 0, 0, 2]\n',
+        3,
+        "bodies.ground.quaternion_xyzw must have length 1, not 2",
+    ),
+    (
+        '[bodies.a]\nshape = "plane"\nposition = [0, "up", 0]\n',
+        3,
+        "bodies.a.position[1] must be a number, not 'up'",
+    ),
+    ('[bodies.a]\nshape = "plane"\ncolor = [300, 0, 0]\n', 3, "bodies.a.color must be three"),
+    (
+        '[meshes.m]\nfile = "gone.stl"\n[bodies.a]\nmesh = "m"\n',
+        2,
+        "gone.stl: it does not exist",
+    ),
+    (
+        '[meshes.m]\nfile = "cone.stl"\nvoxel_size = 1e-6\n[bodies.a]\nmesh = "m"\n',
+        2,
+        "voxel size",
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def things(tmp_path_factory, cone_path, cone_model_path):
+    """A folder with good and bad files."""
+    folder = tmp_path_factory.mktemp("things")
+    (folder / "folder").mkdir()
+    shutil.copy(cone_path, folder / "cone.stl")
+    shutil.copy(cone_model_path, folder / "cone.vxs")
+    whole = cone_model_path.read_bytes()
+    (folder / "torn.vxs").write_bytes(whole[: len(whole) // 2])
+    (folder / "false.vxs").write_text("a letter")
+    (folder / "noise.stl").write_bytes(np.random.default_rng(1).bytes(500))
+    (folder / "empty.stl").write_bytes(b"")
+    line = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False)
+    line.export(folder / "line.stl")
+    box = trimesh.creation.box()
+    trimesh.Trimesh(box.vertices, box.faces[:-1]).export(folder / "open.ply")
+    (folder / "poses.csv").write_text("x,y,z\n0,0,1\n0,zero,1\n")
+    (folder / "short.csv").write_text("0,0,1\n0,1\n")
+    (folder / "none.csv").write_text("x,y,z\n")
+    np.save(folder / "flat.npy", np.zeros(3))
+    np.save(folder / "objects.npy", np.array([{}]), allow_pickle=True)
+    (folder / "false.toml").write_text("ball")
+    (folder / "scene.toml").write_text('[bodies.ground]\nshape = "plane"\n')
+    return folder
+
+
+def expect_refusal(ended, folder: Path, before: set[Path], part: str) -> None:
+    assert ended.code == 2, ended
+    assert ended.out == ""
+    [said] = [line for line in ended.err.splitlines() if line and "left" not in line]
+    assert said.startswith("error: ")
+    assert part in said
+    assert "Traceback" not in ended.err
+    assert set(folder.rglob("*")) == before
+
+
+@pytest.mark.parametrize(("command", "part"), COMMANDS, ids=[command for command, _ in COMMANDS])
+def test_wrong_arguments_and_files(voxshell, things, monkeypatch, command, part):
+    monkeypatch.chdir(things)
+    before = set(things.rglob("*"))
+    expect_refusal(voxshell(*command.split()), things, before, part)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "part"), SCENES, ids=[part.partition(" must")[0] for _, _, part in SCENES]
+)
+def test_wrong_scene_files(voxshell, tmp_path, monkeypatch, cone_path, text, line, part):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(cone_path, tmp_path)
+    (tmp_path / "scene.toml").write_text(text)
+    before = set(tmp_path.rglob("*"))
+    ended = voxshell("simulate", "scene.toml", "--out", "result")
+    expect_refusal(ended, tmp_path, before, part)
+    assert f"error: scene.toml:{line}: " in ended.err
+
+
+def test_table_of_another_command_is_no_wrong_use(tmp_path):
+    from voxshell.cli.reproduce import OTHER_TABLES
+    from voxshell.experiments.report.catalogue import EXPERIMENTS
+    from voxshell.experiments.reproduction import plan_studies
+
+    known = [*(each.name for each in EXPERIMENTS), *OTHER_TABLES]
+    [study] = plan_studies(
+        EXPERIMENTS[:1], tmp_path, quick=True, overrides={"peers": {"rates": [20]}}, known=known
+    )
+    assert study.experiment is EXPERIMENTS[0]
