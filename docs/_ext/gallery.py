@@ -32,6 +32,7 @@ class Gallery(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """A section an example: what it is about, picture, output, program."""
+        self.env.note_reread()  # there may be new examples
         return [self._tell(path) for path in list_examples()]
 
     def _tell(self, path: Path) -> nodes.section:
@@ -43,7 +44,15 @@ class Gallery(SphinxDirective):
         section = nodes.section(ids=[nodes.make_id(path.stem)], names=[path.stem])
         section += nodes.title("", f"{path.stem[:2]}. {title.rstrip('.')}")
         for paragraph in text.strip().split("\n\n"):
-            section += nodes.paragraph("", paragraph.replace("\n", " "))
+            pieces = paragraph.replace("\n", " ").split("`")
+            section += nodes.paragraph(
+                "",
+                "",
+                *(
+                    nodes.literal("", piece) if number % 2 else nodes.Text(piece)
+                    for number, piece in enumerate(pieces)
+                ),
+            )
         relative = f"gallery/{path.stem}"
         links = " · ".join(
             f'<a href="{relative}/{file}">{name}</a>'

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
-from voxshell.errors import MissingExtraError, SettingsError
-from voxshell.meshes import Mesh
+from voxshell.errors import SettingsError
 from voxshell.model import Model
+from voxshell.scenes.solids import as_mesh, import_manifold
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,35 +96,30 @@ def measure_turns(pose: NDArray[np.float64]) -> float:
     return float(np.arctan2(pose[1, 0], pose[0, 0]) / (2.0 * np.pi))
 
 
-@cache
-def _build_models(settings: BoltSettings) -> tuple[Model, Model]:
-    solids = _import_manifold()
-    head = solids.Manifold.cylinder(
-        1.02 * settings.head, 1.7 * settings.radius, circular_segments=6
-    ).translate((0.0, 0.0, -settings.head))
-    bolt = _make_rod(settings, settings.radius, settings.length) + head
-    hexagon = solids.Manifold.cylinder(settings.height, 1.7 * settings.radius, circular_segments=6)
-    # The cutter starts a pitch lower, in the same phase, so that its ends are outside the nut.
-    cutter = _make_rod(
-        settings, settings.radius + settings.clearance, settings.height + 2.0 * settings.pitch
-    ).translate((0.0, 0.0, -settings.pitch))
-    return _as_model(settings, bolt), _as_model(settings, hexagon - cutter)
-
-
-def _make_rod(settings: BoltSettings, radius: float, length: float) -> Any:
-    """A right-handed trapezoidal thread about z from z = 0.
+def make_rod(radius: float, depth: float, pitch: float, length: float, segments: int) -> Any:
+    """A right-handed trapezoidal thread about z from z = 0, a ``manifold3d.Manifold``.
 
     A cut across a one-start thread is a polar curve that turns once a pitch. Two rods whose radii
     differ by c are c apart along the radius everywhere: each cut is the other one's moved out by c.
+
+    Args:
+        radius: Outer, metres.
+        depth: Of the thread, metres.
+        pitch: Metres a turn.
+        length: Metres.
+        segments: Edges of a turn.
+
+    Raises:
+        MissingExtraError: manifold3d is not installed.
     """
-    solids = _import_manifold()
-    angles = np.linspace(0.0, 2.0 * np.pi, settings.segments, endpoint=False)
+    solids = import_manifold()
+    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
     wave = np.clip(2.0 * np.abs(angles / np.pi - 1.0) - 0.5, 0.0, 1.0)
-    radii = radius - settings.depth * (1.0 - wave)
+    radii = radius - depth * (1.0 - wave)
     section = solids.CrossSection(
         [np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])]
     )
-    turns = length / settings.pitch
+    turns = length / pitch
     return solids.Manifold.extrude(
         section,
         length,
@@ -133,20 +128,37 @@ def _make_rod(settings: BoltSettings, radius: float, length: float) -> Any:
     )
 
 
-def _as_model(settings: BoltSettings, solid: Any) -> Model:
-    mesh = solid.to_mesh64()
-    return Model.from_mesh(
-        Mesh(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.uint32)),
-        voxel_size=settings.voxel_size,
-        point_spacing=2.0 * settings.voxel_size,
-    )
+def make_bolt(
+    radius: float, depth: float, pitch: float, length: float, head: float, segments: int
+) -> Any:
+    """A rod from z = 0 up on a hexagonal head below, whose height is ``head``, metres."""
+    solids = import_manifold()
+    below = solids.Manifold.cylinder(1.02 * head, 1.7 * radius, circular_segments=6)
+    rod = make_rod(radius, depth, pitch, length, segments)
+    return rod + below.translate((0.0, 0.0, -head))
 
 
-def _import_manifold() -> Any:
-    try:
-        import manifold3d  # pyright: ignore[reportMissingImports]
-    except ImportError as error:
-        raise MissingExtraError(
-            "bolt and nut are made with manifold3d: pip install voxshell[experiments]"
-        ) from error
-    return manifold3d
+def make_nut(
+    radius: float, depth: float, pitch: float, height: float, clearance: float, segments: int
+) -> Any:
+    """The nut of the bolt with the same numbers, ``clearance`` from its thread along the radius.
+
+    From z = 0 up; it fits a bolt in the same pose, and at whole turns along its screw.
+    """
+    solids = import_manifold()
+    hexagon = solids.Manifold.cylinder(height, 1.7 * radius, circular_segments=6)
+    # The cutter starts a pitch lower, in the same phase, so that its ends are outside the nut.
+    cutter = make_rod(radius + clearance, depth, pitch, height + 2.0 * pitch, segments)
+    return hexagon - cutter.translate((0.0, 0.0, -pitch))
+
+
+@cache
+def _build_models(settings: BoltSettings) -> tuple[Model, Model]:
+    thread = (settings.radius, settings.depth, settings.pitch)
+    bolt = make_bolt(*thread, settings.length, settings.head, settings.segments)
+    nut = make_nut(*thread, settings.height, settings.clearance, settings.segments)
+    return _build(bolt, settings.voxel_size), _build(nut, settings.voxel_size)
+
+
+def _build(solid: Any, voxel_size: float) -> Model:
+    return Model.from_mesh(as_mesh(solid), voxel_size=voxel_size, point_spacing=2.0 * voxel_size)

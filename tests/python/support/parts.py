@@ -9,6 +9,8 @@ import numpy as np
 import solids
 import voxshell as vx
 from manifold3d import Manifold
+from voxshell.scenes.bolt import make_bolt, make_nut
+from voxshell.scenes.gear import make_gear
 
 MM = 1e-3
 
@@ -26,16 +28,16 @@ class Part:
 
 
 PITCH = 6 * MM
-_THREAD = {"radius": 10 * MM, "thread_depth": 1.5 * MM, "pitch": PITCH}
+_THREAD = {"radius": 10 * MM, "depth": 1.5 * MM, "pitch": PITCH, "segments": 32}
 GEAR_TEETH, PINION_TEETH, GEAR_MODULE = 24, 12, 3 * MM
 
 
 def bolt() -> Part:
-    return Part(solids.bolt(**_THREAD, length=24 * MM, head_height=6 * MM), 0.4 * MM)
+    return Part(make_bolt(**_THREAD, length=24 * MM, head=6 * MM), 0.4 * MM)
 
 
 def nut() -> Part:
-    return Part(solids.nut(**_THREAD, height=9 * MM, clearance=0.7 * MM), 0.4 * MM)
+    return Part(make_nut(**_THREAD, height=9 * MM, clearance=0.7 * MM), 0.4 * MM)
 
 
 def gear() -> Part:
@@ -47,7 +49,7 @@ def pinion() -> Part:
 
 
 def _gear(teeth: int, bore: float) -> Manifold:
-    return solids.gear(teeth, GEAR_MODULE, 10 * MM, bore, 0.9 * MM).refine_to_length(4 * MM)
+    return make_gear(teeth, GEAR_MODULE, 10 * MM, bore, 0.9 * MM).refine_to_length(4 * MM)
 
 
 def screwed_on(rng: np.random.Generator) -> np.ndarray:

@@ -1,0 +1,48 @@
+"""Quick start: where two rings touch.
+
+Two rings are linked, one hanging in the other. Each is made ready once, then asked at any pose: do they
+touch, where, how deep, and how far is it to the next touch?
+"""
+
+import numpy as np
+import trimesh
+import voxshell as vx
+from command import parse_command, tell
+from drawing import draw, plot
+
+options = parse_command(__doc__)
+ring = vx.Model.from_mesh(trimesh.creation.torus(0.04, 0.01), voxel_size=0.001)
+
+
+def hang(drop):
+    """A pose: upright, its middle below the first one's, which lies flat, through its opening."""
+    pose = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+    pose[:3, 3] = 0.04, 0.0, -drop
+    return pose
+
+
+# The bars, 20 mm thick, touch when the upper edge of the hole has come down to the flat ring's bar.
+drop = 0.0202
+contacts = vx.contacts(ring, ring, b_pose=hang(drop))
+four = contacts.manifold(4)
+drops = np.linspace(0.0, 0.025, 26)
+nearest = [vx.distance(ring, ring, b_pose=hang(d)).distance for d in drops]
+
+tell(
+    options.out,
+    {
+        "points_of_each_ring": len(ring.shell),
+        "contacts": len(contacts),
+        "deepest_mm": 1e3 * float(contacts.depths.max()),
+        "four_that_a_solver_would_get": len(four),
+        "they_touch": vx.collide(ring, ring, b_pose=hang(drop)),
+    },
+)
+draw(options.out / "picture.png", [(ring, np.eye(4)), (ring, hang(drop))], elevation=25)
+plot(
+    options.out / "plot.png",
+    1e3 * drops,
+    {"nearest distance": 1e3 * np.array(nearest)},
+    x_label="lowered by, mm",
+    y_label="mm, negative: overlap",
+)

@@ -1,0 +1,66 @@
+"""A nut on a bolt: a motor turns it down three turns of its thread.
+
+The thread has 0.4 mm of clearance along the radius. Nothing but contacts guides the nut: it must go down one
+pitch a turn, never touch deeper than a fraction of the clearance, and never leave the axis by more
+than the clearance. Friction of 0.04 in all: without the motor it would run down by itself, slowly.
+"""
+
+import numpy as np
+import voxshell as vx
+from command import parse_command, tell
+from drawing import draw, plot
+from voxshell.scenes.bolt import BoltSettings, measure_turns
+
+TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most
+RATE, MASS = 1000.0, 0.05
+
+options = parse_command(__doc__)
+thread = BoltSettings(voxel_size=0.0004 if options.quick else 0.0002)
+bolt, nut_model = thread.build_bolt(), thread.build_nut()
+start = thread.compute_fit(5.3)
+world = vx.World(time_step=1 / RATE, sleeping=False)
+world.add(bolt, mass=0, friction=0.2, name="bolt")
+nut = world.add(nut_model, mass=MASS, pose=start, friction=0.2, name="nut")
+recorder = world.record(every=16)
+inertia = nut_model.mass_properties(MASS).inertia[2, 2]
+turned, before, rows = 0.0, measure_turns(start), []
+
+
+def drive(world):
+    """The motor, as strong as TORQUE; and what there is to note after each step."""
+    global turned, before
+    spin = nut.angular_velocity
+    most = TORQUE / RATE / inertia
+    spin[2] += np.clip(-2.0 * np.pi * SPEED - spin[2], -most, most)
+    nut.angular_velocity = spin
+    change = measure_turns(nut.pose) - before
+    turned += round(change) - change
+    before += change
+    down = start[2, 3] - nut.pose[2, 3]
+    deepest = world.contacts()["depth"].max(initial=0.0)
+    rows.append((turned, down, np.hypot(*nut.pose[:2, 3]), deepest))
+
+
+while turned < TURNS and len(rows) < 3 * RATE * TURNS / SPEED:
+    world.step(1, drive)
+turns, down, sideways, depths = np.array(rows).T
+gap = vx.distance(bolt, nut_model, None, nut.pose, shell="both").distance
+tell(
+    options.out,
+    {
+        "turns": float(turns[-1]),
+        "seconds": len(rows) / RATE,
+        "down_mm": 1e3 * float(down[-1]),
+        "down_a_turn_mm": 1e3 * float(down[-1] / turns[-1]),
+        "pitch_mm": 1e3 * thread.pitch,
+        "off_the_helix_at_most_mm": 1e3 * float(np.abs(down - thread.pitch * turns).max()),
+        "off_the_axis_at_most_mm": 1e3 * float(sideways.max()),
+        "clearance_mm": 1e3 * thread.clearance,
+        "deepest_contact_mm": 1e3 * float(depths.max()),
+        "distance_at_the_end_mm": 1e3 * gap,
+    },
+)
+draw(options.out / "picture.png", [(bolt, np.eye(4)), (nut_model, nut.pose)], elevation=15)
+lines = {"measured": 1e3 * down, "a pitch a turn": 1e3 * thread.pitch * turns}
+plot(options.out / "plot.png", turns, lines, x_label="turns", y_label="way down, mm")
+recorder.save_html(options.out / "replay.html", title="A nut runs down its bolt")

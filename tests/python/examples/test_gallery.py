@@ -1,0 +1,112 @@
+"""Every example of the gallery runs in its quick form, and what it claims holds."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples/python"
+PROGRAMS = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
+MOVING = {
+    "03_coming_from_pybullet",
+    "04_nut_on_a_bolt",
+    "05_gears",
+    "06_peg_in_hole",
+    "07_pouring_bunnies",
+}
+LINES_AT_MOST = 80
+
+
+def hold_rings(figures: dict[str, Any]) -> None:
+    assert figures["they_touch"]
+    assert figures["deepest_mm"] == pytest.approx(0.2, abs=0.02)
+
+
+def hold_ring_over_post(figures: dict[str, Any]) -> None:
+    assert figures["height_of_the_model_mm"] == pytest.approx(15.0, abs=0.1)
+    assert figures["height_of_the_hull_mm"] > 110.0
+
+
+def hold_nut(figures: dict[str, Any]) -> None:
+    """Down the thread, with the play that the clearance leaves; no jam, no tunnelling."""
+    assert figures["turns"] >= 3.0
+    assert figures["seconds"] < 1.6, "the motor alone would take 1.5 s"
+    assert figures["down_mm"] == pytest.approx(3.0 * figures["pitch_mm"], abs=0.4)
+    assert figures["off_the_helix_at_most_mm"] < figures["clearance_mm"]
+    assert figures["off_the_axis_at_most_mm"] < figures["clearance_mm"]
+    assert figures["deepest_contact_mm"] < 0.05
+
+
+def hold_gears(figures: dict[str, Any]) -> None:
+    assert figures["turns_of_the_large_gear"] <= -1.0
+    assert figures["ratio"] == pytest.approx(2.0, rel=0.01)
+    assert figures["deepest_contact_mm"] < 0.1
+
+
+def hold_peg(figures: dict[str, Any]) -> None:
+    for name in ("loose", "close"):
+        assert figures[f"{name}_peg_down_mm"] == pytest.approx(20.0, abs=0.05)
+    # Where its chamfer of 1 mm meets the upper end of the bore.
+    assert figures["thick_peg_down_mm"] == pytest.approx(1.4, abs=0.1)
+    for name in ("loose", "close", "thick"):
+        assert figures[f"{name}_peg_overlap_at_the_end_mm"] < 0.01
+
+
+def hold_bunnies(figures: dict[str, Any]) -> None:
+    assert figures["in_the_bowl"] == figures["bunnies"] == 8
+
+
+def hold_batch(figures: dict[str, Any]) -> None:
+    assert figures["agrees_with_single_calls"]
+    assert 0.3 < figures["free_share"] < 0.9
+
+
+def hold_force(figures: dict[str, Any]) -> None:
+    assert figures["largest_force_N"] > 1.0
+    assert figures["largest_change_from_call_to_call_N"] < 0.03 * figures["largest_force_N"]
+
+
+def hold_sweep(figures: dict[str, Any]) -> None:
+    assert figures["off_by_at_most_degrees"] < 0.05
+
+
+HOLDS = {
+    "01_quick_start": hold_rings,
+    "03_coming_from_pybullet": hold_ring_over_post,
+    "04_nut_on_a_bolt": hold_nut,
+    "05_gears": hold_gears,
+    "06_peg_in_hole": hold_peg,
+    "07_pouring_bunnies": hold_bunnies,
+    "08_batch_queries": hold_batch,
+    "09_haptic_force": hold_force,
+    "10_distributed_sweep": hold_sweep,
+}
+
+
+def test_the_gallery_is_numbered_without_gaps():
+    assert [int(path.name[:2]) for path in PROGRAMS] == list(range(1, len(PROGRAMS) + 1))
+    assert set(HOLDS) | MOVING <= {path.stem for path in PROGRAMS}
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_an_example_runs_and_holds(program: Path, tmp_path: Path):
+    assert len(program.read_text().splitlines()) <= LINES_AT_MOST
+    done = subprocess.run(
+        [sys.executable, str(program), "--quick", "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    made = {path.name for path in tmp_path.iterdir()}
+    assert {"picture.png", "plot.png", "figures.json"} <= made
+    assert ("replay.html" in made) == (program.stem in MOVING)
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert figures
+    for name in figures:
+        assert name.replace("_", " ") in done.stdout
+    HOLDS.get(program.stem, lambda figures: None)(figures)
