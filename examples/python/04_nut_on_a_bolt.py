@@ -29,10 +29,8 @@ turned, before, rows = 0.0, measure_turns(start), []
 def drive(world):
     """The motor, as strong as TORQUE; and what there is to note after each step."""
     global turned, before
-    spin = nut.angular_velocity
-    most = TORQUE / RATE / inertia
-    spin[2] += np.clip(-2.0 * np.pi * SPEED - spin[2], -most, most)
-    nut.angular_velocity = spin
+    missing = -2.0 * np.pi * SPEED - nut.angular_velocity[2]
+    nut.apply_torque((0.0, 0.0, np.clip(missing * inertia * RATE, -TORQUE, TORQUE)))
     change = measure_turns(nut.pose) - before
     turned += round(change) - change
     before += change

@@ -47,10 +47,8 @@ turns, angles, rows = np.zeros(2), np.array([0.0, np.pi / TEETH[1]]), []
 def drive(world):
     """The motor; and how far each gear has turned, in turns."""
     global angles
-    spin = small.angular_velocity
-    most = TORQUE / RATE / inertia
-    spin[2] += np.clip(2.0 * np.pi * SPEED - spin[2], -most, most)
-    small.angular_velocity = spin
+    missing = 2.0 * np.pi * SPEED - small.angular_velocity[2]
+    small.apply_torque((0.0, 0.0, np.clip(missing * inertia * RATE, -TORQUE, TORQUE)))
     now = np.array([np.arctan2(body.pose[1, 0], body.pose[0, 0]) for body in (small, large)])
     change = (now - angles) / (2.0 * np.pi)
     turns[:] += change - np.round(change)
