@@ -1,4 +1,5 @@
 # find_package(voxshell) for an installed tree: voxshell::core and, where built, voxshell::bullet[_float64].
+# The same for pkg-config: voxshell-core and voxshell-bullet[_float64].
 
 include(CMakePackageConfigHelpers)
 
@@ -14,11 +15,9 @@ foreach(target IN LISTS targets)
   target_compile_features(${target} PUBLIC cxx_std_20)
 endforeach()
 
-# A Python wheel carries the modules alone.
+# What a plain `cmake --install` brings. The Python modules are a component of their own, of which a
+# wheel is made.
 set(component COMPONENT development)
-if(DEFINED SKBUILD)
-  list(APPEND component EXCLUDE_FROM_ALL)
-endif()
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/voxshell")
 install(TARGETS ${targets} EXPORT voxshell_targets
@@ -38,3 +37,19 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/voxshell-config.cmake"
               "${CMAKE_CURRENT_BINARY_DIR}/voxshell-config-version.cmake"
               cmake/find_bullet.cmake
         DESTINATION "${package_dir}" ${component})
+
+# The .pc files find their prefix from where they lie, so that an installed tree can be moved.
+set(pkgconfig_dir "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+file(RELATIVE_PATH prefix_from_pkgconfig "/${pkgconfig_dir}" "/")
+function(voxshell_add_pkgconfig name library description requires flags)
+  configure_file(cmake/voxshell.pc.in "${name}.pc" @ONLY)
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/${name}.pc" DESTINATION "${pkgconfig_dir}" ${component})
+endfunction()
+voxshell_add_pkgconfig(voxshell-core voxshell_core "${PROJECT_DESCRIPTION}" "" "-pthread")
+if(VOXSHELL_BUILD_BULLET)
+  voxshell_add_pkgconfig(voxshell-bullet voxshell_bullet "voxshell in Bullet, single precision"
+                         "voxshell-core, bullet >= 3.0" "")
+  voxshell_add_pkgconfig(voxshell-bullet_float64 voxshell_bullet_float64
+                         "voxshell in Bullet, double precision"
+                         "voxshell-core, bullet-float64 >= 3.0" "")
+endif()

@@ -1,0 +1,53 @@
+"""What packages are made of, as far as it can be told without making one (`./dev wheel` does)."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import voxshell as vx
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(code: str) -> str:
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60
+    )
+    assert result.returncode == 0, result.stderr
+    return result.stdout.strip()
+
+
+def test_command_line_starts_without_viewer_plotting_and_cluster():
+    heavy = ("viser", "matplotlib", "dask", "distributed", "pyarrow", "scipy", "PIL")
+    found = run(f"import sys, voxshell.cli; print([n for n in {heavy} if n in sys.modules])")
+    assert found == "[]"
+
+
+def test_version_stands_in_one_place():
+    [version] = re.findall(
+        r"project\(voxshell VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()
+    )
+    assert vx.__version__ == version
+    for name in ("pyproject.toml", "CITATION.cff", "python/voxshell/__init__.py", "dev"):
+        assert version not in (ROOT / name).read_text(), name
+
+
+def test_licences_of_what_wheels_carry_are_there():
+    texts = {path.stem: path.read_text() for path in (ROOT / "licenses").glob("*.txt")}
+    assert texts.keys() == {"bullet", "nanobind", "robin-map"}
+    for name, text in texts.items():
+        assert "Copyright" in text, name
+    assert "licenses/*.txt" in (ROOT / "pyproject.toml").read_text()
+
+
+@pytest.mark.parametrize("group", ["", "-wheel"])
+def test_tools_are_pinned(group):
+    constraints = (ROOT / "tools/constraints.txt").read_text().splitlines()
+    pinned = {line.partition("==")[0] for line in constraints if "==" in line}
+    for line in (ROOT / f"tools/requirements{group}.txt").read_text().splitlines():
+        if line and not line.startswith("#"):
+            assert line.partition(";")[0].strip() in pinned
