@@ -98,7 +98,7 @@ def summarise(run: SceneRun) -> list[dict[str, Any]]:
     return rows
 
 
-def describe_results(scene: Scene, run: SceneRun) -> dict[str, Any]:
+def describe_results(scene: Scene, world: World, run: SceneRun) -> dict[str, Any]:
     """Settings, the end of each body, times of steps and versions, ready for JSON."""
     narrow = run.timings["narrow_phase"]
     return {
@@ -109,9 +109,15 @@ def describe_results(scene: Scene, run: SceneRun) -> dict[str, Any]:
             "outputs": asdict(scene.outputs),
             "meshes": {name: asdict(each) for name, each in scene.meshes.items()},
             "bodies": {name: asdict(each) for name, each in scene.bodies.items()},
+            "joints": {name: asdict(each) for name, each in scene.joints.items()},
         },
         "steps": scene.world.steps,
         "bodies": summarise(run),
+        "joints": [
+            {"joint": joint.name, "position": joint.position, "velocity": joint.velocity}
+            for joint in world.joints
+            if scene.joints[joint.name].has_axis
+        ],
         "narrow_phase_seconds": {
             "median": float(np.median(narrow)),
             "p99": float(np.percentile(narrow, 99)),
@@ -120,7 +126,7 @@ def describe_results(scene: Scene, run: SceneRun) -> dict[str, Any]:
             "median": float(np.median(run.timings["step"])),
             "p99": float(np.percentile(run.timings["step"], 99)),
         },
-        "units": "seconds, metres, m/s, rad/s",
+        "units": "seconds, metres, radians, m/s, rad/s",
         "environment": describe_environment(),
     }
 
@@ -134,7 +140,7 @@ def _write_all(
 ) -> None:
     outputs = scene.outputs
     progress(RESULTS, 0.0)
-    write_json(folder / RESULTS, describe_results(scene, run))
+    write_json(folder / RESULTS, describe_results(scene, world, run))
     for name, form, tabulate in (
         ("poses", outputs.poses, tabulate_poses),
         ("contacts", outputs.contacts, tabulate_contacts),

@@ -91,7 +91,7 @@ def scene(
             run = run_scene(read, world, track.advance)
         with tracked(progress, "write") as track:
             paths = write_outputs(out, read, world, run, track.update)
-    results = describe_results(read, run)
+    results = describe_results(read, world, run)
     if json_only:
         print(json.dumps(finite(results)))
         return
@@ -100,12 +100,17 @@ def scene(
     for row in results["bodies"]:
         table.add_row(
             escape(row["body"]),
-            " ".join(f"{x + 0.0:.4g}" for x in row["position"]),
+            " ".join(f"{round(x, 6) + 0.0:.4g}" for x in row["position"]),
             f"{row['speed']:.3g} m/s",
             str(row["contacts"]),
             format_length(row["deepest"]),
         )
     console.print(table)
+    for row in results["joints"]:
+        console.print(
+            f"joint {row['joint']}: at {round(row['position'], 6):.4g}, moving at {round(row['velocity'], 6):.3g}",
+            markup=False,
+        )
     times = results["narrow_phase_seconds"]
     console.print(
         f"{results['steps']} steps; narrow phase {format_time(times['median'])} a step, "

@@ -24,7 +24,7 @@ def format_length(metres: float) -> str:
     """A length, which may be negative.
 
     Example:
-        >>> [format_length(x) for x in (0.2115, -0.00123, 4.5e-6, 12.0, 0.0)]
+        >>> [format_length(x) for x in (0.2115, -0.00123, 4.5e-6, 12.0, 1e-20)]
         ['212 mm', '-1.23 mm', '4.50 µm', '12.0 m', '0 m']
     """
     return _format(metres, _LENGTHS)
@@ -43,7 +43,7 @@ def format_size(count: float) -> str:
 def _format(value: float, units: tuple[tuple[float, str], ...]) -> str:
     if not math.isfinite(value):
         return "-"
-    if value == 0.0:
+    if abs(value) < 0.005 * units[-1][0]:
         return f"0 {next(name for size, name in units if size == 1.0)}"
     # Rounded before the unit and the digits are chosen: 9.996 has one digit more than 10.0.
     rounded = float(f"{value:.3g}")

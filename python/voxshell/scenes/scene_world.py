@@ -1,4 +1,4 @@
-"""The world of a scene file: its meshes built, its bodies in place."""
+"""The world of a scene file: its meshes built, its bodies in place and joined."""
 
 from __future__ import annotations
 
@@ -8,20 +8,22 @@ from voxshell.comparison_shapes import ConvexHull, GImpact
 from voxshell.errors import MemoryLimitError, MeshError, SettingsError
 from voxshell.meshes import Mesh, read_mesh
 from voxshell.model import Model
-from voxshell.shapes import Box, Plane, Sphere
+from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 from voxshell.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from voxshell.body_shapes import Shape
-    from voxshell.scenes.scene_file import BodySettings, MeshSettings, Scene
+    from voxshell.scenes.body_settings import BodySettings
+    from voxshell.scenes.scene_file import Scene
+    from voxshell.scenes.scene_settings import MeshSettings
 
 _BUILD_NAMES = ("voxel_size", "resolution", "point_spacing", "target_points", "sign")
 
 
 def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World:
-    """Builds the meshes and adds the bodies, named as in the file.
+    """Builds the meshes and adds bodies and joints, named as in the file.
 
     Args:
         scene: The scene.
@@ -67,6 +69,24 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 added.angular_velocity = body.angular_velocity
         except (MeshError, SettingsError) as error:
             raise scene.describe_error(("bodies", name), str(error)) from error
+    bodies = {body.name: body for body in world.bodies}
+    for name, joint in scene.joints.items():
+        try:
+            added = world.add_joint(
+                joint.make_kind(),
+                None if joint.parent is None else bodies[joint.parent],
+                bodies[joint.child],
+                world_from_joint=joint.place(scene.bodies[joint.child]),
+                collide=joint.collide,
+                name=name,
+            )
+        except SettingsError as error:
+            raise scene.describe_error(("joints", name), str(error)) from error
+        if joint.max_force is not None:
+            if joint.target_velocity is not None:
+                added.set_target_velocity(joint.target_velocity, max_force=joint.max_force)
+            elif joint.target_position is not None:
+                added.set_target_position(joint.target_position, max_force=joint.max_force)
     return world
 
 
@@ -86,13 +106,19 @@ def _build_mesh(
 def _make_shape(body: BodySettings, meshes: dict[str, Shape]) -> Shape:
     if body.mesh is not None:
         return meshes[body.mesh]
+    half_extents = body.half_extents or (0.0, 0.0, 0.0)
+    radius, length, height = body.radius or 0.0, body.length or 0.0, body.height or 0.0
     match body.shape:
         case "box":
-            assert body.half_extents is not None
-            return Box(body.half_extents)
+            return Box(half_extents)
         case "sphere":
-            assert body.radius is not None
-            return Sphere(body.radius)
+            return Sphere(radius)
+        case "capsule":
+            return Capsule(radius, length)
+        case "cylinder":
+            return Cylinder(radius, length)
+        case "cone":
+            return Cone(radius, height)
         case _:
             normal = (0.0, 0.0, 1.0) if body.normal is None else body.normal
             return Plane(normal, 0.0 if body.offset is None else body.offset)

@@ -87,6 +87,8 @@ COMMANDS = [
     ("cache list all", "too many arguments: all"),
 ]
 
+DOOR = '[bodies.door]\nshape = "sphere"\nradius = 1\n'
+
 # What a scene file says, and what is wrong with it, at which line.
 SCENES = [
     ("[scene\n", 1, "no TOML"),
@@ -147,6 +149,30 @@ SCENES = [
         '[bodies.a]\nshape = "plane"\nposition = [0, "up", 0]\n',
         3,
         "bodies.a.position[1] must be a number, not 'up'",
+    ),
+    ('[bodies.a]\nshape = "cone"\nradius = 1\n', 1, "bodies.a.height must be given for a cone"),
+    (f'{DOOR}[joints.j]\nkind = "hinge"\n', 4, "joints.j.child must be given"),
+    (f'{DOOR}[joints.j]\nkind = "rope"\n', 5, "joints.j.kind must be one of 'fixed', 'hinge'"),
+    (f'{DOOR}[joints.j]\nchild = "gate"\nkind = "fixed"\n', 5, "joints.j.child is 'gate', which"),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nparent = "door"\nkind = "fixed"\n',
+        6,
+        "joints.j.parent is the child itself",
+    ),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nkind = "point"\nlimits = [0, 1]\n',
+        7,
+        "joints.j.limits is nothing that a point joint has",
+    ),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nkind = "hinge"\nlimits = [1, 0]\n',
+        7,
+        "joints.j.limits must be in order",
+    ),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nkind = "slider"\ntarget_velocity = 1\n',
+        4,
+        "joints.j.max_force must be given with a target",
     ),
     ('[bodies.a]\nshape = "plane"\ncolor = [300, 0, 0]\n', 3, "bodies.a.color must be three"),
     (

@@ -22,6 +22,7 @@ NOT_RUN = {
     r"VOXSHELL_POSES=\d+ \./dev ": "takes hours",
     r"cmake (--install|-S examples/bullet|--build build/example) ": "C++ test: build_example.cmake",
     r"\.venv/bin/voxshell reproduce all ": "takes minutes; tests/python/cli runs its parts",
+    r"voxshell simulate examples/": "tests/python/cli/test_simulate_scene.py runs the scenes",
 }
 # Blocks that stand four to the right and are no commands, by how they begin.
 NO_COMMANDS = {

@@ -1,0 +1,145 @@
+"""Tables of a scene file: bodies."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell._arguments import as_positive, as_real
+from voxshell.errors import SettingsError
+from voxshell.scenes.scene_settings import check_vector
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SHAPES = {
+    "plane": ("normal", "offset"),
+    "box": ("half_extents",),
+    "sphere": ("radius",),
+    "capsule": ("radius", "length"),
+    "cylinder": ("radius", "length"),
+    "cone": ("radius", "height"),
+}
+"""What is given of each; a plane does without."""
+
+_UNIT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class BodySettings:
+    """A table ``[bodies.NAME]``: a body, made of a mesh or a shape.
+
+    Attributes:
+        mesh: Name of a table of ``[meshes]``; or
+        shape: one of these, with its numbers:
+        normal, offset: Of a plane; offset in metres.
+        half_extents: Of a box, three numbers, metres.
+        radius: Of a sphere, capsule, cylinder or cone, metres.
+        length: Of a capsule, without its caps, or a cylinder, metres.
+        height: Of a cone, metres.
+        mass: Kilograms; 0: static. A plane has none.
+        inertia: Of the solid, or of a skin on the surface.
+        friction, restitution: As for :meth:`voxshell.World.add`.
+        position: Of the body's origin, three numbers, metres.
+        quaternion_xyzw: Its orientation, of unit length; or
+        rotation_vector: axis times angle, radians.
+        linear_velocity, angular_velocity: At the start, m/s and rad/s.
+        color: Red, green and blue, 0 to 255, in the replay.
+    """
+
+    mesh: str | None = None
+    shape: Literal["plane", "box", "sphere", "capsule", "cylinder", "cone"] | None = None
+    normal: tuple[float, ...] | None = None
+    offset: float | None = None
+    half_extents: tuple[float, ...] | None = None
+    radius: float | None = None
+    length: float | None = None
+    height: float | None = None
+    mass: float | None = None
+    inertia: Literal["solid", "surface"] = "solid"
+    friction: float = 0.5
+    restitution: float = 0.0
+    position: tuple[float, ...] = (0.0, 0.0, 0.0)
+    quaternion_xyzw: tuple[float, ...] | None = None
+    rotation_vector: tuple[float, ...] | None = None
+    linear_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    angular_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    color: tuple[int, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if (self.mesh is None) == (self.shape is None):
+            raise SettingsError("shape or mesh must be given, one of the two")
+        self._check_shape()
+        if self.mass is not None and not as_real(self.mass, "mass") >= 0.0:
+            raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
+        if self.shape == "plane" and self.mass:
+            raise SettingsError("mass of a plane must be 0: it has no end and cannot move")
+        if not as_real(self.friction, "friction") >= 0.0:
+            raise SettingsError(f"friction must be at least 0, not {self.friction:g}")
+        if not 0.0 <= as_real(self.restitution, "restitution") <= 1.0:
+            raise SettingsError(f"restitution must be from 0 to 1, not {self.restitution:g}")
+        for name in ("position", "linear_velocity", "angular_velocity"):
+            check_vector(getattr(self, name), name)
+        if self.rotation_vector is not None:
+            if self.quaternion_xyzw is not None:
+                raise SettingsError("rotation_vector and quaternion_xyzw cannot both be given")
+            check_vector(self.rotation_vector, "rotation_vector")
+        if self.quaternion_xyzw is not None:
+            check_vector(self.quaternion_xyzw, "quaternion_xyzw", 4)
+            length = math.hypot(*self.quaternion_xyzw)
+            if abs(length - 1.0) > _UNIT_TOLERANCE:
+                raise SettingsError(f"quaternion_xyzw must have length 1, not {length:.6g}")
+        if self.color is not None and not (
+            len(self.color) == 3 and all(0 <= channel <= 255 for channel in self.color)
+        ):
+            raise SettingsError(f"color must be three integers from 0 to 255, not {self.color}")
+
+    @property
+    def kilograms(self) -> float:
+        """The mass: 1 kg by default, none of a plane."""
+        if self.mass is not None:
+            return self.mass
+        return 0.0 if self.shape == "plane" else 1.0
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``world_from_body`` at the start, (4, 4)."""
+        from trimesh.transformations import quaternion_matrix, rotation_matrix
+
+        pose: NDArray[np.float64] = np.eye(4)
+        if self.quaternion_xyzw is not None:
+            x, y, z, w = self.quaternion_xyzw
+            pose = quaternion_matrix([w, x, y, z])
+        elif self.rotation_vector is not None and any(self.rotation_vector):
+            pose = rotation_matrix(math.hypot(*self.rotation_vector), self.rotation_vector)
+        pose[:3, 3] = self.position
+        return pose
+
+    def _check_shape(self) -> None:
+        """Whether the numbers given are those of the shape, and in range."""
+        takes = () if self.shape is None else SHAPES[self.shape]
+        what = "a mesh" if self.shape is None else f"a {self.shape}"
+        for name in ("normal", "offset", "half_extents", "radius", "length", "height"):
+            value = getattr(self, name)
+            if value is not None and name not in takes:
+                raise SettingsError(f"{name} is nothing that {what} has")
+            if value is None and name in takes and self.shape != "plane":
+                raise SettingsError(f"{name} must be given for {what}")
+        if self.normal is not None:
+            check_vector(self.normal, "normal")
+            if not any(self.normal):
+                raise SettingsError("normal must have a length above 0")
+        if self.half_extents is not None:
+            check_vector(self.half_extents, "half_extents")
+            if min(self.half_extents) <= 0.0:
+                raise SettingsError(f"half_extents must be above 0, not {list(self.half_extents)}")
+        if self.offset is not None:
+            as_real(self.offset, "offset")
+        for name in ("radius", "height"):
+            if getattr(self, name) is not None:
+                as_positive(getattr(self, name), name)
+        if self.length is not None and not as_real(self.length, "length") >= 0.0:
+            raise SettingsError(f"length must be at least 0, not {self.length:g}")

@@ -1,0 +1,118 @@
+"""Tables of a scene file: joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell._arguments import as_positive, as_real
+from voxshell.errors import SettingsError
+from voxshell.joints import FixedJoint, HingeJoint, PointJoint, SliderJoint
+from voxshell.scenes.scene_settings import check_vector
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.joints import JointKind
+    from voxshell.scenes.body_settings import BodySettings
+
+_OF_AN_AXIS = ("axis", "limits", "friction", "damping", "target_velocity", "target_position")
+
+
+@dataclass(frozen=True)
+class JointSettings:
+    """A table ``[joints.NAME]``: what holds a body to another, or to the world.
+
+    Attributes:
+        kind: What it leaves free: nothing, turning about an axis, sliding along it, or turning about
+            a point.
+        child: Name of a body.
+        parent: Name of another; the world by default.
+        position: Where the joint is at the start, three numbers, metres, world frame; the child's
+            origin by default.
+        axis: Of a hinge or slider, three numbers, world frame at the start.
+        limits: Of a hinge, radians, or slider, metres: lowest and highest, 0 at the start.
+        friction, damping: As for :class:`voxshell.HingeJoint` and :class:`voxshell.SliderJoint`.
+        target_velocity: To drive it at, rad/s or m/s; or
+        target_position: to drive it to, radians or metres.
+        max_force: With which it is driven, newton metres or newtons.
+        collide: Whether the two bodies collide with each other.
+    """
+
+    kind: Literal["fixed", "hinge", "slider", "point"]
+    child: str
+    parent: str | None = None
+    position: tuple[float, ...] | None = None
+    axis: tuple[float, ...] | None = None
+    limits: tuple[float, ...] | None = None
+    friction: float | None = None
+    damping: float | None = None
+    target_velocity: float | None = None
+    target_position: float | None = None
+    max_force: float | None = None
+    collide: bool = False
+
+    def __post_init__(self) -> None:
+        if self.position is not None:
+            check_vector(self.position, "position")
+        for name in _OF_AN_AXIS:
+            if getattr(self, name) is not None and self.kind not in ("hinge", "slider"):
+                raise SettingsError(f"{name} is nothing that a {self.kind} joint has")
+        if self.axis is not None:
+            check_vector(self.axis, "axis")
+            if not any(self.axis):
+                raise SettingsError("axis must have a length above 0")
+        if self.limits is not None:
+            check_vector(self.limits, "limits", 2)
+            if self.limits[0] > self.limits[1]:
+                raise SettingsError(f"limits must be in order, not {list(self.limits)}")
+        for name in ("friction", "damping"):
+            value = getattr(self, name)
+            if value is not None and not as_real(value, name) >= 0.0:
+                raise SettingsError(f"{name} must be at least 0, not {value:g}")
+        self._check_motor()
+
+    def _check_motor(self) -> None:
+        if self.target_velocity is not None and self.target_position is not None:
+            raise SettingsError("target_position and target_velocity cannot both be given")
+        driven = self.target_velocity is not None or self.target_position is not None
+        if driven != (self.max_force is not None):
+            raise SettingsError("max_force must be given with a target, and only then")
+        if self.max_force is not None:
+            as_positive(self.max_force, "max_force")
+        target = self.target_position
+        if self.target_velocity is not None:
+            as_real(self.target_velocity, "target_velocity")
+        if target is not None:
+            as_real(target, "target_position")
+            if self.limits is not None and not self.limits[0] <= target <= self.limits[1]:
+                raise SettingsError(
+                    f"target_position must be within the limits {list(self.limits)}, not {target:g}"
+                )
+
+    @property
+    def has_axis(self) -> bool:
+        """Whether it has a position and can be driven."""
+        return self.kind in ("hinge", "slider")
+
+    def make_kind(self) -> JointKind:
+        """The same as :meth:`voxshell.World.add_joint` takes it."""
+        if self.kind == "fixed":
+            return FixedJoint()
+        if self.kind == "point":
+            return PointJoint()
+        limits = None if self.limits is None else (self.limits[0], self.limits[1])
+        return (HingeJoint if self.kind == "hinge" else SliderJoint)(
+            axis=(0.0, 0.0, 1.0) if self.axis is None else self.axis,
+            limits=limits,
+            friction=self.friction or 0.0,
+            damping=self.damping or 0.0,
+        )
+
+    def place(self, child: BodySettings) -> NDArray[np.float64]:
+        """``world_from_joint`` at the start, (4, 4): the world's axes."""
+        pose = np.eye(4)
+        pose[:3, 3] = child.position if self.position is None else self.position
+        return pose

@@ -1,0 +1,130 @@
+"""Tables of a scene file: the world, what is written of it, and meshes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from voxshell._arguments import as_integer, as_positive
+from voxshell.errors import SettingsError
+
+MOST_FRAMES = 1_000_000
+"""Steps that a scene may take."""
+
+
+@dataclass(frozen=True)
+class WorldSettings:
+    """The table ``[scene]``: the world and how long it runs. As for :class:`voxshell.World`.
+
+    Attributes:
+        title: Of the replay; the file's name by default.
+        duration: Simulated seconds.
+        rate: Steps a second.
+        gravity: Three numbers, m/s2.
+        contact, level, solver, iterations, sleeping, sweep_beyond: As for the world.
+    """
+
+    title: str = ""
+    duration: float = 2.0
+    rate: float = 200.0
+    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
+    contact: Literal["auto", "regular", "segmented"] = "auto"
+    level: int | None = None
+    solver: Literal["sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"] = (
+        "sequential_impulse"
+    )
+    iterations: int = 50
+    sleeping: bool = True
+    sweep_beyond: float | None = None
+
+    def __post_init__(self) -> None:
+        as_positive(self.duration, "duration")
+        as_positive(self.rate, "rate")
+        if self.duration * self.rate > MOST_FRAMES:
+            raise SettingsError(
+                f"duration must be at most {MOST_FRAMES / self.rate:g} s at {self.rate:g} steps a "
+                f"second, not {self.duration:g}"
+            )
+        check_vector(self.gravity, "gravity")
+        as_integer(self.iterations, "iterations", 1, 1_000_000)
+        if self.level is not None:
+            as_integer(self.level, "level", 1, 12)
+            if self.contact == "regular":
+                raise SettingsError(
+                    "level is for segmented contacts; leave it out or change contact"
+                )
+        if self.sweep_beyond is not None and not self.sweep_beyond >= 0.0:
+            raise SettingsError(f"sweep_beyond must be at least 0, not {self.sweep_beyond:g}")
+
+    @property
+    def steps(self) -> int:
+        """How many, at least one."""
+        return max(round(self.duration * self.rate), 1)
+
+
+@dataclass(frozen=True)
+class OutputSettings:
+    """The table ``[outputs]``: what to write.
+
+    Attributes:
+        replay: Whether to write index.html, an offline page.
+        plot: Whether to write plot.png: heights, speeds and contacts over time.
+        poses, contacts: In which form the tables of that name are written.
+        every: Steps between two frames that are taken down.
+    """
+
+    replay: bool = True
+    plot: bool = True
+    poses: Literal["parquet", "csv", "none"] = "parquet"
+    contacts: Literal["parquet", "csv", "none"] = "parquet"
+    every: int = 1
+
+    def __post_init__(self) -> None:
+        as_integer(self.every, "every", 1, MOST_FRAMES)
+
+
+@dataclass(frozen=True)
+class MeshSettings:
+    """A table ``[meshes.NAME]``: a mesh, and what Bullet makes of it.
+
+    Attributes:
+        file: Path, from the folder of the scene file.
+        collide_as: "model", voxshell's; or Bullet's GImpact, or the convex hull.
+        scale: Factor that brings the mesh to metres.
+        voxel_size, resolution, point_spacing, target_points, sign: As for
+            :meth:`voxshell.Model.from_mesh`; for models alone.
+    """
+
+    file: str
+    collide_as: Literal["model", "gimpact", "hull"] = "model"
+    scale: float = 1.0
+    voxel_size: float | None = None
+    resolution: int | None = None
+    point_spacing: float | None = None
+    target_points: int | None = None
+    sign: Literal["auto", "closed", "winding"] = "auto"
+
+    def __post_init__(self) -> None:
+        if not self.file:
+            raise SettingsError("file must name a mesh")
+        as_positive(self.scale, "scale")
+        for one, other in (("voxel_size", "resolution"), ("point_spacing", "target_points")):
+            if getattr(self, one) is not None and getattr(self, other) is not None:
+                raise SettingsError(f"{other} and {one} cannot both be given")
+        for name in ("voxel_size", "point_spacing"):
+            if getattr(self, name) is not None:
+                as_positive(getattr(self, name), name)
+        for name, least in (("resolution", 2), ("target_points", 1)):
+            if getattr(self, name) is not None:
+                as_integer(getattr(self, name), name, least, 2**31 - 1)
+
+
+def check_vector(value: tuple[float, ...], name: str, count: int = 3) -> None:
+    """Refuses what is not so many finite numbers.
+
+    Raises:
+        SettingsError: It is not; the message begins with the name.
+    """
+    if len(value) != count or not all(map(math.isfinite, value)):
+        raise SettingsError(f"{name} must be {count} finite numbers, not {list(value)}")
