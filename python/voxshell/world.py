@@ -95,7 +95,7 @@ class World:
             here, penetration is resolved without adding velocity, which models need to rebound
             truly; -0.04 is Bullet's own default.
         solver: Bullet's solver of constraints. "sequential_impulse" is its default; "nncg" follows
-            conjugate gradients; "dantzig" solves all of an island's constraints as one problem,
+            conjugate gradients and takes no joints; "dantzig" solves all of an island's constraints as one problem,
             exactly, in a time that grows with the cube of their number; "projected_gauss_seidel"
             solves that problem step by step.
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
@@ -150,6 +150,7 @@ class World:
         self.time_step = as_positive(time_step, "time_step")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self._takes_joints = solver != "nncg"
         self._recorders: list[Recorder] = []
         self._simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
@@ -329,7 +330,8 @@ class World:
         Raises:
             InputTypeError: ``joint``, ``parent`` or ``child`` is of a wrong type.
             SettingsError: A body is of another world or has been removed, both are the same, or none
-                of them can move.
+                of them can move; or the world's solver is "nncg", under which motors at limits throw
+                bodies about.
             PoseError: A frame is not a rigid transform.
 
         Example:
@@ -350,6 +352,10 @@ class World:
             >>> bool(abs(hinge.position - 1.5) < 0.01)
             True
         """
+        if not self._takes_joints:
+            raise SettingsError(
+                "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
+            )
         if parent is not None:
             self._check_own(parent, "parent")
         self._check_own(child, "child")

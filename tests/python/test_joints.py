@@ -262,6 +262,10 @@ def test_wrong_uses_are_refused(bar):
         world.add_joint(hinge, None, body, child_from_joint=2 * np.eye(4))
     with pytest.raises(vx.SettingsError, match="not both"):
         world.add_joint(hinge, None, body, child_from_joint=at(), world_from_joint=at())
+    slippery = vx.World(solver="nncg")
+    loose = slippery.add(bar)
+    with pytest.raises(vx.SettingsError, match="'nncg' does not hold joints"):
+        slippery.add_joint(hinge, None, loose)
     assert world.joints == []
     joint = world.add_joint(vx.HingeJoint(limits=(0, 1)), None, body, name="elbow")
     with pytest.raises(vx.SettingsError, match="limits of joint 'elbow', 0 to 1, not 2"):
