@@ -41,6 +41,7 @@ from voxshell.errors import (
     ModelFileError,
     PoseError,
     RecordingError,
+    RobotError,
     SettingsError,
     VoxshellError,
 )
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
         Reaction,
         SliderJoint,
     )
+    from voxshell.urdf import Link, Robot, load_urdf
     from voxshell.world import World
     from voxshell.world_state import WorldState
 
@@ -87,11 +89,14 @@ _SIMULATION = {
     "GImpact": "voxshell.comparison_shapes",
     "HingeJoint": "voxshell.joints",
     "Joint": "voxshell.joints",
+    "Link": "voxshell.urdf",
     "PointJoint": "voxshell.joints",
     "Reaction": "voxshell.joints",
+    "Robot": "voxshell.urdf",
     "SliderJoint": "voxshell.joints",
     "World": "voxshell.world",
     "WorldState": "voxshell.world_state",
+    "load_urdf": "voxshell.urdf",
 }
 
 __all__ = [
@@ -117,6 +122,7 @@ __all__ = [
     "HingeJoint",
     "InputTypeError",
     "Joint",
+    "Link",
     "MassProperties",
     "MemoryLimitError",
     "Mesh",
@@ -133,6 +139,8 @@ __all__ = [
     "QueryScratch",
     "Reaction",
     "RecordingError",
+    "Robot",
+    "RobotError",
     "SettingsError",
     "SliderJoint",
     "Sphere",
@@ -148,6 +156,7 @@ __all__ = [
     "contacts_batch",
     "deepest_per_segment",
     "distance",
+    "load_urdf",
     "manifold",
     "testing",
     "wrench",

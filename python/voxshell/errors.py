@@ -35,6 +35,10 @@ class InputTypeError(VoxshellError, TypeError):
     """An argument is of a type that the function does not take."""
 
 
+class RobotError(VoxshellError, ValueError):
+    """A robot's file cannot be simulated; the message names it, the link or joint, and what to do."""
+
+
 class RecordingError(VoxshellError, ValueError):
     """A recording, or a request to replay one, does not make sense."""
 

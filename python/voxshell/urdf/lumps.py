@@ -1,0 +1,62 @@
+"""Links that fixed joints hold together, as the bodies that they make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.mass_properties import MassProperties
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.urdf.description import RobotDescription
+
+
+@dataclass(eq=False)
+class Lump:
+    """Links that move as one; its frame is that of the first, in which the others lie."""
+
+    links: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    """``lump_from_link`` by name."""
+
+    @property
+    def first(self) -> str:
+        """The link nearest to the root."""
+        return next(iter(self.links))
+
+    def matter(self, robot: RobotDescription) -> MassProperties | None:
+        """Of all its links together, in its frame; None where none has a mass."""
+        parts = [
+            (matter, place)
+            for name, place in self.links.items()
+            if (matter := robot.links[name].matter) is not None
+        ]
+        if not parts:
+            return None
+        mass = sum(matter.mass for matter, _ in parts)
+        centers = [place[:3, :3] @ matter.center_of_mass + place[:3, 3] for matter, place in parts]
+        masses = np.array([matter.mass for matter, _ in parts])
+        center = masses @ np.array(centers) / mass
+        inertia = np.zeros((3, 3))
+        for (matter, place), own in zip(parts, centers, strict=True):
+            lever = own - center
+            inertia += place[:3, :3] @ matter.inertia @ place[:3, :3].T
+            inertia += matter.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        return MassProperties(mass, center, inertia)
+
+
+def find_lumps(robot: RobotDescription) -> dict[str, Lump]:
+    """The lump of each link, by the link's name."""
+    root = Lump({robot.root: np.eye(4)})
+    lumps = {robot.root: root}
+    for joint in robot.joints:
+        if joint.type == "fixed":
+            lump = lumps[joint.parent]
+            lump.links[joint.child] = lump.links[joint.parent] @ joint.parent_from_joint
+        else:
+            lump = Lump({joint.child: np.eye(4)})
+        lumps[joint.child] = lump
+    return lumps

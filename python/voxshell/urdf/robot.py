@@ -1,0 +1,169 @@
+"""Robots: bodies and joints of a world by the names that their file gives them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from voxshell.errors import SettingsError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from voxshell.body import Body
+    from voxshell.joints import Joint
+    from voxshell.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link of a robot. Links that fixed joints hold together are one body.
+
+    Attributes:
+        name: As in the file.
+        body: What it is part of; None for links that are fixed to the world and have no surface.
+        body_from_link: (4, 4) float64; without a body, ``world_from_link``.
+    """
+
+    name: str
+    body: Body | None
+    body_from_link: NDArray[np.float64]
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``world_from_link``, (4, 4) float64."""
+        return self.body_from_link if self.body is None else self.body.pose @ self.body_from_link
+
+
+@dataclass(frozen=True)
+class Strength:
+    """What the motor of a joint can do at most, as the file says; None where it does not."""
+
+    effort: float | None
+    velocity: float | None
+
+
+class Robot:
+    """A robot in a world; made by :func:`load_urdf`.
+
+    Attributes:
+        name: As in the file.
+        links: All links, by name.
+        joints: The joints that move, by name: those that are not fixed or floating.
+        bodies: What the links are made of.
+    """
+
+    __slots__ = ("_mimics", "_strengths", "_world", "bodies", "joints", "links", "name")
+
+    def __init__(
+        self,
+        world: World,
+        name: str,
+        links: dict[str, Link],
+        joints: dict[str, Joint],
+        strengths: dict[str, Strength],
+        mimics: frozenset[str],
+    ) -> None:
+        self._world = world
+        self._strengths = strengths
+        self._mimics = mimics
+        self.name = name
+        self.links = links
+        self.joints = joints
+        self.bodies: list[Body] = []
+        for link in links.values():
+            if link.body is not None and link.body not in self.bodies:
+                self.bodies.append(link.body)
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """Of all joints that move, by name: radians or metres."""
+        return {name: joint.position for name, joint in self.joints.items()}
+
+    @property
+    def velocities(self) -> dict[str, float]:
+        """Of all joints that move, by name: rad/s or m/s."""
+        return {name: joint.velocity for name, joint in self.joints.items()}
+
+    def set_targets(
+        self,
+        positions: Mapping[str, float],
+        *,
+        max_force: float | None = None,
+        max_speed: float | None = None,
+    ) -> None:
+        """Drives joints to positions and holds them there; others stay as they are driven.
+
+        Args:
+            positions: By the names of joints: radians or metres.
+            max_force: Newton metres or newtons; by default the file's effort of each joint.
+            max_speed: Rad/s or m/s; by default the file's velocity, without which there is no limit.
+
+        Raises:
+            SettingsError: There is no such joint, it mimics another, the position is beyond its limits, or
+                neither the file nor the call says how strong it is.
+        """
+        for name, position in positions.items():
+            joint = self._driven(name)
+            joint.set_target_position(
+                position,
+                max_force=self._force(name, max_force),
+                max_speed=self._speed(name, max_speed),
+            )
+
+    def set_target_velocities(
+        self, velocities: Mapping[str, float], *, max_force: float | None = None
+    ) -> None:
+        """Drives joints at velocities; others stay as they are driven.
+
+        Args:
+            velocities: By the names of joints: rad/s or m/s.
+            max_force: Newton metres or newtons; by default the file's effort of each joint.
+
+        Raises:
+            SettingsError: As for :meth:`set_targets`.
+        """
+        for name, velocity in velocities.items():
+            self._driven(name).set_target_velocity(velocity, max_force=self._force(name, max_force))
+
+    def release(self) -> None:
+        """Turns the motors off, but for those of joints that mimic others."""
+        for name, joint in self.joints.items():
+            if name not in self._mimics:
+                joint.release()
+
+    def remove(self) -> None:
+        """Takes the robot out of its world."""
+        for joint in self.joints.values():
+            self._world.remove(joint)
+        for body in self.bodies:
+            self._world.remove(body)
+
+    def _driven(self, name: str) -> Joint:
+        if name not in self.joints:
+            raise SettingsError(
+                f"robot {self.name!r} has no joint {name!r} that moves; it has "
+                f"{', '.join(map(repr, self.joints)) or 'none'}"
+            )
+        if name in self._mimics:
+            raise SettingsError(f"joint {name!r} mimics another: drive that")
+        return self.joints[name]
+
+    def _force(self, name: str, given: float | None) -> float:
+        force = self._strengths[name].effort if given is None else given
+        if force is None:
+            raise SettingsError(
+                f"the file does not say how strong joint {name!r} is; pass max_force"
+            )
+        return force
+
+    def _speed(self, name: str, given: float | None) -> float:
+        speed = self._strengths[name].velocity if given is None else given
+        return math.inf if speed is None else speed
+
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r}, {len(self.links)} links, {len(self.joints)} joints that move)"
