@@ -6,7 +6,7 @@ from dataclasses import MISSING, fields, replace
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from voxshell.errors import MissingExtraError, SettingsError
+from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,12 +23,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     try:
         import tomllib  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError:  # before Python 3.11
-        try:
-            import tomli as tomllib  # pyright: ignore[reportMissingImports]
-        except ModuleNotFoundError as error:
-            raise MissingExtraError(
-                "Python 3.10 needs tomli to read TOML: pip install voxshell[experiments]"
-            ) from error
+        import tomli as tomllib  # pyright: ignore[reportMissingImports]
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -25,6 +26,20 @@ def test_command_line_starts_without_viewer_plotting_and_cluster():
     heavy = ("viser", "matplotlib", "dask", "distributed", "pyarrow", "scipy", "PIL")
     found = run(f"import sys, voxshell.cli; print([n for n in {heavy} if n in sys.modules])")
     assert found == "[]"
+
+
+def test_completion_is_installed_for_a_shell_and_knows_the_commands(tmp_path):
+    environment = {**os.environ, "HOME": str(tmp_path)}
+    install = "from voxshell.cli import main; main(['--install-completion', '--shell', 'bash'])"
+    subprocess.run([sys.executable, "-c", install], env=environment, check=True, timeout=60)
+    [script] = (tmp_path / ".local/share/bash-completion/completions").iterdir()
+    ask = (
+        f"source {script}; COMP_WORDS=(voxshell q); COMP_CWORD=1; "
+        "$(complete -p voxshell | sed 's/.*-F \\([^ ]*\\).*/\\1/') voxshell q voxshell; "
+        'echo "${COMPREPLY[@]}"'
+    )
+    said = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, timeout=60)
+    assert said.stdout.split() == ["query"], said
 
 
 def test_version_stands_in_one_place():
