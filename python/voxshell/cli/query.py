@@ -33,7 +33,9 @@ if TYPE_CHECKING:
     from voxshell.queries import Collidable, Distance, Wrench
 
 Question: TypeAlias = Literal["contacts", "collide", "distance", "wrench"]
-Numbers: TypeAlias = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
+Numbers: TypeAlias = Annotated[
+    tuple[float, ...] | None, Parameter(consume_multiple=True, negative="")
+]
 
 _MOST_POSES, _MOST_CONTACTS = 20, 8
 """Lines of a table."""
@@ -44,8 +46,8 @@ def query(
     b: str,
     /,
     *,
-    pose: Numbers = (),
-    a_pose: Numbers = (),
+    pose: Numbers = None,
+    a_pose: Numbers = None,
     poses: Path | None = None,
     ask: Annotated[tuple[Question, ...], Parameter(consume_multiple=True, negative="")] = (
         "contacts",
@@ -88,17 +90,19 @@ def query(
         options: How meshes are made into models.
         json_only: Print all contacts and answers as JSON, and nothing else.
     """
-    if poses is not None and pose:
+    if poses is not None and pose is not None:
         raise SettingsError("give either pose or poses, not both")
+    if not ask:
+        raise SettingsError("ask must name a question: contacts, collide, distance or wrench")
     if "wrench" in ask and stiffness is None:
         raise SettingsError("wrench needs a stiffness, as in --stiffness 1e6")
     if "wrench" in ask and shell == "both":
         raise SettingsError("wrench takes shell auto, a or b: with both, each surface counts twice")
-    world_from_a = make_pose(a_pose, "a_pose") if a_pose else np.eye(4)
+    world_from_a = np.eye(4) if a_pose is None else make_pose(a_pose, "a_pose")
     if poses is not None:
         world_from_b = read_poses(poses)
     else:
-        world_from_b = (make_pose(pose, "pose") if pose else np.eye(4))[None]
+        world_from_b = (np.eye(4) if pose is None else make_pose(pose, "pose"))[None]
     with open_progress(Console(quiet=json_only, stderr=True)) as progress:
         bodies: dict[str, Collidable] = {}
         # A body that meets itself is read once.
