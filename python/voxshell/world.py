@@ -11,7 +11,7 @@ from voxshell import _bullet
 from voxshell._arguments import as_floats, as_integer, as_points, as_positive, as_real, as_vector
 from voxshell.body import Body, as_friction, as_groups, as_share
 from voxshell.body_shapes import compute_mass_properties, make_geometry
-from voxshell.comparison_shapes import as_margin
+from voxshell.comparison_shapes import GImpact, as_margin
 from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.recorder import Recorder
@@ -538,7 +538,8 @@ class World:
 
         Raises:
             InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed, or ``margin`` is below 0.
+            SettingsError: One is of another world or has been removed, ``margin`` is below 0, or one is
+                a :class:`GImpact` and the other that or a plane: Bullet does not tell.
 
         Example:
             >>> import numpy as np
@@ -558,6 +559,8 @@ class World:
         if b is not None:
             self._check_own(b, "b")
         others = [b] if b is not None else [body for body in self.bodies if body is not a]
+        for other in others:
+            _refuse_unanswered(a, other)
         rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
         return _as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
 
@@ -566,7 +569,7 @@ class World:
 
         Raises:
             InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed.
+            SettingsError: As for :meth:`query_contacts`.
 
         Example:
             >>> import voxshell as vx
@@ -639,6 +642,16 @@ class World:
     def _check_own_joint(self, joint: Joint) -> None:
         if joint._simulation is not self._simulation:
             raise SettingsError(f"joint {joint.name!r} is of another world")
+
+
+def _refuse_unanswered(a: Body, b: Body) -> None:
+    """Of these pairs Bullet's contact test finds nothing, wherever they are."""
+    for first, second in ((a, b), (b, a)):
+        if isinstance(first.shape, GImpact) and isinstance(second.shape, (GImpact, Plane)):
+            raise SettingsError(
+                f"Bullet does not tell where {first.name!r}, a GImpact, touches {second.name!r}, a "
+                f"{type(second.shape).__name__}, outside of a step: see World.contacts() after one"
+            )
 
 
 def _as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import runpy
 import sys
 from pathlib import Path
 
@@ -325,3 +326,12 @@ def test_without_yourdfpy_it_says_what_to_install(write, monkeypatch):
     monkeypatch.setitem(sys.modules, "yourdfpy", None)
     with pytest.raises(vx.MissingExtraError, match=r"voxshell\[urdf\]"):
         vx.load_urdf(vx.World(), write(link("a")))
+
+
+def test_example_writes_a_page(tmp_path, monkeypatch, capsys):
+    path = Path(__file__).parents[2] / "examples/python/urdf_gripper.py"
+    monkeypatch.setattr(sys, "argv", [str(path), "--out", str(tmp_path / "new")])
+    runpy.run_path(str(path), run_name="__main__")
+    page = tmp_path / "new/replay.html"
+    assert capsys.readouterr().out == f"{page}\n"
+    assert "A gripper and a mug" in page.read_text()

@@ -179,3 +179,47 @@ def test_wrong_queries_are_refused(ring):
         world.query_contacts(body, margin=-1.0)
     with pytest.raises(vx.InputTypeError, match="b must be a Body, not Model"):
         world.overlaps(body, ring)
+
+
+CUBE = trimesh.creation.box(extents=(0.2, 0.2, 0.2))
+CUBES = {
+    "model": lambda: vx.Model.from_mesh(CUBE, voxel_size=0.01),
+    "box": lambda: vx.Box((0.1, 0.1, 0.1)),
+    "cylinder": lambda: vx.Cylinder(0.1, 0.2),
+    "capsule": lambda: vx.Capsule(0.1, 0.1),
+    "cone": lambda: vx.Cone(0.15, 0.2),
+    "sphere": lambda: vx.Sphere(0.1),
+    "hull": lambda: vx.ConvexHull(CUBE.vertices),
+    "gimpact": lambda: vx.GImpact(CUBE),
+    "compound": lambda: vx.Compound(
+        [(vx.Box((0.05, 0.1, 0.1)), at(x=0.05)), (vx.Box((0.05, 0.1, 0.1)), at(x=-0.05))]
+    ),
+    "compound of models": lambda: vx.Compound([(CUBES["model"](), at()), (vx.Sphere(0.05), at())]),
+}
+
+
+@pytest.mark.parametrize("kind", CUBES)
+@pytest.mark.parametrize("other", CUBES)
+def test_every_pair_of_shapes_can_be_asked(kind, other):
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0, pose=at(z=-1.0))
+    first = world.add(CUBES[kind]())
+    second = world.add(CUBES[other](), pose=at(x=0.11, z=0.01))
+    if other == "gimpact":
+        with pytest.raises(
+            vx.SettingsError, match="'body 2', a GImpact, touches 'body 0', a Plane"
+        ):
+            world.overlaps(second, ground)
+        if kind == "gimpact":
+            with pytest.raises(vx.SettingsError, match="a GImpact, outside of a step"):
+                world.overlaps(first, second)
+            return
+    assert world.overlaps(first, second)
+    assert world.overlaps(second, first)
+    second.pose = at(x=0.4)
+    assert not world.overlaps(first, second)
+    assert not world.overlaps(second, first)
+    second.pose = at(z=-0.95)
+    if "gimpact" not in (kind, other):
+        assert world.overlaps(second, ground)
+        assert not world.overlaps(first, ground)

@@ -138,10 +138,9 @@ class Robot:
 
     def remove(self) -> None:
         """Takes the robot out of its world."""
-        for joint in self.joints.values():
-            self._world.remove(joint)
-        for body in self.bodies:
-            self._world.remove(body)
+        for part in (*self.joints.values(), *self.bodies):
+            if not part.removed:
+                self._world.remove(part)
 
     def _driven(self, name: str) -> Joint:
         if name not in self.joints:
