@@ -17,6 +17,7 @@ from voxshell.cli.query import query
 from voxshell.cli.reproduce import reproduce
 from voxshell.cli.reproduce_peers import peers
 from voxshell.cli.simulate import simulate
+from voxshell.cli.view import view
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +32,7 @@ app = App(
     version=voxshell.__version__,
     suppress_keyboard_interrupt=False,
 )
-for _command in (build, info, query, simulate, bench, reproduce, cache):
+for _command in (build, info, query, view, simulate, bench, reproduce, cache):
     app.command(_command)
 reproduce.command(peers)
 app.register_install_completion_command()

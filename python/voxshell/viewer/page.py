@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from html import escape
 from importlib.resources import files
+from pathlib import Path
 
 from voxshell.errors import RecordingError
 from voxshell.viewer.pins import DEPTH_COLORS
@@ -86,3 +88,16 @@ def metric(length: float) -> str:
         if length >= 0.9999 * size or (unit == "mm" and length >= 0.00005):
             return f"{length / size:.3g} {unit}"
     return f"{length * 1e6:.3g} µm"
+
+
+def write_whole(path: Path, text: str) -> Path:
+    """Writes a file so that readers see the old one or the new one, never a part."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    return path

@@ -15,7 +15,7 @@ import numpy as np
 from voxshell.errors import RecordingError
 from voxshell.viewer.actors import Script, add_lane
 from voxshell.viewer.lanes import Lane, view_axes
-from voxshell.viewer.page import add_heading
+from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import full_depth
 from voxshell.viewer.server import silent_server
 from voxshell.viewer.stage import find_slabs, place_camera, plan_stage
@@ -95,7 +95,7 @@ def save_replay(
         deepest=script.deepest if script.counted else None,
         grid=stage.cell if grounded else None,
     )
-    return _write_whole(Path(path), page)
+    return write_whole(Path(path), page)
 
 
 def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
@@ -140,16 +140,3 @@ def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
         shown = f"{rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
     text = f"{pace}: {round(timeline.times[-1], 2):g} s at {steps} steps a second, {shown}."
     return text if timeline.speed == 1.0 else f"{text} The bar counts seconds of playing."
-
-
-def _write_whole(path: Path, text: str) -> Path:
-    """Writes a file so that readers see the old one or the new one, never a part."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        part.replace(path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
-    return path

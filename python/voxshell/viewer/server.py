@@ -13,10 +13,13 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def silent_server() -> Iterator[viser.ViserServer]:
-    """A viser server that nobody is told of: viser makes scenes only through one.
+def silent_server(port: int = 0) -> Iterator[viser.ViserServer]:
+    """A viser server that says nothing itself: viser makes scenes only through one.
 
-    It listens on the loopback interface, on a port that the system picks, until the scene is done.
+    It listens on the loopback interface until the scene is done.
+
+    Args:
+        port: Where, or the next one that is free; 0: the system picks one.
 
     Raises:
         MissingExtraError: If viser is not installed.
@@ -25,11 +28,11 @@ def silent_server() -> Iterator[viser.ViserServer]:
         import viser
     except ImportError as error:
         raise MissingExtraError(
-            f"replays need viser, which cannot be imported ({error}); "
+            f"the viewer needs viser, which cannot be imported ({error}); "
             "run: pip install 'voxshell[viewer]'"
         ) from error
     with _silence():
-        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
     try:
         yield server
     finally:

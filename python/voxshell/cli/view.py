@@ -1,0 +1,66 @@
+"""``voxshell view``: look into a model, and drag another body against it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
+from voxshell.cli.progress import open_progress, tracked
+from voxshell.errors import SettingsError
+from voxshell.model import Model
+from voxshell.viewer.inspector import Inspector, Layer
+from voxshell.viewer.server import silent_server
+
+if TYPE_CHECKING:
+    from voxshell.queries import Collidable
+
+
+def view(
+    body: str,
+    other: str | None = None,
+    /,
+    *,
+    show: tuple[Layer, ...] = ("surface",),
+    export: Path | None = None,
+    port: int = 8080,
+    options: ModelOptions = DEFAULTS,
+) -> None:
+    """Show a model in the browser: surface, distance field, points and tree; Ctrl-C ends it.
+
+    With two bodies the second can be dragged, and the contacts follow.
+
+    For example:
+
+        voxshell view part.stl --scale 0.001
+        voxshell view bunny.vxs plane
+        voxshell view bunny.vxs --show slice --show points --export bunny.html
+
+    Args:
+        body: A model file (.vxs), or a mesh that trimesh reads.
+        other: Likewise, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
+        show: What is seen at first: surface, slice, level, points, normals, spheres; may be repeated.
+        export: Write the scene as one offline page instead, to turn and look at, without controls.
+        options: How meshes are made into models.
+        port: Of the page on this machine; where it is taken, the next free one.
+    """
+    bodies: dict[str, Collidable] = {}
+    with open_progress(Console(stderr=True)) as progress:
+        # A body that meets itself is read once.
+        for text in dict.fromkeys((body,) if other is None else (body, other)):
+            with tracked(progress, f"read {Path(text).name}") as track:
+                bodies[text] = read_body(text, options, track.update)
+    model = bodies[body]
+    if not isinstance(model, Model):
+        raise SettingsError(f"{body} has no field and no points: name a mesh or a model file first")
+    partner = None if other is None else bodies[other]
+    with silent_server(0 if export else port) as server:
+        inspector = Inspector(server, model, partner, name=Path(body).name, show=show)
+        if export:
+            inspector.save_html(export)
+            print(f"wrote {export}")
+            return
+        print(f"http://127.0.0.1:{server.get_port()}  (Ctrl-C ends it)", flush=True)
+        server.sleep_forever()

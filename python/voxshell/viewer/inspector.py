@@ -1,0 +1,367 @@
+"""A page on which to look into a model, and to drag another body against it."""
+
+from __future__ import annotations
+
+import html
+import threading
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from voxshell.body_shapes import mesh_of
+from voxshell.queries import contacts, distance
+from voxshell.query_scratch import QueryScratch
+from voxshell.recording import ContactTrack
+from voxshell.shapes import Plane
+from voxshell.viewer.layers import (
+    Axis,
+    color_segments,
+    find_box,
+    find_level_surface,
+    paint_slice,
+)
+from voxshell.viewer.page import add_heading, metric, write_whole
+from voxshell.viewer.pins import build_pin_mesh, build_pins
+from voxshell.viewer.quaternions import rotations_as_wxyz
+from voxshell.viewer.surface import is_faceted
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+    from pathlib import Path
+
+    import viser
+    from numpy.typing import NDArray
+
+    from voxshell.model import Model
+    from voxshell.queries import Collidable
+
+Layer = Literal["surface", "slice", "level", "points", "normals", "spheres"]
+
+# The model's diagonal in display units: viser's clipping planes and speed of flight suit that.
+_DIAGONAL = 3.0
+_BODY_COLOR, _OTHER_COLOR, _LEVEL_COLOR = (92, 141, 208), (176, 138, 190), (230, 170, 60)
+_MOST_PINS = 400
+_MOST_POINTS = 60_000
+_GRAIN = 2.0**-13
+_PLANE_DRAWN = 1.5
+"""Side of the plate that a plane is drawn as, in diagonals of the model."""
+
+# Turns of a picture, whose columns lie along x and rows along -y, into the planes across each axis.
+_ACROSS: dict[Axis, NDArray[np.float64]] = {
+    "x": np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "z": np.eye(3),
+}
+
+
+class Inspector:
+    """The scene of a model, with controls, on a viser server; and perhaps a second body.
+
+    Args:
+        server: Where to show it.
+        model: What to look into.
+        other: A body to drag against it; contacts follow.
+        pose: ``model_from_other`` at first, (4, 4); beside the model by default.
+        name: Of the model, for people.
+        show: What is seen at first; controls change it.
+
+    Raises:
+        SettingsError: ``other`` is nothing that a model can meet.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        model: Model,
+        other: Collidable | None = None,
+        *,
+        pose: NDArray[np.float64] | None = None,
+        name: str = "model",
+        show: Collection[Layer] = ("surface",),
+    ) -> None:
+        self._server, self._model, self._other = server, model, other
+        self._name, self._show = name, show
+        low, high = model.bounds
+        self._scale = _DIAGONAL / float(np.linalg.norm(high - low))
+        self._scratch = QueryScratch()
+        # viser calls back from several threads; a scratch is for one.
+        self._lock = threading.RLock()
+        self._nodes: dict[str, Any] = {}
+        server.scene.set_up_direction("+z")
+        server.scene.world_axes.visible = False
+        self._look_at(low, high)
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.add_markdown(self._describe())
+        self._add_body()
+        self._add_field()
+        self._add_shell()
+        if other is not None:
+            self._add_other(other, pose)
+
+    def _look_at(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+        """Places the camera before a box, metres, so that all of it is seen beside the controls."""
+        target = 0.5 * (low + high) * self._scale
+        away = 0.5 * float(np.linalg.norm(high - low)) * self._scale
+        # The controls cover the right of the page.
+        target = target + away * np.array([0.5, 0.15, 0.0])
+        camera = self._server.initial_camera
+        camera.look_at, camera.position = target, target + away * np.array([0.7, -2.0, 1.1])
+
+    def _describe(self) -> str:
+        model = self._model
+        return (
+            f"**{html.escape(self._name)}**  \n{len(model.mesh.faces):,} triangles, "
+            f"{len(model.shell):,} points, voxels of {metric(model.field.voxel_size)}"
+        )
+
+    def _add_body(self) -> None:
+        body = self._add_mesh("/body", self._model.mesh, _BODY_COLOR)
+        shown = self._server.gui.add_checkbox("surface", "surface" in self._show)
+        body.visible = shown.value
+        opacity = self._server.gui.add_slider("opacity", 0.1, 1.0, 0.1, 1.0)
+
+        @shown.on_update
+        def _(_: Any) -> None:
+            body.visible = shown.value
+
+        @opacity.on_update
+        def _(_: Any) -> None:
+            body.opacity = None if opacity.value == 1.0 else opacity.value
+
+    def _add_field(self) -> None:
+        gui = self._server.gui
+        with gui.add_folder("distance field"):
+            shown = gui.add_checkbox("slice", "slice" in self._show)
+            axis = gui.add_dropdown("across", ("x", "y", "z"), initial_value="y")
+            place = gui.add_slider("at", 0.0, 1.0, 0.01, 0.5)
+            level_shown = gui.add_checkbox("level surface", "level" in self._show)
+            thickness = 1e3 * float(np.ptp(self._model.bounds, axis=0).max())
+            level = gui.add_slider(
+                "distance, mm", -0.2 * thickness, 0.2 * thickness, 0.01 * thickness, 0.0
+            )
+
+        def show_slice(_: Any = None) -> None:
+            with self._lock:
+                self._drop("slice")
+                if shown.value:
+                    self._nodes["slice"] = self._draw_slice(axis.value, place.value)
+
+        def show_level(_: Any = None) -> None:
+            with self._lock:
+                self._drop("level")
+                if not level_shown.value:
+                    return
+                surface = find_level_surface(self._model, 1e-3 * level.value)
+                if len(surface.faces) > 0:
+                    node = self._add_mesh("/level", surface, _LEVEL_COLOR)
+                    node.opacity = 0.6
+                    self._nodes["level"] = node
+
+        for control in (shown, axis, place):
+            control.on_update(show_slice)
+        for control in (level_shown, level):
+            control.on_update(show_level)
+        show_slice()
+        show_level()
+
+    def _draw_slice(self, axis: Axis, share: float) -> Any:
+        low, high = find_box(self._model)
+        across = "xyz".index(axis)
+        width, height = (float((high - low)[i]) for i in range(3) if i != across)
+        middle = 0.5 * (low + high)
+        middle[across] = low[across] + share * (high - low)[across]
+        return self._server.scene.add_image(
+            "/slice",
+            paint_slice(self._model, axis, share),
+            render_width=width * self._scale,
+            render_height=height * self._scale,
+            format="png",
+            wxyz=rotations_as_wxyz(_ACROSS[axis][None])[0],
+            position=middle * self._scale,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _add_shell(self) -> None:
+        gui, tree = self._server.gui, self._model.shell.tree
+        with gui.add_folder("point shell"):
+            points = gui.add_checkbox("points", "points" in self._show)
+            normals = gui.add_checkbox("normals", "normals" in self._show)
+            spheres = gui.add_checkbox("spheres", "spheres" in self._show)
+            level = gui.add_slider("tree level", 1, tree.levels, 1, min(3, tree.levels))
+
+        def show(_: Any = None) -> None:
+            with self._lock:
+                for name in ("points", "normals", "spheres"):
+                    self._drop(name)
+                number = int(level.value)
+                if points.value or normals.value:
+                    self._draw_points(number, points=points.value, normals=normals.value)
+                if spheres.value:
+                    self._draw_spheres(tree.spheres(number))
+
+        for control in (points, normals, spheres, level):
+            control.on_update(show)
+        show()
+
+    def _draw_points(self, level: int, *, points: bool, normals: bool) -> None:
+        shell = self._model.shell
+        # Of very many, some stand for all: a browser draws no more in time.
+        chosen = slice(None, None, -(-len(shell) // _MOST_POINTS))
+        places = shell.points[chosen] * np.float32(self._scale)
+        colors = color_segments(shell.tree.segments(level)[chosen])
+        spacing = shell.spacing * self._scale
+        if points:
+            self._nodes["points"] = self._server.scene.add_point_cloud(
+                "/points", places, colors, point_size=0.5 * spacing, point_shape="circle"
+            )
+        if normals:
+            ends = places + np.float32(1.5 * spacing) * shell.normals[chosen]
+            self._nodes["normals"] = self._server.scene.add_line_segments(
+                "/normals",
+                np.stack([places, ends], axis=1),
+                np.repeat(colors[:, None], 2, axis=1),
+            )
+
+    def _draw_spheres(self, spheres: NDArray[np.float32]) -> None:
+        from trimesh.creation import icosphere
+
+        ball = icosphere(subdivisions=3)
+        drawn = spheres[spheres[:, 3] > 0.0] * np.float32(self._scale)
+        self._nodes["spheres"] = self._server.scene.add_batched_meshes_simple(
+            "/spheres",
+            np.asarray(ball.vertices, np.float32),
+            np.asarray(ball.faces, np.uint32),
+            np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (len(drawn), 1)),
+            drawn[:, :3],
+            batched_scales=drawn[:, 3],
+            batched_colors=color_segments(np.arange(len(drawn))),
+            opacity=0.25,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _add_other(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
+        mesh = mesh_of(other)  # pyright: ignore[reportArgumentType]: every shape that there is
+        if isinstance(other, Plane):
+            # A plate as large as the scene: the whole one would hide it.
+            middle = mesh.vertices.mean(axis=0)
+            share = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
+            surface = other.offset * other.normal
+            mesh = mesh._replace(vertices=surface + share * (mesh.vertices - middle))
+        extent = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+        start = np.eye(4) if pose is None else pose
+        if pose is None and not isinstance(other, Plane):
+            start[0, 3] = self._model.bounds[1, 0] - mesh.vertices[:, 0].min()
+        if not isinstance(other, Plane):
+            both = np.stack(
+                [*self._model.bounds, *(mesh.vertices @ start[:3, :3].T + start[:3, 3])]
+            )
+            self._look_at(both.min(axis=0), both.max(axis=0))
+        self._gizmo = self._server.scene.add_transform_controls(
+            "/other",
+            scale=0.5 * min(extent * self._scale, _DIAGONAL),
+            wxyz=rotations_as_wxyz(start[None, :3, :3])[0],
+            position=start[:3, 3] * self._scale,
+        )
+        self._add_mesh("/other/body", mesh, _OTHER_COLOR).opacity = 0.7
+        with self._server.gui.add_folder("contacts"):
+            self._readout = self._server.gui.add_markdown("")
+            place = self._server.gui.add_vector3(
+                "place, mm", tuple((1e3 * start[:3, 3]).tolist()), step=0.1
+            )
+        ball, faces = build_pin_mesh(0.012 * _DIAGONAL)
+        self._pins = self._server.scene.add_batched_meshes_simple(
+            *("/contacts", ball, faces),
+            np.array([[1.0, 0.0, 0.0, 0.0]], np.float32),
+            np.zeros((1, 3), np.float32),
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+
+        @self._gizmo.on_update
+        def _(_: Any) -> None:
+            with self._lock:
+                millimetres = 1e3 / self._scale * np.asarray(self._gizmo.position)
+                place.value = tuple(millimetres.round(3).tolist())
+                self.show_contacts()
+
+        @place.on_update
+        def _(event: Any) -> None:
+            # Not what the drag above has just written.
+            if event.client_id is not None:
+                with self._lock:
+                    self._gizmo.position = 1e-3 * self._scale * np.array(place.value)
+                    self.show_contacts()
+
+        self.show_contacts()
+
+    def save_html(self, path: Path) -> Path:
+        """Writes the scene as it stands as one offline page, to turn and look at.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        page = add_heading(
+            self._server.get_scene_serializer().as_html(),
+            title=self._name,
+            caption=f"{len(self._model.shell):,} points",
+            rate="",
+            deepest=None,
+            grid=None,
+        )
+        return write_whole(path, page)
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``model_from_other`` as it stands, (4, 4)."""
+        w, x, y, z = np.asarray(self._gizmo.wxyz) / np.linalg.norm(self._gizmo.wxyz)
+        pose = np.eye(4)
+        pose[:3, :3] = (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+        )
+        pose[:3, 3] = np.asarray(self._gizmo.position) / self._scale
+        return pose
+
+    def show_contacts(self) -> None:
+        """Works out the contacts where the other body is now, and shows them."""
+        assert self._other is not None
+        pose = self.pose
+        found = contacts(self._model, self._other, None, pose, scratch=self._scratch)
+        apart = distance(self._model, self._other, None, pose).distance
+        track = ContactTrack.from_frames([(found.points_b, found.normals, found.depths)])
+        pins = build_pins(
+            track.frame(0),
+            scale=self._scale,
+            deepest=float(found.depths.max(initial=0.0)),
+            limit=_MOST_PINS,
+            grain=_GRAIN,
+        )
+        with self._server.atomic():
+            if len(pins):
+                self._pins.batched_positions = pins.positions
+                self._pins.batched_wxyzs = pins.rotations
+                self._pins.batched_colors = pins.colors
+            self._pins.visible = bool(len(pins))
+            gap = f"{1e3 * abs(apart):.3f} mm {'deep' if apart < 0.0 else 'apart'}"
+            self._readout.content = f"{len(found):,} contacts, {gap}"
+
+    def _add_mesh(self, name: str, mesh: Any, color: tuple[int, int, int]) -> Any:
+        vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+        return self._server.scene.add_mesh_simple(
+            name,
+            (vertices * self._scale).astype(np.float32),
+            faces.astype(np.uint32),
+            color=color,
+            flat_shading=is_faceted(vertices, faces.astype(np.int64)),
+            side="double",
+        )
+
+    def _drop(self, name: str) -> None:
+        node = self._nodes.pop(name, None)
+        if node is not None:
+            node.remove()

@@ -1,0 +1,114 @@
+"""What there is to see of a model: slices and level surfaces of its field, and its tree in colours."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell.errors import MissingExtraError
+from voxshell.meshes import Mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.model import Model
+
+Axis = Literal["x", "y", "z"]
+
+_PIXELS = 256
+_BANDS = 12
+"""Of distance, from the surface to the farthest that a slice shows."""
+
+_CELLS = 48
+"""Along the longest side, of what a level surface is made from."""
+
+# From the surface inwards and outwards: pale to strong.
+_INSIDE = np.array(((198, 219, 245), (33, 82, 156)), dtype=np.float64)
+_OUTSIDE = np.array(((252, 226, 205), (176, 58, 30)), dtype=np.float64)
+_SURFACE = np.array((20.0, 20.0, 20.0))
+
+
+def find_box(model: Model) -> NDArray[np.float64]:
+    """The box that slices are cut from, (2, 3), metres: the model's bounds and a fifth around."""
+    low, high = model.bounds
+    around = 0.2 * float((high - low).max())
+    return np.stack([low - around, high + around])
+
+
+def paint_slice(model: Model, axis: Axis, share: float) -> NDArray[np.uint8]:
+    """The field in a plane across an axis, in bands of colour, the surface black.
+
+    Args:
+        model: Whose field.
+        axis: Across which.
+        share: Where along that side of :func:`find_box`, 0 to 1.
+
+    Returns:
+        (h, w, 3): blue inside, red outside. Rows go up the second of the other two axes, in the order
+        x, y, z, columns along the first.
+    """
+    low, high = find_box(model)
+    across = "xyz".index(axis)
+    first, second = (number for number in range(3) if number != across)
+    sides = (high - low)[[first, second]]
+    width, height = np.maximum(np.round(_PIXELS * sides / sides.max()), 2).astype(int).tolist()
+    points = np.empty((height, width, 3))
+    points[..., across] = low[across] + share * (high - low)[across]
+    points[..., first] = np.linspace(low[first], high[first], width)
+    points[..., second] = np.linspace(low[second], high[second], height)[:, None]
+    distances = model.field.sample(points.reshape(-1, 3)).reshape(height, width)
+    reach = 0.5 * float((high - low).max())
+    bands = np.clip(np.ceil(np.abs(distances) / reach * _BANDS) / _BANDS, 0.0, 1.0)[..., None]
+    inside, outside = (
+        pale + bands * (strong - pale) for pale, strong in (tuple(_INSIDE), tuple(_OUTSIDE))
+    )
+    colors = np.where(distances[..., None] < 0.0, inside, outside)
+    colors[np.abs(distances) < 0.6 * sides.max() / _PIXELS] = _SURFACE
+    return colors.round().astype(np.uint8)
+
+
+def find_level_surface(model: Model, distance: float) -> Mesh:
+    """The surface on which the field has a value, metres; empty where there is none.
+
+    Raises:
+        MissingExtraError: manifold3d is not installed.
+    """
+    try:
+        from manifold3d import Manifold  # pyright: ignore[reportMissingImports]
+    except ImportError as error:
+        raise MissingExtraError(
+            "level surfaces are made with manifold3d: pip install 'voxshell[viewer]'"
+        ) from error
+    low, high = model.bounds
+    edge = float((high - low).max()) / _CELLS
+    around = max(distance, 0.0) + 2.0 * edge
+    sample = model.field.sample
+
+    def inner(x: float, y: float, z: float) -> float:
+        return -float(sample([[x, y, z]])[0])
+
+    box = [*(low - around).tolist(), *(high + around).tolist()]
+    found = Manifold.level_set(inner, box, edge, -distance).to_mesh64()
+    return Mesh(
+        np.array(found.vert_properties[:, :3], dtype=np.float64),
+        np.array(found.tri_verts, dtype=np.uint32),
+    )
+
+
+def color_segments(segments: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """A colour for each segment, (n, 3); neighbours in number differ much.
+
+    Example:
+        >>> import numpy as np
+        >>> color_segments(np.array([0, 0, 1])).tolist()
+        [[217, 87, 87], [217, 87, 87], [87, 125, 217]]
+    """
+    # Turns of the golden ratio spread over the circle however many there are.
+    hue = 6.0 * np.modf(segments * 0.6180339887498949)[0]
+    channels = [
+        np.clip(np.abs(hue - 3.0) - 1.0, 0.0, 1.0),
+        np.clip(2.0 - np.abs(hue - 2.0), 0.0, 1.0),
+        np.clip(2.0 - np.abs(hue - 4.0), 0.0, 1.0),
+    ]
+    return (87.0 + 130.0 * np.stack(channels, axis=1)).round().astype(np.uint8)

@@ -1,0 +1,168 @@
+"""The inspector in a real browser: controls change the picture, a drag moves contacts."""
+
+from __future__ import annotations
+
+import io
+import re
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from PIL import Image
+from player import PATIENCE, Player
+from playwright.sync_api import Browser, Page
+from voxshell.viewer.inspector import Inspector
+from voxshell.viewer.layers import find_box, find_level_surface, paint_slice
+from voxshell.viewer.server import silent_server
+
+HALF = (0.03, 0.02, 0.01)
+
+
+@pytest.fixture(scope="module")
+def brick() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.box(2.0 * np.array(HALF)), resolution=60)
+
+
+def test_a_slice_shows_the_field_the_right_way_round():
+    mesh = trimesh.creation.box((0.06, 0.04, 0.02))
+    mesh.apply_translation((0.01, 0.0, 0.005))
+    tower = trimesh.creation.box((0.02, 0.01, 0.03)).apply_translation((0.03, 0.012, 0.02))
+    model = vx.Model.from_mesh(
+        trimesh.util.concatenate([mesh, tower]), sign="winding", resolution=60
+    )
+    low, high = find_box(model)
+    for number, axis in enumerate("xyz"):
+        share = (np.array((0.03, 0.012, 0.02))[number] - low[number]) / (high - low)[number]
+        picture = paint_slice(model, axis, float(share)).astype(int)
+        blue = picture[..., 2] > picture[..., 0] + 20
+        rows, columns = np.nonzero(blue)
+        first, second = (i for i in range(3) if i != number)
+        tall = np.array(picture.shape[:2]) - 1
+        found = low[second] + rows / tall[0] * (high - low)[second]
+        across = low[first] + columns / tall[1] * (high - low)[first]
+        # Of the part of the solid that is in this plane: where it ends, on both sides.
+        solid = [(-0.02, 0.04), (-0.02, 0.02), (-0.005, 0.035)]
+        if axis == "z":
+            solid = [(0.02, 0.04), (0.007, 0.017), (0.0, 0.0)]
+        for values, side in ((across, solid[first]), (found, solid[second])):
+            assert (values.min(), values.max()) == pytest.approx(side, abs=0.002)
+
+
+def test_a_level_surface_lies_where_the_field_has_that_value(brick):
+    for distance in (-0.004, 0.0, 0.005):
+        surface = find_level_surface(brick, distance)
+        assert len(surface.faces) > 100
+        values = brick.field.sample(surface.vertices)
+        assert np.median(np.abs(values - distance)) < 1e-4
+        # Level surfaces are made on a grid of their own, and cut edges off.
+        assert np.abs(values - distance).max() < 0.001
+    assert len(find_level_surface(brick, -0.1).faces) == 0
+
+
+class Visit:
+    """A page of the inspector in the browser, and what it complained of."""
+
+    def __init__(self, browser: Browser, port: int) -> None:
+        self.page: Page = browser.new_page(viewport={"width": 760, "height": 420})
+        self.page.set_default_timeout(PATIENCE * 1000.0)
+        self.complaints: list[str] = []
+        self.page.on(
+            "console",
+            lambda message: (
+                self.complaints.append(message.text) if message.type == "error" else None
+            ),
+        )
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(f"http://127.0.0.1:{port}")
+        self.page.wait_for_selector("canvas[data-engine]")
+        self.page.add_style_tag(content=".mantine-Notifications-root { display: none; }")
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) what is beside the controls, 0 to 255."""
+        shot = self.page.screenshot(timeout=PATIENCE * 1000.0)
+        return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int64)[:, :420]
+
+    def wait(self, wanted: Callable[[], bool], what: str) -> None:
+        end = time.monotonic() + PATIENCE
+        while not wanted():
+            assert time.monotonic() < end, f"{what}; {self.complaints}"
+            time.sleep(0.1)
+
+    def differs(self, before: np.ndarray, pixels: int = 100) -> bool:
+        return int(np.sum(np.abs(self.picture() - before).max(axis=2) > 25)) > pixels
+
+    def readout(self) -> tuple[int, float]:
+        """Contacts, and signed distance in millimetres."""
+        text = self.page.get_by_text(re.compile(r"\d contacts, ")).inner_text()
+        count, value, side = re.fullmatch(r"([\d,]+) contacts, ([\d.]+) mm (\w+)", text).groups()
+        return int(count.replace(",", "")), float(value) * (-1.0 if side == "deep" else 1.0)
+
+
+@pytest.fixture
+def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]]:
+    with silent_server() as server:
+        inspector = Inspector(server, brick, vx.Sphere(0.015), name="brick")
+        visit = Visit(browser, server.get_port())
+        visit.wait(lambda: int(np.sum(visit.picture().min(axis=2) < 240)) > 2000, "nothing is seen")
+        yield visit, inspector
+        visit.page.close()
+
+
+def colored(picture: np.ndarray, red: int, green: int, blue: int) -> np.ndarray:
+    """Whether each pixel is about of a colour."""
+    return np.abs(picture - (red, green, blue)).max(axis=2) < 30
+
+
+def test_controls_and_drags_change_the_picture(visit: tuple[Visit, Inspector], brick: vx.Model):
+    page, inspector = visit
+    # A brick of 60 mm and a sphere of 15 mm beside it; its gizmo's blue arrow, along z, is drawn up.
+    assert page.readout()[0] == 0
+    assert page.readout()[1] == pytest.approx(0.0, abs=0.2)
+    rows, columns = np.nonzero(colored(page.picture(), 54, 142, 226))
+    grip = np.argsort(rows)[20]
+    x, y = float(columns[grip]), float(rows[grip])
+    mouse = page.page.mouse
+    mouse.move(x, y)
+    time.sleep(0.5)
+    mouse.down()
+    for part in range(1, 6):
+        time.sleep(0.1)
+        mouse.move(x, y - 12.0 * part)
+    mouse.up()
+    page.wait(lambda: page.readout()[1] > 1.0, "the drag moves nothing")
+    assert inspector.pose[:2, 3] == pytest.approx((0.045, 0.0), abs=1e-6)
+    assert inspector.pose[2, 3] > 0.01
+
+    place = page.page.get_by_role("textbox").filter(visible=True).nth(-3)
+    place.fill("40")
+    place.blur()
+    height = page.page.get_by_role("textbox").filter(visible=True).nth(-1)
+    height.fill("0")
+    height.blur()
+    page.wait(lambda: page.readout()[1] == pytest.approx(-5.0, abs=0.01), "the field moves nothing")
+    assert inspector.pose[0, 3] == pytest.approx(0.04)
+    assert page.readout()[0] == len(vx.contacts(brick, vx.Sphere(0.015), None, inspector.pose))
+
+    boxes = page.page.get_by_role("checkbox")
+    labels = ("surface", "slice", "level surface", "points", "normals", "spheres")
+    assert boxes.count() == len(labels)
+    before = page.picture()
+    for number, label in enumerate(labels):
+        boxes.nth(number).click()
+        page.wait(lambda before=before: page.differs(before), f"{label} changes nothing")
+        before = page.picture()
+    assert page.complaints == []
+
+
+def test_the_exported_page_shows_the_scene_offline(browser, brick, tmp_path):
+    with silent_server() as server:
+        inspector = Inspector(server, brick, show=("slice", "points"), name="a <brick>")
+        path = inspector.save_html(tmp_path / "brick.html")
+    player = Player(browser, path)
+    player.wait(lambda p: int(np.sum(p.min(axis=2) < 200)) > 3000, "nothing is seen")
+    assert player.page.title() == "a <brick>"
+    assert player.complaints == []
+    assert player.fetched == [path.as_uri()]
