@@ -107,7 +107,7 @@ void bind_simulation(nb::module_& module) {
       .def_rw("group", &BodyMaterial::group)
       .def_rw("mask", &BodyMaterial::mask);
 
-  nb::class_<SimulationState>(module, "SimulationState");
+  [[maybe_unused]] const nb::class_<SimulationState> state(module, "SimulationState");
 
   nb::class_<Simulation>(module, "Simulation")
       .def(

@@ -142,7 +142,7 @@ class Simulation {
   void apply_torque_impulse(std::size_t body, const Vec3& impulse);
 
   const BodyMaterial& material(std::size_t body) const;
-  void set_material(std::size_t body, const BodyMaterial& material);
+  void set_material(std::size_t number, const BodyMaterial& material);
   /// Whether two bodies meet, whatever their groups.
   void set_collision(std::size_t a, std::size_t b, bool collides);
 
