@@ -2,7 +2,7 @@
 
 The thread has 0.4 mm of clearance along the radius. Nothing but contacts guides the nut: it must go down one
 pitch a turn, never touch deeper than a fraction of the clearance, and never leave the axis by more
-than the clearance. Friction of 0.04 in all: without the motor it would run down by itself, slowly.
+than the clearance. Friction of 0.25 holds the nut where it is: it is the motor that moves it.
 """
 
 import numpy as np
@@ -19,8 +19,8 @@ thread = BoltSettings(voxel_size=0.0004 if options.quick else 0.0002)
 bolt, nut_model = thread.build_bolt(), thread.build_nut()
 start = thread.compute_fit(5.3)
 world = vx.World(time_step=1 / RATE, sleeping=False)
-world.add(bolt, mass=0, friction=0.2, name="bolt")
-nut = world.add(nut_model, mass=MASS, pose=start, friction=0.2, name="nut")
+world.add(bolt, mass=0, friction=0.5, name="bolt")
+nut = world.add(nut_model, mass=MASS, pose=start, friction=0.5, name="nut")
 recorder = world.record(every=16)
 inertia = nut_model.mass_properties(MASS).inertia[2, 2]
 turned, before, rows = 0.0, measure_turns(start), []
