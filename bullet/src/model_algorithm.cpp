@@ -125,20 +125,18 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   }
 
   std::optional<ContactRule> rule;
-  bool is_regular = false;
   bool takes_all = false;
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-    // Four points do not hold a body that turns while it is stopped: fast steps take all segments.
-    is_regular = settings_.mode == ContactMode::kRegular && !rule->sweeps();
-    takes_all = is_regular || rule->is_still();
+    // A point a segment is what kSegmented promises of bodies that move.
+    takes_all = !rule->sweeps() && (settings_.mode != ContactMode::kSegmented || rule->is_still());
     find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     rule->apply(contacts_);
-    if (takes_all && !rule->sweeps() && !contacts_.empty()) {
+    if (takes_all && !contacts_.empty()) {
       drop_idle_points(static_cast<float>(rule->rest_margin()) / 5.0f);
     }
   }
@@ -153,7 +151,8 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     // look through.
     release_manifolds();
   } else {
-    fill(pair, *rule, is_regular);
+    // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
+    fill(pair, *rule, takes_all && settings_.mode == ContactMode::kRegular);
   }
 }
 

@@ -83,7 +83,8 @@ class World:
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
             those that span the largest area, four at most; "segmented": the deepest of each cluster
             of the point-sphere tree at ``level``, or up to four of each where a body lies still on few;
-            "auto": what rests most calmly, now segmented.
+            "auto": what rests most calmly, now
+            segmented with up to four points each on few, moving or not.
         level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters.
         margin: How near slow points count as contacts, metres; a thousandth of the shell's diameter
             by default. Without it, resting bodies rock.

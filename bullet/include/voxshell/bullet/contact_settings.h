@@ -5,7 +5,9 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  kAutomatic,  ///< what rests most calmly: segmented
+  /// What rests most calmly: segmented, with up to four points a segment on few segments, but for
+  /// steps that sweep.
+  kAutomatic,
   /// One manifold of at most four points: the deepest, then area. Segmented in steps that sweep
   /// (see ContactSettings::sweep_beyond).
   kRegular,
