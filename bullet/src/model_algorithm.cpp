@@ -21,6 +21,8 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr int kDefaultLevel = 4;
+/// In steps that sweep: a body that turns while it is stopped is held by more points.
+constexpr int kDefaultSweptLevel = 5;
 constexpr float kCarriesOn = 0.25f;  // of the rest margin
 
 /// Adds the time from its making to its end.
@@ -129,8 +131,9 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
+    sweeps_ = rule->sweeps();
     // A point a segment is what kSegmented promises of bodies that move.
-    takes_all = !rule->sweeps() && (settings_.mode != ContactMode::kSegmented || rule->is_still());
+    takes_all = !sweeps_ && (settings_.mode != ContactMode::kSegmented || rule->is_still());
     find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
   {
@@ -184,8 +187,8 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
 }
 
 int ModelAlgorithm::level() const {
-  return settings_.level > 0 ? std::min(settings_.level, PointSphereTree::kMaxLevel)
-                             : kDefaultLevel;
+  if (settings_.level > 0) return std::min(settings_.level, PointSphereTree::kMaxLevel);
+  return sweeps_ ? kDefaultSweptLevel : kDefaultLevel;
 }
 
 /// The number that a contact's manifold goes by.

@@ -59,6 +59,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   Purpose purpose_;
   ContactRule::Memory memory_;
   QueryScratch scratch_;
+  bool sweeps_ = false;      ///< this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id

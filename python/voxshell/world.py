@@ -85,7 +85,8 @@ class World:
             of the point-sphere tree at ``level``, or up to four of each where a body lies still on few;
             "auto": what rests most calmly, now
             segmented with up to four points each on few, moving or not.
-        level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters.
+        level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters,
+            and 5 in steps in which bodies are fast.
         margin: How near slow points count as contacts, metres; a thousandth of the shell's diameter
             by default. Without it, resting bodies rock.
         sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch

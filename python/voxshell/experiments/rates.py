@@ -21,12 +21,18 @@ if TYPE_CHECKING:
     from voxshell.experiments.part import Tables
 
 Rule = Literal["published", "voxshell"]
+RULES: tuple[Rule, ...] = ("published", "voxshell")
 Ground = Literal["plane", "slab"]
+GROUNDS: tuple[Ground, ...] = ("plane", "slab")
 
 SLAB_HALF_EXTENTS = (0.5, 0.5, 0.025)
 """Metres: 5 cm thick, less than a step's way at low rates."""
 
 LEVELS = (1, 2, 3, 4, 5)
+MODES = (*(f"level {level}" for level in LEVELS), "regular", "auto")
+"""Of contacts; the last is ours alone."""
+
+THROWN_MODES = ("auto", "regular")
 LEAST_STEPS = 12
 """Of a run, however few seconds these are."""
 
@@ -73,9 +79,9 @@ def plan(settings: RatesSettings) -> list[Part]:
             {"settings": settings, "rule": rule, "ground": ground, "mode": mode},
             cost=cost,
         )
-        for rule in ("published", "voxshell")
-        for ground in ("plane", "slab")
-        for mode in (*(f"level {level}" for level in LEVELS), "regular")
+        for rule in RULES
+        for ground in GROUNDS
+        for mode in modes_of(rule)
     ]
     throws = [
         Part(
@@ -84,10 +90,15 @@ def plan(settings: RatesSettings) -> list[Part]:
             {"settings": settings, "ground": ground, "mode": mode},
             cost=cost / 4,
         )
-        for ground in ("plane", "slab")
-        for mode in ("level 4", "regular")
+        for ground in GROUNDS
+        for mode in THROWN_MODES
     ]
     return falls + throws
+
+
+def modes_of(rule: Rule) -> tuple[str, ...]:
+    """Those of :data:`MODES` that a rule is tried with."""
+    return MODES if rule == "voxshell" else MODES[:-1]
 
 
 def run_falls(settings: RatesSettings, rule: Rule, ground: Ground, mode: str) -> Tables:
@@ -131,10 +142,15 @@ def _tabulate(
     for rate, speed, orientation in cases:
         lowest, middle, sideways = _land(settings, rule, ground, mode, rate, speed, orientation)
         rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
-        rows.append(
-            (rate, speed, orientation, -lowest.min(), -rest.min(), middle[-1], sideways[-1])
-        )
-    names = ("rate", "speed", "orientation", "deepest", "rest_depth", "middle", "sideways")
+        # Of one that bounced over the slab's edge, until its centre is below it.
+        falls = np.flatnonzero(~(middle > 0.0))
+        over = lowest[: falls[0]] if len(falls) and sideways[-1] > SLAB_HALF_EXTENTS[0] else lowest
+        first = int(np.argmax(over <= 0.0))
+        later = over[first + 1 :].min(initial=0.0)
+        depths = (-over.min(), -later, -rest.min())
+        rows.append((rate, speed, orientation, *depths, middle[-1], sideways[-1]))
+    names = ("deepest", "later_depth", "rest_depth", "middle", "sideways")
+    names = ("rate", "speed", "orientation", *names)
     return {"runs": dict(zip(names, np.array(rows).T, strict=True))}
 
 
@@ -176,8 +192,8 @@ def _land(
 
 def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:
     """The same as arguments of World."""
-    arguments: dict[str, Any] = {"contact": "regular"}
-    if mode != "regular":
+    arguments: dict[str, Any] = {"contact": mode}
+    if mode.startswith("level "):
         arguments = {"contact": "segmented", "level": int(mode.removeprefix("level "))}
     if rule == "published":
         arguments |= {"margin": 0.0, "sweep_beyond": math.inf}

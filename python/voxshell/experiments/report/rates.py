@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +27,8 @@ PUBLISHED_LOWEST = {1: 30.0, 4: 10.0, 5: 10.0}
 
 GROUNDS = {"plane": "half-space", "slab": "slab of 5 cm"}
 LOW_RATE = 5.0
-MODES = (*(f"level {level}" for level in rates.LEVELS), "regular")
+HELD_TO = ("level 4", "level 5", "regular", "auto")
+"""Modes that the bars are for: fewer contacts cannot carry a body at any rate."""
 
 
 def describe(settings: RatesSettings) -> str:
@@ -96,13 +98,12 @@ def _rows_as_published(results: Results) -> list[Row]:
 def _rows_of_ours(settings: RatesSettings, results: Results) -> list[Row]:
     rows = []
     for ground, where in GROUNDS.items():
-        for mode in MODES:
-            # One contact a body cannot carry it at any rate: published for comparison, no bar.
-            held_to = mode in ("level 4", "level 5", "regular")
+        for mode in rates.MODES:
+            held_to = mode in HELD_TO
             lowest = _find_lowest(results, "voxshell", ground, mode)
             runs = results[f"fall-voxshell-{ground}-{mode}"]["runs"]
             fast = runs["rate"] >= LOW_RATE
-            depth = float(runs["rest_depth"][fast].max())
+            depth = float(runs["later_depth"][fast].max())
             tail = f"{mode}, our rule, {where}"
             rows.append(
                 Row(
@@ -117,14 +118,13 @@ def _rows_of_ours(settings: RatesSettings, results: Results) -> list[Row]:
             if held_to:
                 rows.append(
                     Row(
-                        f"deepest at rest from {settings.rates[0]:g} to {LOW_RATE:g} Hz, {tail}",
+                        f"deepest after the first contact, {settings.rates[0]:g} to {LOW_RATE:g} Hz, {tail}",
                         None,
                         depth * 1e3,
                         "mm",
                         bar=f"<= {settings.voxel_size * 1e3:g} (a voxel)",
                         holds=at_most(depth, settings.voxel_size),
-                        note=f"median {1e3 * float(np.median(runs['rest_depth'][fast])):.2f} mm; "
-                        f"deepest at any time {1e3 * float(runs['deepest'][fast].max()):.1f} mm",
+                        note=_tell_depths(runs, settings.voxel_size),
                     )
                 )
     return rows
@@ -133,7 +133,7 @@ def _rows_of_ours(settings: RatesSettings, results: Results) -> list[Row]:
 def _rows_of_throws(settings: RatesSettings, results: Results) -> list[Row]:
     rows = []
     for ground, where in GROUNDS.items():
-        for mode in ("level 4", "regular"):
+        for mode in rates.THROWN_MODES:
             runs = results[f"throw-{ground}-{mode}"]["runs"]
             for speed in settings.throw_speeds:
                 mine = runs["speed"] == speed
@@ -156,12 +156,14 @@ def _rows_of_throws(settings: RatesSettings, results: Results) -> list[Row]:
 
 def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Picture]:
     """Depth at rest over rates, and the lowest rate of each level."""
-    shades = ("#c7e9c0", "#8fd08f", "#4fae72", "#238b57", "#00522e", "#5c6bc0")
+    shades = ("#c7e9c0", "#8fd08f", "#4fae72", "#238b57", "#00522e", "#5c6bc0", "#c2410c")
     with open_figure(folder / "rates.png", width=12, height=7.5) as figure:
         panels = figure.subplots(2, 2, sharex=True, sharey=True)
-        for line, rule in zip(panels, ("published", "voxshell"), strict=True):
+        for line, rule in zip(panels, rates.RULES, strict=True):
             for axes, ground in zip(line, GROUNDS, strict=True):
-                for mode, color in zip(MODES, shades, strict=True):
+                for mode, color in zip(rates.MODES, shades, strict=True):
+                    if mode not in rates.modes_of(rule):
+                        continue
                     runs = results[f"fall-{rule}-{ground}-{mode}"]["runs"]
                     depths = [
                         float(np.median(runs["rest_depth"][runs["rate"] == rate])) * 1e3
@@ -180,20 +182,15 @@ def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Pictur
             axes.set_xlabel("rate, Hz")
         for axes in panels[:, 0]:
             axes.set_ylabel("depth at rest, median, mm")
-        panels[0, 0].legend(fontsize=8, frameon=False)
+        panels[1, 0].legend(fontsize=8, frameon=False)
     with open_figure(folder / "lowest.png", width=9, height=3.6) as figure:
         axes = figure.subplots()
-        names = list(MODES)
-        for index, (rule, ground) in enumerate(
-            [
-                ("published", "plane"),
-                ("published", "slab"),
-                ("voxshell", "plane"),
-                ("voxshell", "slab"),
-            ]
-        ):
-            lowest = [_find_lowest(results, rule, ground, mode) for mode in names]
-            places = np.arange(len(names)) + 0.2 * (index - 1.5)
+        names = rates.MODES
+        pairs = list(product(rates.RULES, rates.GROUNDS))
+        for index, (rule, ground) in enumerate(pairs):
+            shown = rates.modes_of(rule)
+            lowest = [_find_lowest(results, rule, ground, mode) for mode in shown]
+            places = np.arange(len(shown)) + 0.2 * (index - 1.5)
             color = ("#9aa5b1", "#cbd2d9", "#0b6e4f", "#90be6d")[index]
             axes.bar(
                 places,
@@ -220,6 +217,17 @@ def _rest_depth(results: Results, rule: str, ground: str, mode: str, rate: float
     runs = results[f"fall-{rule}-{ground}-{mode}"]["runs"]
     nearest = runs["rate"][np.argmin(np.abs(runs["rate"] - rate))]
     return float(np.median(runs["rest_depth"][runs["rate"] == nearest]))
+
+
+def _tell_depths(runs: Columns, limit: float) -> str:
+    fast = runs["rate"] >= LOW_RATE
+    deep = runs["rate"][fast & (runs["later_depth"] > limit)]
+    return (
+        f"median {1e3 * float(np.median(runs['later_depth'][fast])):.2f} mm; at rest at most "
+        f"{1e3 * float(runs['rest_depth'][fast].max()):.2f} mm; in the first contact's step "
+        f"{1e3 * float(runs['deepest'][fast].max()):.1f} mm"
+        + (f"; {len(deep)} runs above the bar, at {deep.max():g} Hz and less" if len(deep) else "")
+    )
 
 
 def _fell_through(runs: Columns, ground: str) -> NDArray[np.bool_]:
