@@ -139,7 +139,9 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
     rule->apply(contacts_);
-    if (takes_all && !contacts_.empty()) {
+    // Of bodies in a pile that move a little, such points carry in the next step.
+    const bool lies = rule->is_still() || settings_.mode == ContactMode::kRegular;
+    if (takes_all && lies && !contacts_.empty()) {
       drop_idle_points(static_cast<float>(rule->rest_margin()) / 5.0f);
     }
   }
