@@ -54,6 +54,13 @@ fine_points = 600
 coarse_points = 100
 poses = 2
 repeats = 1
+[pour]
+mesh = "MESH"
+count = 4
+voxel_size = 0.005
+bin_voxel_size = 0.03
+seconds = 0.2
+slow_steps = 1
 [rest]
 orientations = 1
 settle_seconds = 0.5
@@ -143,8 +150,9 @@ DEMANDED = {
     "stack": ("5 fine spheres stand",),
     "bunny": ("GImpact / VPS fine on the analytic plane", "VPS fine / GJK", "decomposition /"),
     "segments": ("mean time, low", "mean time, high", "max/min over L"),
-    "rates": ("lowest rate that holds, level 4, our rule", "deepest at rest"),
+    "rates": ("lowest rate that holds, auto, our rule", "deepest after the first contact"),
     "pair": ("GImpact / VPS fine", "decomposition / VPS fine"),
+    "pour": ("left the bin",),
     "rest": ("angular speed", "drift", "fall asleep"),
     "slope": ("angle of sliding",),
     "nut": ("creep of the nut", "off its thread"),

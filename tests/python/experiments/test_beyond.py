@@ -14,11 +14,13 @@ from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
+from voxshell.experiments.report.pour import POUR
 from voxshell.experiments.report.rest import REST
 from voxshell.experiments.report.scaling import SCALING
 from voxshell.experiments.report.slope import SLOPE
 from voxshell.experiments.scaling import ScalingSettings
 from voxshell.scenes.bolt import BoltSettings, measure_turns
+from voxshell.scenes.pour import PourSettings
 
 
 def compute(experiment, settings):
@@ -105,6 +107,41 @@ def test_nut_stays_on_its_thread(tmp_path):
     rows = {row.quantity: row for row in NUT.reduce(settings, {**results, "turn-regular": through})}
     assert rows["off its thread at most, no friction, regular"].holds is False
     draw(NUT, settings, results, tmp_path)
+
+
+def test_pour_keeps_all_bodies_in_the_bin(tmp_path):
+    trimesh.creation.torus(0.1, 0.03, 24, 16).export(tmp_path / "torus.stl")
+    settings = PourSettings(
+        mesh=str(tmp_path / "torus.stl"),
+        count=6,
+        voxel_size=0.004,
+        bin_voxel_size=0.02,
+        bin_size=(0.45, 0.45, 0.2),
+        seconds=0.8,
+        slow_steps=1,
+    )
+    results = compute(POUR, settings)
+    tables = results["pour"]
+    rows = {row.quantity: row for row in POUR.reduce(settings, results)}
+    assert rows["left the bin or lost, VPS"].holds
+    assert rows["median speed in the heap, VPS"].here < 200.0
+    assert (tables["voxshell"]["contacts"][-20:] >= 6).all()
+    heap = tables["heap"]
+    assert {str(method) for method in heap["method"]} == {"voxshell", "decomposition", "gimpact"}
+    ends = {**tables["ends"], "lost": np.arange(len(tables["ends"]["lost"])) == 0}
+    rows = {row.quantity: row for row in POUR.reduce(settings, {"pour": {**tables, "ends": ends}})}
+    assert rows["left the bin or lost, VPS"].holds is False
+    draw(POUR, settings, results, tmp_path)
+
+
+def test_lost_bodies_are_found():
+    settings = PourSettings(count=4)
+    poses = settings.compute_starts()
+    assert not settings.find_lost(poses).any()
+    poses[1, 0, 3] = 0.5 * settings.bin_size[0] + 0.01
+    poses[2, 2, 3] = -0.01
+    poses[3, 0, 0] = np.nan
+    assert settings.find_lost(poses).tolist() == [False, True, True, True]
 
 
 def test_turns_are_those_of_the_pose():

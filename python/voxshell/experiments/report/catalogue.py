@@ -8,6 +8,7 @@ from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
+from voxshell.experiments.report.pour import POUR
 from voxshell.experiments.report.rates import RATES
 from voxshell.experiments.report.rest import REST
 from voxshell.experiments.report.scaling import SCALING
@@ -22,6 +23,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     SEGMENTS,
     RATES,
     PAIR,
+    POUR,
     REST,
     SLOPE,
     NUT,
