@@ -142,12 +142,13 @@ def _tabulate(
     for rate, speed, orientation in cases:
         lowest, middle, sideways = _land(settings, rule, ground, mode, rate, speed, orientation)
         rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
-        # Of one that bounced over the slab's edge, until its centre is below it.
-        falls = np.flatnonzero(~(middle > 0.0))
-        over = lowest[: falls[0]] if len(falls) and sideways[-1] > SLAB_HALF_EXTENTS[0] else lowest
-        first = int(np.argmax(over <= 0.0))
+        over = lowest
+        if ground == "slab" and sideways[-1] > SLAB_HALF_EXTENTS[0] and not middle[-1] > 0.0:
+            # It bounced over the edge: until its centre is below the surface.
+            over = lowest[: int(np.argmax(~(middle > 0.0)))]
+        first = int(np.argmax(lowest <= 0.0))
         later = over[first + 1 :].min(initial=0.0)
-        depths = (-over.min(), -later, -rest.min())
+        depths = (-over.min(initial=0.0), -later, -rest.min())
         rows.append((rate, speed, orientation, *depths, middle[-1], sideways[-1]))
     names = ("deepest", "later_depth", "rest_depth", "middle", "sideways")
     names = ("rate", "speed", "orientation", *names)

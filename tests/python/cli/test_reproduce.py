@@ -41,7 +41,7 @@ voxel_size = 0.006
 last_step = 240
 [rates]
 orientations = 1
-rates = [50, 10]
+rates = [50, 10, 1]
 seconds = 1.0
 fine_points = 1000
 voxel_size = 0.006
