@@ -28,7 +28,7 @@ ARGUMENTS = [
 ]
 WIDTH, HEIGHT, BAR = 480, 360, 40
 # Software rendering on a busy machine draws a picture in seconds rather than milliseconds.
-PATIENCE = 60.0
+PATIENCE = 240.0
 
 
 @contextmanager
