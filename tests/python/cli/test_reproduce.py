@@ -76,6 +76,11 @@ rate = 200.0
 segments = 12
 voxel_size = 0.0008
 fit_methods = ["voxshell", "hull"]
+[gears]
+voxel_size = 0.0008
+rate = 100.0
+speed = 4.0
+methods = ["voxshell", "gimpact"]
 [accuracy]
 poses = 2
 fine_points = 1000
@@ -156,6 +161,7 @@ DEMANDED = {
     "rest": ("angular speed", "drift", "fall asleep"),
     "slope": ("angle of sliding",),
     "nut": ("creep of the nut", "off its thread"),
+    "gears": ("turns of the driven gear", "deepest true overlap"),
     "accuracy": ("depth off the truth",),
 }
 

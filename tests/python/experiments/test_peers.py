@@ -10,6 +10,7 @@ import toy_peers
 import trimesh
 import voxshell as vx
 from voxshell.errors import MissingExtraError
+from voxshell.experiments.convex_parts import Parts
 from voxshell.experiments.peers import ours, report, truth
 from voxshell.experiments.peers.apart import Ending
 from voxshell.experiments.peers.cases import (
@@ -25,7 +26,7 @@ from voxshell.experiments.peers.cases import (
 )
 from voxshell.experiments.peers.comparison import compare, measure_peer
 from voxshell.experiments.peers.measure import judge_drop, measure_case
-from voxshell.experiments.peers.parts import Parts, fetch_parts
+from voxshell.experiments.peers.parts import fetch_parts
 from voxshell.experiments.peers.protocol import Case, Job, load_library
 from voxshell.experiments.peers.roster import PEERS, REFERENCE, Peer
 from voxshell.mass_properties import MassProperties
@@ -323,11 +324,12 @@ def test_library_that_is_not_there_says_how_to_get_it():
 
 
 def test_parts_are_kept_and_found_again_by_content(tmp_path, monkeypatch):
+    from voxshell.experiments import convex_parts
     from voxshell.experiments.peers import parts
 
     monkeypatch.setenv("VOXSHELL_CACHE_DIR", str(tmp_path / "models"))
     monkeypatch.setenv("VOXSHELL_CACHE_SIZE", "1GB")
-    monkeypatch.setattr(parts.metadata, "version", lambda package: "9.9")
+    monkeypatch.setattr(convex_parts.metadata, "version", lambda package: "9.9")
     made = Parts((np.eye(3), np.arange(12.0).reshape(4, 3)), 2.5, "9.9")
     asked = []
 

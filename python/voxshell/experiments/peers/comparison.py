@@ -9,12 +9,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voxshell.experiments.convex_parts import CONCAVITY, Parts
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import write_json
 from voxshell.experiments.part import compute_fingerprint
 from voxshell.experiments.peers.apart import run_apart
 from voxshell.experiments.peers.cases import make_job
-from voxshell.experiments.peers.parts import THRESHOLD, Parts, fetch_parts
+from voxshell.experiments.peers.parts import fetch_parts
 from voxshell.experiments.peers.protocol import CaseResult, DropResult, PeerResult
 from voxshell.experiments.peers.roster import PEERS, Prepared, work
 from voxshell.experiments.peers.truth import Truth, find_truths
@@ -153,7 +154,7 @@ def _measure_or_recall(
     )
     if peer.needs_parts and parts is not None:
         row.settings |= {
-            "decomposition": f"CoACD {parts.version}, threshold {THRESHOLD:g}",
+            "decomposition": f"CoACD {parts.version}, threshold {CONCAVITY:g}",
             "decomposition_seconds": parts.seconds,
         }
     # What was missing or failed may be there the next time.

@@ -16,7 +16,15 @@ from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.files import replacing
 from voxshell.experiments.motion import read_poses
 from voxshell.experiments.report.figures import as_rgb
-from voxshell.experiments.report.paint import Camera, Canvas, Solid, thin_out
+from voxshell.experiments.report.paint import (
+    Camera,
+    Canvas,
+    Solid,
+    join_row,
+    make_hue,
+    save_row,
+    thin_out,
+)
 from voxshell.experiments.verdict import Row, at_least, at_most, format_value
 from voxshell.model import Model
 from voxshell.scenes.drop import GROUND_HALF_EXTENTS, METHODS
@@ -258,7 +266,7 @@ def _draw_frames(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Pat
         canvas.paint([Solid(mesh, poses[step], color)])
         canvas.write(f"step {step}", 0.5, 0.96)
         pictures.append(canvas.finish())
-    _save_row(pictures, path)
+    save_row(pictures, path)
 
 
 def _draw_hulls(tables: Any, mesh: Mesh, path: Path) -> None:
@@ -269,13 +277,13 @@ def _draw_hulls(tables: Any, mesh: Mesh, path: Path) -> None:
     for label, solids in (
         ("mesh", [Solid(mesh, upright, (200, 195, 185))]),
         ("convex hull", [Solid(h.mesh, upright, as_rgb(COLORS["hull"]), edges=True) for h in _as_shapes(_hull_points(tables, "hull"))]),
-        ("convex decomposition", [Solid(h.mesh, upright, _hue(i), edges=True) for i, h in enumerate(_as_shapes(_hull_points(tables, "decomposition")))]),
+        ("convex decomposition", [Solid(h.mesh, upright, make_hue(i), edges=True) for i, h in enumerate(_as_shapes(_hull_points(tables, "decomposition")))]),
     ):  # fmt: skip
         canvas = Canvas(Camera(target, 0.27, (430, 430)))
         canvas.paint(solids)
         canvas.write(label, 0.5, 0.96)
         pictures.append(canvas.finish())
-    _save_row(pictures, path)
+    save_row(pictures, path)
 
 
 def _as_shapes(hulls: list[NDArray[np.float64]]) -> list[ConvexDecomposition]:
@@ -295,11 +303,11 @@ def _draw_segments(settings: BunnyFallSettings, mesh: Mesh, path: Path) -> None:
     for level in LEVELS_SHOWN:
         segments = shell.tree.segments(level)
         canvas = Canvas(Camera(target, 0.27, (330, 380)))
-        colors = np.array([_hue(i) for i in range(int(segments.max()) + 1)], dtype=float)
+        colors = np.array([make_hue(i) for i in range(int(segments.max()) + 1)], dtype=float)
         canvas.paint_points(points, normals, colors[segments], 0.8 * shell.spacing)
         canvas.write(f"L = {level}: {len(set(segments.tolist()))} segments", 0.5, 0.96)
         pictures.append(canvas.finish())
-    _save_row(pictures, path)
+    save_row(pictures, path)
 
 
 def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -> None:
@@ -316,7 +324,7 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
             canvas.paint([Solid(surfaces[key], poses[key][step], as_rgb(COLORS[key]))])
             canvas.write(labels[key], 0.5, 0.95)
             pictures.append(canvas.finish())
-        frames.append(_join(pictures))
+        frames.append(join_row(pictures))
     milliseconds = round(4 * 1000 * ANIMATION_EVERY / settings.rate)
     with replacing(path) as temporary:
         frames[0].save(
@@ -328,31 +336,6 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
             loop=0,
             optimize=True,
         )
-
-
-def _join(pictures: list[Any]) -> Any:
-    """Pictures of one height, side by side."""
-    from PIL import Image
-
-    row = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height), "white")
-    left = 0
-    for picture in pictures:
-        row.paste(picture, (left, 0))
-        left += picture.width
-    return row
-
-
-def _save_row(pictures: list[Any], path: Path) -> None:
-    with replacing(path) as temporary:
-        _join(pictures).save(temporary, format="PNG")
-
-
-def _hue(number: int) -> tuple[int, int, int]:
-    """Colours far apart for neighbouring numbers: hues by the golden ratio."""
-    import colorsys
-
-    red, green, blue = colorsys.hsv_to_rgb((0.13 + 0.618034 * number) % 1.0, 0.55, 0.95)
-    return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def _samples(results: Results, table: str, key: str) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
+from voxshell.experiments.report.gears import GEARS
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.pour import POUR
@@ -27,6 +28,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     REST,
     SLOPE,
     NUT,
+    GEARS,
     ACCURACY,
     SCALING,
 )

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import colorsys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from voxshell.errors import MissingExtraError
+from voxshell.experiments.files import replacing
 from voxshell.meshes import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -175,6 +178,30 @@ def thin_out(mesh: Mesh, cell: float) -> Mesh:
         (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     )
     return Mesh(vertices, faces[whole].astype(np.uint32))
+
+
+def join_row(pictures: Sequence[Any], columns: int | None = None) -> Any:
+    """Pictures of one size, side by side; with ``columns`` in several rows."""
+    image, _ = _import_pillow()
+    columns = min(columns or len(pictures), len(pictures))
+    rows = -(-len(pictures) // columns)
+    width, height = pictures[0].size
+    sheet = image.new("RGB", (width * columns, height * rows), "white")
+    for number, picture in enumerate(pictures):
+        sheet.paste(picture, (width * (number % columns), height * (number // columns)))
+    return sheet
+
+
+def save_row(pictures: Sequence[Any], path: Path, columns: int | None = None) -> None:
+    """Writes what :func:`join_row` makes."""
+    with replacing(path) as temporary:
+        join_row(pictures, columns).save(temporary, format="PNG")
+
+
+def make_hue(number: int) -> tuple[int, int, int]:
+    """Colours far apart for neighbouring numbers: hues by the golden ratio."""
+    red, green, blue = colorsys.hsv_to_rgb((0.13 + 0.618034 * number) % 1.0, 0.55, 0.95)
+    return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def _shade(colors: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.int64]:
