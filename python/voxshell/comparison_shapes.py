@@ -42,10 +42,10 @@ class GImpact:
     __slots__ = ("margin", "mesh")
 
     def __init__(self, mesh: MeshLike, *, margin: float = MARGIN) -> None:
-        self.mesh = read_mesh(mesh)
+        self.mesh: Mesh = read_mesh(mesh)
         if len(self.mesh.faces) == 0:
             raise MeshError("mesh has no triangles")
-        self.margin = as_margin(margin)
+        self.margin: float = as_margin(margin)
 
     def __repr__(self) -> str:
         return f"GImpact({len(self.mesh.faces)} triangles)"
@@ -74,11 +74,13 @@ class ConvexDecomposition:
     __slots__ = ("hulls", "margin", "mesh")
 
     def __init__(self, hulls: Iterable[ArrayLike], *, margin: float = MARGIN) -> None:
-        self.hulls = [_as_hull(points, f"hulls[{index}]") for index, points in enumerate(hulls)]
+        self.hulls: list[NDArray[np.float64]] = [
+            _as_hull(points, f"hulls[{index}]") for index, points in enumerate(hulls)
+        ]
         if not self.hulls:
             raise SettingsError("give at least one hull")
-        self.margin = as_margin(margin)
-        self.mesh = _triangulate(self.hulls)
+        self.margin: float = as_margin(margin)
+        self.mesh: Mesh = _triangulate(self.hulls)
 
     def __repr__(self) -> str:
         points = sum(len(hull) for hull in self.hulls)

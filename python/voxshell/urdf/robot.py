@@ -71,9 +71,9 @@ class Robot:
         self._world = world
         self._strengths = strengths
         self._mimics = mimics
-        self.name = name
-        self.links = links
-        self.joints = joints
+        self.name: str = name
+        self.links: dict[str, Link] = links
+        self.joints: dict[str, Joint] = joints
         self.bodies: list[Body] = []
         for link in links.values():
             if link.body is not None and link.body not in self.bodies:
