@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,8 @@ MOVING = {
     "05_gears",
     "06_peg_in_hole",
     "07_pouring_bunnies",
+    "11_urdf_gripper",
+    "12_coming_from_gimpact",
 }
 LINES_AT_MOST = 80
 
@@ -75,6 +78,23 @@ def hold_sweep(figures: dict[str, Any]) -> None:
     assert figures["off_by_at_most_degrees"] < 0.05
 
 
+def hold_gripper(figures: dict[str, Any]) -> None:
+    """Held by friction alone, and not passed through."""
+    assert figures["lifted_mm"] > 120.0
+    assert figures["carried_mm"] == pytest.approx(2e3 * 0.3 * math.sin(0.6), abs=15.0)
+    assert figures["slip_on_the_way_mm"] < 25.0
+    assert figures["tilt_at_the_end_degrees"] < 0.1
+    assert figures["height_at_the_end_mm"] == pytest.approx(0.0, abs=0.1)
+    assert 0.001 < figures["deepest_finger_contact_mm"] < 0.5, "a quarter of a voxel"
+
+
+def hold_ring_around_ball(figures: dict[str, Any]) -> None:
+    assert figures["height_of_the_model_mm"] == pytest.approx(30.0, abs=0.1)
+    assert figures["model_into_the_table_mm"] < 0.5
+    assert figures["speed_of_the_model_at_the_end_mm_s"] < 0.1
+    assert figures["height_of_the_GImpact_mm"] == pytest.approx(31.0, abs=0.5), "its margin"
+
+
 HOLDS = {
     "01_quick_start": hold_rings,
     "03_coming_from_pybullet": hold_ring_over_post,
@@ -85,6 +105,8 @@ HOLDS = {
     "08_batch_queries": hold_batch,
     "09_haptic_force": hold_force,
     "10_distributed_sweep": hold_sweep,
+    "11_urdf_gripper": hold_gripper,
+    "12_coming_from_gimpact": hold_ring_around_ball,
 }
 
 

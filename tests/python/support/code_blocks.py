@@ -45,7 +45,7 @@ def read_blocks(page: Path) -> list[Block]:
     number = 0
     while number < len(lines):
         begin = number
-        fence = re.fullmatch(r"```(\S*)", lines[number])
+        fence = re.fullmatch(r"```(\S*).*", lines[number])
         if fence:
             number = lines.index("```", number + 1)
             code = "\n".join(lines[begin + 1 : number])

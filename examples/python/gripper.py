@@ -1,19 +1,12 @@
-"""A robot from a URDF file takes a mug by its wall, one finger inside, and carries it aside.
+"""A robot arm with two fingers, as a URDF file with its meshes, and a mug."""
 
-python examples/python/urdf_gripper.py --out DIR writes the robot and its meshes, and replay.html.
-It needs voxshell[urdf,viewer] and manifold3d.
-"""
-
-import argparse
 from pathlib import Path
 
 import numpy as np
 import trimesh
-import voxshell as vx
 from trimesh.creation import box, cylinder, torus
 from trimesh.transformations import rotation_matrix
 
-TURN = 0.6  # radians from the robot's x axis to the mug
 WALL = 0.037  # metres from the mug's axis to the middle of its wall, 6 mm thick
 LINKS = {  # name: (mesh in its link's frame, metres)
     "column": cylinder(0.05, 0.36).apply_translation((0, 0, 0.18)),
@@ -60,40 +53,3 @@ def make_mug() -> trimesh.Trimesh:
     handle = torus(0.025, 0.005).apply_transform(rotation_matrix(np.pi / 2, (0, 1, 0)))
     handle.apply_translation((0, 0.045, 0.045))
     return trimesh.boolean.difference([trimesh.boolean.union([outside, handle]), inside])
-
-
-def build(folder: Path) -> tuple[vx.World, vx.Robot, vx.Body]:
-    """The robot, and the mug on the ground in front of it."""
-    world = vx.World(time_step=1 / 1000)  # light links and firm grips want short steps
-    world.add(vx.Plane(), mass=0, name="ground")
-    robot = vx.load_urdf(world, write_robot(folder), voxel_size=0.002, friction=0.9)
-    pose = rotation_matrix(TURN, (0, 0, 1))
-    pose[:3, 3] = pose[:3, :3] @ (0.263 + WALL, 0, 0.0002)
-    mug = vx.Model.from_mesh(make_mug(), voxel_size=0.002)
-    return world, robot, world.add(mug, mass=0.25, pose=pose, friction=0.9, name="mug")
-
-
-def take(world: vx.World, robot: vx.Robot, *, close: float = 0.024) -> None:
-    """Turns to the mug, takes it, lifts it and holds it for a second."""
-    for seconds, targets in (
-        (1.5, {"turn": TURN, "lift": 0.0, "grip": 0.0}),
-        (1.0, {"lift": -0.2}),
-        (0.8, {"grip": close}),
-        (1.5, {"lift": -0.05}),
-    ):
-        robot.set_targets(targets)
-        world.step(round(seconds / world.time_step))
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, required=True)
-    out = parser.parse_args().out
-    out.mkdir(parents=True, exist_ok=True)
-    world, robot, _ = build(out)
-    recorder = world.record(every=20)
-    take(world, robot)
-    for targets in ({"turn": -TURN}, {"lift": -0.19}, {"grip": 0.0}):
-        robot.set_targets(targets)
-        world.step(1800)
-    print(recorder.save_html(out / "replay.html", title="A gripper and a mug"))

@@ -1,0 +1,79 @@
+"""URDF gripper: a robot from a file takes a mug by its wall and carries it aside.
+
+One finger is inside the mug, the other outside: as convex hulls they could not be there. The arm's links
+are meshes; they, the fingers and the mug are models. What holds the mug is friction alone: it creeps by
+some millimetres a second between fingers this light, as boxes between hulls do in stock Bullet.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import voxshell as vx
+from command import parse_command, tell
+from drawing import draw, plot
+from gripper import WALL, make_mug, write_robot
+from trimesh.transformations import rotation_matrix
+
+TURN = 0.6  # radians from the robot's x axis to the mug
+RATE = 1000.0  # Hz: light links and firm grips want short steps
+
+
+def build(folder: Path, voxel_size: float = 0.002) -> tuple[vx.World, vx.Robot, vx.Body]:
+    """The robot, and the mug on the ground in front of it."""
+    world = vx.World(time_step=1 / RATE)
+    world.add(vx.Plane(), mass=0, name="ground")
+    robot = vx.load_urdf(world, write_robot(folder), voxel_size=voxel_size, friction=0.9)
+    pose = rotation_matrix(TURN, (0, 0, 1))
+    pose[:3, 3] = pose[:3, :3] @ (0.263 + WALL, 0, 0.0002)
+    mug = vx.Model.from_mesh(make_mug(), voxel_size=voxel_size)
+    return world, robot, world.add(mug, mass=0.25, pose=pose, friction=0.9, name="mug")
+
+
+def take(world: vx.World, robot: vx.Robot, *, close: float = 0.024, note=None) -> None:
+    """Turns to the mug, takes it, lifts it and holds it for a second."""
+    for seconds, targets in (
+        (1.5, {"turn": TURN, "lift": 0.0, "grip": 0.0}),
+        (1.0, {"lift": -0.2}),
+        (0.8, {"grip": close}),
+        (1.5, {"lift": -0.05}),
+    ):
+        robot.set_targets(targets)
+        world.step(round(seconds * RATE), note)
+
+
+if __name__ == "__main__":
+    options = parse_command(__doc__)
+    world, robot, mug = build(options.out, 0.002 if options.quick else 0.001)
+    fingers = [robot.links[name].body.number for name in ("outer", "inner")]
+    start, recorder, rows = mug.pose, world.record(every=20), []
+
+    def note(world):
+        """Heights of mug and wrist, and how deep the fingers' contacts are, metres."""
+        found = world.contacts()
+        held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
+        wrist = robot.links["wrist"].pose[2, 3]
+        rows.append((mug.pose[2, 3], wrist, found["depth"][held].max(initial=0.0)))
+
+    take(world, robot, note=note)
+    held = np.linalg.inv(robot.links["wrist"].pose) @ mug.pose
+    robot.set_targets({"turn": -TURN})
+    world.step(round(1.8 * RATE), note)
+    slip = np.linalg.inv(robot.links["wrist"].pose) @ mug.pose - held
+    draw(options.out / "picture.png", world.bodies, elevation=35.0)
+    for targets in ({"lift": -0.19}, {"grip": 0.0}):
+        robot.set_targets(targets)
+        world.step(round(1.8 * RATE), note)
+    mug_heights, wrist_heights, depths = np.array(rows).T
+    figures = {
+        "lifted_mm": 1e3 * float(mug_heights.max()),
+        "carried_mm": 1e3 * float(np.linalg.norm((mug.pose - start)[:2, 3])),
+        "slip_on_the_way_mm": 1e3 * float(np.linalg.norm(slip[:3, 3])),
+        "tilt_at_the_end_degrees": float(np.degrees(np.arccos(min(mug.pose[2, 2], 1.0)))),
+        "height_at_the_end_mm": 1e3 * float(mug_heights[-1]),
+        "deepest_finger_contact_mm": 1e3 * float(depths.max()),
+    }
+    tell(options.out, figures)
+    lines = {"mug": 1e3 * mug_heights, "wrist": 1e3 * wrist_heights}
+    time = np.arange(1, len(rows) + 1) / RATE
+    plot(options.out / "plot.png", time, lines, x_label="s", y_label="height, mm")
+    recorder.save_html(options.out / "replay.html", title="A gripper and a mug")
