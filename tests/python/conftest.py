@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import trimesh
 import voxshell as vx
 
 if TYPE_CHECKING:
+    from player import Player
     from playwright.sync_api import Browser
 
 BUNNY_LENGTH = 0.2115  # metres along its longest side, as in the thesis' section 5.3
@@ -61,3 +62,19 @@ def browser() -> Iterator[Browser]:
 
     with launched_browser() as browser:
         yield browser
+
+
+@pytest.fixture
+def play(browser: Browser) -> Iterator[Callable[[Path], Player]]:
+    """Opens a page in a browser without network; closed when the test is over."""
+    from player import Player
+
+    players: list[Player] = []
+
+    def open_page(path: Path) -> Player:
+        players.append(Player(browser, path))
+        return players[-1]
+
+    yield open_page
+    for player in players:
+        player.close()

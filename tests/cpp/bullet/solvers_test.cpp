@@ -99,7 +99,7 @@ TEST_P(Solvers, BringADroppedModelToRest) {
       } else {
         // Without rolling friction, some landings end in rocking.
         constexpr double kRocking = 0.2;
-        const bool rocks = which == Solver::kProjectedGaussSeidel || which == Solver::kNncg;
+        const bool rocks = which == Solver::kProjectedGaussSeidel;
         expect_calm_landing(world, body, rocks ? std::max(kRocking, kCalm) : kCalm);
       }
     }

@@ -57,11 +57,9 @@ def test_drop_prints_a_table_and_writes_three_files(dropped):
     assert [m["steps"] for m in results["methods"]] == [300, 300, 300, 60, 300, 300, 300]
 
 
-def test_page_plays_offline(dropped, browser):
-    from player import Player
-
+def test_page_plays_offline(dropped, play):
     _, out = dropped
-    player = Player(browser, out / "index.html")
+    player = play(out / "index.html")
     # The bodies are green, red, blue and amber; the stage is not coloured.
     player.wait(lambda p: int(np.sum(np.ptp(p, axis=2) > 60)) > 100, "no body is seen")
     assert "cone dropped 0.5 m at 200 Hz" in player.page.inner_text("#voxshell-heading")

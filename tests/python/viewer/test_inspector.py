@@ -6,13 +6,14 @@ import io
 import re
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
 from PIL import Image
-from player import PATIENCE, Player
+from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
 from voxshell.viewer.layers import find_box, find_level_surface, paint_slice
@@ -68,14 +69,7 @@ class Visit:
     def __init__(self, browser: Browser, port: int) -> None:
         self.page: Page = browser.new_page(viewport={"width": 760, "height": 420})
         self.page.set_default_timeout(PATIENCE * 1000.0)
-        self.complaints: list[str] = []
-        self.page.on(
-            "console",
-            lambda message: (
-                self.complaints.append(message.text) if message.type == "error" else None
-            ),
-        )
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.complaints = complaints_of(self.page)
         self.page.goto(f"http://127.0.0.1:{port}")
         self.page.wait_for_selector("canvas[data-engine]")
         self.page.add_style_tag(content=".mantine-Notifications-root { display: none; }")
@@ -116,7 +110,7 @@ def colored(picture: np.ndarray, red: int, green: int, blue: int) -> np.ndarray:
     return np.abs(picture - (red, green, blue)).max(axis=2) < 30
 
 
-def test_controls_and_drags_change_the_picture(visit: tuple[Visit, Inspector], brick: vx.Model):
+def test_a_drag_moves_the_body_and_its_contacts(visit: tuple[Visit, Inspector]):
     page, inspector = visit
     # A brick of 60 mm and a sphere of 15 mm beside it; its gizmo's blue arrow, along z, is drawn up.
     assert page.readout()[0] == 0
@@ -135,17 +129,24 @@ def test_controls_and_drags_change_the_picture(visit: tuple[Visit, Inspector], b
     page.wait(lambda: page.readout()[1] > 1.0, "the drag moves nothing")
     assert inspector.pose[:2, 3] == pytest.approx((0.045, 0.0), abs=1e-6)
     assert inspector.pose[2, 3] > 0.01
+    assert page.complaints == []
 
+
+def test_a_place_typed_in_moves_the_body_and_its_contacts(
+    visit: tuple[Visit, Inspector], brick: vx.Model
+):
+    page, inspector = visit
     place = page.page.get_by_role("textbox").filter(visible=True).nth(-3)
     place.fill("40")
     place.blur()
-    height = page.page.get_by_role("textbox").filter(visible=True).nth(-1)
-    height.fill("0")
-    height.blur()
     page.wait(lambda: page.readout()[1] == pytest.approx(-5.0, abs=0.01), "the field moves nothing")
     assert inspector.pose[0, 3] == pytest.approx(0.04)
     assert page.readout()[0] == len(vx.contacts(brick, vx.Sphere(0.015), None, inspector.pose))
+    assert page.complaints == []
 
+
+def test_controls_change_the_picture(visit: tuple[Visit, Inspector]):
+    page, _ = visit
     boxes = page.page.get_by_role("checkbox")
     labels = ("surface", "slice", "level surface", "points", "normals", "spheres")
     assert boxes.count() == len(labels)
@@ -157,11 +158,13 @@ def test_controls_and_drags_change_the_picture(visit: tuple[Visit, Inspector], b
     assert page.complaints == []
 
 
-def test_the_exported_page_shows_the_scene_offline(browser, brick, tmp_path):
+def test_the_exported_page_shows_the_scene_offline(
+    play: Callable[[Path], Player], brick: vx.Model, tmp_path: Path
+):
     with silent_server() as server:
         inspector = Inspector(server, brick, show=("slice", "points"), name="a <brick>")
         path = inspector.save_html(tmp_path / "brick.html")
-    player = Player(browser, path)
+    player = play(path)
     player.wait(lambda p: int(np.sum(p.min(axis=2) < 200)) > 3000, "nothing is seen")
     assert player.page.title() == "a <brick>"
     assert player.complaints == []

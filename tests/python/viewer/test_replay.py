@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,6 @@ import pytest
 import trimesh
 import viser
 from player import Player
-from playwright.sync_api import Browser
 from voxshell.errors import RecordingError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, arrange_lanes
@@ -68,8 +68,8 @@ def warm(picture: np.ndarray) -> int:
     return int(np.sum(red > blue + 60))
 
 
-def test_the_page_plays_offline(browser: Browser, replay: Path):
-    player = Player(browser, replay)
+def test_the_page_plays_offline(play: Callable[[Path], Player], replay: Path):
+    player = play(replay)
     first = player.wait(lambda p: blue(p) > 200, "no ball is seen")
     player.wait(
         lambda p: blue(p) > 200 and int(np.sum(np.abs(p - first).max(axis=2) > 30)) > 100,
@@ -91,8 +91,8 @@ def test_the_page_plays_offline(browser: Browser, replay: Path):
     assert player.fetched == [replay.as_uri()]
 
 
-def test_the_browser_refuses_what_a_page_might_fetch(browser: Browser, replay: Path):
-    player = Player(browser, replay)
+def test_the_browser_refuses_what_a_page_might_fetch(play: Callable[[Path], Player], replay: Path):
+    player = play(replay)
     fetched = player.page.evaluate(
         "fetch('https://example.org/').then(() => 'fetched', (error) => String(error))"
     )
