@@ -190,7 +190,9 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
 
 int ModelAlgorithm::level() const {
   if (settings_.level > 0) return std::min(settings_.level, PointSphereTree::kMaxLevel);
-  return sweeps_ ? kDefaultSweptLevel : kDefaultLevel;
+  // What kSegmented promises does not change from step to step.
+  const bool finer = sweeps_ && settings_.mode != ContactMode::kSegmented;
+  return finer ? kDefaultSweptLevel : kDefaultLevel;
 }
 
 /// The number that a contact's manifold goes by.

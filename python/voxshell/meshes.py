@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -13,6 +15,7 @@ from voxshell.errors import InputTypeError, MeshError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from types import FrameType
 
     import trimesh
     from numpy.typing import ArrayLike, NDArray
@@ -76,19 +79,49 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
 
 def _load(path: str) -> trimesh.Trimesh:
     """A mesh from a file; the bodies of a scene become one mesh."""
-    import trimesh  # takes longer than all the rest of voxshell
-
     if not os.path.isfile(path):
         reason = "is a directory" if os.path.isdir(path) else "does not exist"
         raise MeshError(f"cannot read mesh {path}: it {reason}")
-    try:
-        # Without process, vertices stay as they are in the file; the core merges equal ones.
-        mesh = trimesh.load(path, force="mesh", process=False)
-    except Exception as error:  # of which readers of damaged files raise every kind
-        raise MeshError(f"cannot read mesh {path}: {type(error).__name__}: {error}") from error
+    with _keeping_interrupts(until_the_end=True):
+        import trimesh  # takes longer than all the rest of voxshell
+    with _keeping_interrupts():
+        try:
+            # Without process, vertices stay as they are in the file; the core merges equal ones.
+            mesh = trimesh.load(path, force="mesh", process=False)
+        except Exception as error:  # of which readers of damaged files raise every kind
+            raise MeshError(f"cannot read mesh {path}: {type(error).__name__}: {error}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise MeshError(f"cannot read mesh {path}: it holds no triangles, or is damaged")
     return mesh
+
+
+@contextmanager
+def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
+    """Raises interrupts that the block swallows: trimesh takes any for a fault in what it reads.
+
+    Args:
+        until_the_end: Interrupts only then: what trimesh imports in C++ aborts at an exception.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if not in_main_thread or handler is not signal.default_int_handler:
+        yield
+        return
+    interrupted = False
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
+        if not until_the_end:
+            signal.default_int_handler(number, frame)
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if interrupted:
+            raise KeyboardInterrupt
 
 
 def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:

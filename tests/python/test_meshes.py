@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import signal
 import struct
 from pathlib import Path
 from types import SimpleNamespace
@@ -268,6 +269,24 @@ def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: 
     with pytest.raises(vx.MeshError, match=message) as caught:
         build(str(path))
     assert str(path) in str(caught.value)
+
+
+def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monkeypatch):
+    path = tmp_path / "part.stl"
+    trimesh.Trimesh(VERTICES, FACES).export(path)
+    load, handler = trimesh.load, signal.getsignal(signal.SIGINT)
+
+    def load_anyway(*args, **kwargs):
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except BaseException:
+            return load(*args, **kwargs)
+        pytest.fail("interrupts have to wait until the file is read")
+
+    monkeypatch.setattr(trimesh, "load", load_anyway)
+    with pytest.raises(KeyboardInterrupt):
+        build(path)
+    assert signal.getsignal(signal.SIGINT) is handler
 
 
 def test_an_address_is_not_fetched():

@@ -100,7 +100,8 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     except BaseException:
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
+        # Not waited for, the pool's own thread and Python's exit would meet over a closed pipe.
+        pool.shutdown(cancel_futures=True)
         raise
     pool.shutdown()
 

@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x21300c0d3c53d263, 0x62c950ef05daa1de, 0x586a576902444a8b, 0xe42dfce432d1d633,
-        0x5a39d0a00e72678f}},
+       {0x21300c0d3c53d263, 0x89bf673a08f4c86d, 0x2f81c5feb023df9e, 0x7ca4c6a5d97264ba,
+        0xd24765d884d4affd}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x2053e2b112efd65e, 0x7cf559c94a84ce9e, 0xe70184c76150cf0d, 0x6f42c5c40ea41dc1,
-        0x78cfcec1403c309f}},
+       {0x2053e2b112efd65e, 0x4c2e22ac1b7425e7, 0x6a0b43af1f008496, 0xb09a931872ae1ed8,
+        0x1b81be2003f8150c}},
   };
   return hashes;
 }

@@ -83,7 +83,7 @@ def test_ctrl_c_stops_a_build_and_leaves_nothing(bunny_path, tmp_path):
     said = ""
     try:
         # Progress is drawn: the core is at work.
-        while "distance field" not in said:
+        while "build bunny.obj" not in said:
             said += os.read(screen, 4096).decode()
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)

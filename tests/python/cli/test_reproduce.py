@@ -267,8 +267,7 @@ def test_interrupt_ends_at_once_with_130(settings, tmp_path):
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
-    # Python's own pools of processes may complain while they are shut down (its concurrent.futures).
-    assert "voxshell/" not in errors.partition("Traceback")[2]
+    assert "Traceback" not in errors
 
 
 @pytest.fixture

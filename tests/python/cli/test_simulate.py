@@ -138,7 +138,7 @@ def test_ctrl_c_ends_with_130_and_no_torn_files(tmp_path, cone):
     deadline = time.monotonic() + 30
     while not out.is_dir() and time.monotonic() < deadline:
         time.sleep(0.05)
-    time.sleep(3.0)
+    time.sleep(1.0)
     process.send_signal(signal.SIGINT)
     try:
         _, errors = process.communicate(timeout=30)

@@ -27,8 +27,8 @@ struct NarrowPhaseTimings {
 struct ContactSettings {
   ContactMode mode = ContactMode::kAutomatic;
 
-  /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments, and
-  /// level 5, up to 256, in steps that sweep.
+  /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments, and,
+  /// unless contacts are kSegmented, level 5, up to 256, in steps that sweep.
   int level = 0;
 
   /// Slow points this close to a surface count as contacts, metres: without them a resting body
