@@ -6,22 +6,29 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from voxshell import _bullet
 from voxshell._arguments import as_floats, as_integer, as_real, as_vector
 from voxshell.errors import PoseError, SettingsError
+from voxshell.world_part import WorldPart
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from voxshell import _bullet
     from voxshell.body_shapes import Shape
 
 Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
 """Who moves a body: forces, nobody, or the user, pose by pose."""
 
+MOTIONS: dict[Motion, _bullet.Motion] = {
+    "dynamic": _bullet.Motion.DYNAMIC,
+    "static": _bullet.Motion.STATIC,
+    "kinematic": _bullet.Motion.KINEMATIC,
+}
+
 _ALL_GROUPS = 2**31 - 1
 
 
-class Body:
+class Body(WorldPart):
     """A body of a :class:`World`; made by :meth:`World.add`.
 
     Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
@@ -47,7 +54,7 @@ class Body:
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_world", "mass", "motion", "name", "number", "shape")
+    __slots__ = ("mass", "motion", "number", "shape")
 
     def __init__(
         self,
@@ -58,23 +65,11 @@ class Body:
         mass: float,
         motion: Motion,
     ) -> None:
-        self._world: _bullet.Simulation | None = simulation
+        super().__init__(simulation, name)
         self.number = number
-        self.name = name
         self.shape = shape
         self.mass = mass
         self.motion: Motion = motion
-
-    @property
-    def removed(self) -> bool:
-        """Whether it has been taken out of its world."""
-        return self._world is None
-
-    @property
-    def _simulation(self) -> _bullet.Simulation:
-        if self._world is None:
-            raise SettingsError(f"body {self.name!r} has been removed from its world")
-        return self._world
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -293,6 +288,42 @@ class Body:
 
     def __repr__(self) -> str:
         return f"Body({self.number}, {self.name!r}, {self.shape!r}, mass={self.mass:g})"
+
+
+def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
+    """Kilograms, 0 of what forces do not move, and who moves a body; by its mass, if nobody says."""
+    kilograms = as_real(mass, "mass")
+    if kilograms < 0.0:
+        raise SettingsError(f"mass must be at least 0, not {kilograms:g}")
+    if motion is None:
+        motion = "dynamic" if kilograms > 0.0 else "static"
+    elif motion not in MOTIONS:
+        raise SettingsError(
+            f"motion must be one of {', '.join(map(repr, MOTIONS))}, not {motion!r}"
+        )
+    elif motion == "dynamic" and kilograms == 0.0:
+        raise SettingsError("mass must be above 0 for a body that forces move")
+    return (kilograms if motion == "dynamic" else 0.0), motion
+
+
+def make_material(
+    *,
+    friction: float,
+    restitution: float,
+    linear_damping: float,
+    angular_damping: float,
+    group: int,
+    mask: int,
+) -> _bullet.BodyMaterial:
+    """What a body has beside its matter, checked."""
+    material = _bullet.BodyMaterial()
+    material.friction = as_friction(friction)
+    material.restitution = as_share(restitution, "restitution")
+    material.linear_damping = as_share(linear_damping, "linear_damping")
+    material.angular_damping = as_share(angular_damping, "angular_damping")
+    material.group = as_groups(group, "group")
+    material.mask = as_groups(mask, "mask")
+    return material
 
 
 def as_friction(value: float) -> float:

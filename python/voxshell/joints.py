@@ -11,6 +11,7 @@ import numpy as np
 from voxshell import _bullet
 from voxshell._arguments import as_floats, as_positive, as_real, as_vector
 from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.world_part import WorldPart
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -148,7 +149,7 @@ class Reaction:
     torque: NDArray[np.float64]
 
 
-class Joint:
+class Joint(WorldPart):
     """A joint of a :class:`World`; made by :meth:`World.add_joint`.
 
     Position and velocity are of the child, seen from the parent, about or along the axis: radians and
@@ -166,7 +167,7 @@ class Joint:
             motor of one that has no axis.
     """
 
-    __slots__ = ("_number", "_world", "child", "kind", "name", "parent")
+    __slots__ = ("_number", "child", "kind", "parent")
 
     def __init__(
         self,
@@ -177,23 +178,11 @@ class Joint:
         parent: Body | None,
         child: Body,
     ) -> None:
-        self._world: _bullet.Simulation | None = simulation
+        super().__init__(simulation, name)
         self._number = number
-        self.name = name
         self.kind = kind
         self.parent = parent
         self.child = child
-
-    @property
-    def removed(self) -> bool:
-        """Whether it has been taken out of its world."""
-        return self._world is None
-
-    @property
-    def _simulation(self) -> _bullet.Simulation:
-        if self._world is None:
-            raise SettingsError(f"joint {self.name!r} has been removed from its world")
-        return self._world
 
     @property
     def position(self) -> float:

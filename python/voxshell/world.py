@@ -9,14 +9,16 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell._arguments import as_floats, as_integer, as_points, as_positive, as_real, as_vector
-from voxshell.body import Body, as_friction, as_groups, as_share
+from voxshell.body import MOTIONS, Body, as_mass_and_motion, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact, as_margin
 from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.recorder import Recorder
 from voxshell.shapes import Plane
+from voxshell.world_part import check_own
 from voxshell.world_state import WorldState, check_same
+from voxshell.world_tables import as_contacts, as_hits, as_timings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,39 +32,10 @@ if TYPE_CHECKING:
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
 """Of the library that simulates."""
 
-CONTACT_DTYPE = np.dtype(
-    [
-        ("body_a", np.int32),
-        ("body_b", np.int32),
-        ("id", np.int32),
-        ("point_a", np.float64, 3),
-        ("point_b", np.float64, 3),
-        ("normal", np.float64, 3),
-        ("depth", np.float64),
-        ("impulse", np.float64),
-    ]
-)
-RAY_DTYPE = np.dtype(
-    [
-        ("body", np.int32),
-        ("fraction", np.float64),
-        ("point", np.float64, 3),
-        ("normal", np.float64, 3),
-    ]
-)
-TIMINGS_DTYPE = np.dtype(
-    [(name, np.float64) for name in ("step", "narrow_phase", "query", "reduction", "manifold")]
-)
-
 _CONTACT_MODES = {
     "auto": _bullet.ContactMode.AUTO,
     "regular": _bullet.ContactMode.REGULAR,
     "segmented": _bullet.ContactMode.SEGMENTED,
-}
-_MOTIONS = {
-    "dynamic": _bullet.Motion.DYNAMIC,
-    "static": _bullet.Motion.STATIC,
-    "kinematic": _bullet.Motion.KINEMATIC,
 }
 _SOLVERS = {
     "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
@@ -82,11 +55,11 @@ class World:
         time_step: Seconds a step.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
             those that span the largest area, four at most; "segmented": the deepest of each cluster
-            of the point-sphere tree at ``level``, or up to four of each where a body lies still on few;
-            "auto": what rests most calmly, now
-            segmented with up to four points each on few, moving or not.
-        level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters,
-            and 5 in steps in which bodies are fast.
+            of the point-sphere tree at ``level``, or up to four of each where a body lies still on
+            few; "auto": what rests most calmly, now segmented with up to four points each on few,
+            moving or not.
+        level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters, and for
+            "auto" 5 in steps in which bodies are fast.
         margin: How near slow points count as contacts, metres; a thousandth of the shell's diameter
             by default. Without it, resting bodies rock.
         sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch
@@ -97,9 +70,9 @@ class World:
             here, penetration is resolved without adding velocity, which models need to rebound
             truly; -0.04 is Bullet's own default.
         solver: Bullet's solver of constraints. "sequential_impulse" is its default; "nncg" follows
-            conjugate gradients and takes no joints; "dantzig" solves all of an island's constraints as one problem,
-            exactly, in a time that grows with the cube of their number; "projected_gauss_seidel"
-            solves that problem step by step.
+            conjugate gradients and takes no joints; "dantzig" solves all of an island's constraints
+            as one problem, exactly, in a time that grows with the cube of their number;
+            "projected_gauss_seidel" solves that problem step by step.
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
             bodies; stacks and machines want the 50 here, pybullet's default. "dantzig" does without.
 
@@ -229,34 +202,23 @@ class World:
             >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
             True
         """
-        kilograms = as_real(mass, "mass")
-        if kilograms < 0.0:
-            raise SettingsError(f"mass must be at least 0, not {kilograms:g}")
-        if motion is None:
-            motion = "dynamic" if kilograms > 0.0 else "static"
-        elif motion not in _MOTIONS:
-            raise SettingsError(
-                f"motion must be one of {', '.join(map(repr, _MOTIONS))}, not {motion!r}"
-            )
-        elif motion == "dynamic" and kilograms == 0.0:
-            raise SettingsError("mass must be above 0 for a body that forces move")
-        if motion != "dynamic":
-            kilograms = 0.0
+        kilograms, motion = as_mass_and_motion(mass, motion)
         if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane has no end and cannot move: pass mass=0")
-        material = _bullet.BodyMaterial()
-        material.friction = as_friction(friction)
-        material.restitution = as_share(restitution, "restitution")
-        material.linear_damping = as_share(linear_damping, "linear_damping")
-        material.angular_damping = as_share(angular_damping, "angular_damping")
-        material.group = as_groups(group, "group")
-        material.mask = as_groups(mask, "mask")
+        material = make_material(
+            friction=friction,
+            restitution=restitution,
+            linear_damping=linear_damping,
+            angular_damping=angular_damping,
+            group=group,
+            mask=mask,
+        )
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
         number = self._simulation.add_body(
             geometry,
-            motion=_MOTIONS[motion],
+            motion=MOTIONS[motion],
             mass=kilograms,
             centre_of_mass=matter.center_of_mass.tolist(),
             inertia=matter.inertia.tolist(),
@@ -285,7 +247,7 @@ class World:
             []
         """
         if isinstance(what, Joint):
-            self._check_own_joint(what)
+            check_own(what, self._simulation)
             self._simulation.remove_joint(what._number)
             what._world = None
             self.joints.remove(what)
@@ -515,11 +477,7 @@ class World:
         for name, points in (("starts", first), ("ends", last)):
             if not np.isfinite(points).all():
                 raise SettingsError(f"{name} must be finite")
-        rows = self._simulation.cast_rays(first, last)
-        hits = np.empty(len(rows), RAY_DTYPE)
-        hits["body"], hits["fraction"] = rows[:, 0], rows[:, 1]
-        hits["point"], hits["normal"] = rows[:, 2:5], rows[:, 5:8]
-        return hits
+        return as_hits(self._simulation.cast_rays(first, last))
 
     def query_contacts(
         self, a: Body, b: Body | None = None, *, margin: float = 0.0
@@ -564,7 +522,7 @@ class World:
         for other in others:
             _refuse_unanswered(a, other)
         rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
-        return _as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
+        return as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
 
     def overlaps(self, a: Body, b: Body) -> bool:
         """Whether two bodies touch or penetrate each other as they stand now.
@@ -591,7 +549,7 @@ class World:
             body b and towards body a), ``depth`` (metres, positive where the bodies overlap) and
             ``impulse`` (normal, N s, of the last step).
         """
-        return _as_contacts(self._simulation.contacts())
+        return as_contacts(self._simulation.contacts())
 
     @property
     def timings(self) -> NDArray[np.void]:
@@ -603,7 +561,7 @@ class World:
         the shapes; ``query``, ``reduction`` and ``manifold`` the models' part of that: finding
         contacts, choosing points, handing them to Bullet.
         """
-        return self._simulation.timings().view(TIMINGS_DTYPE)[:, 0]
+        return as_timings(self._simulation.timings())
 
     def clear_timings(self) -> None:
         """Forgets the :attr:`timings` so far, as after a warm-up.
@@ -638,12 +596,7 @@ class World:
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):
             raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
-        if body._simulation is not self._simulation:
-            raise SettingsError(f"body {body.name!r} is of another world")
-
-    def _check_own_joint(self, joint: Joint) -> None:
-        if joint._simulation is not self._simulation:
-            raise SettingsError(f"joint {joint.name!r} is of another world")
+        check_own(body, self._simulation)
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:
@@ -654,15 +607,6 @@ def _refuse_unanswered(a: Body, b: Body) -> None:
                 f"Bullet does not tell where {first.name!r}, a GImpact, touches {second.name!r}, a "
                 f"{type(second.shape).__name__}, outside of a step: see World.contacts() after one"
             )
-
-
-def _as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
-    contacts = np.empty(len(rows), CONTACT_DTYPE)
-    contacts["body_a"], contacts["body_b"], contacts["id"] = rows[:, 0], rows[:, 1], rows[:, 2]
-    contacts["point_a"], contacts["point_b"] = rows[:, 3:6], rows[:, 6:9]
-    contacts["normal"] = rows[:, 9:12]
-    contacts["depth"], contacts["impulse"] = rows[:, 12], rows[:, 13]
-    return contacts
 
 
 def _as_reach(value: float) -> float:

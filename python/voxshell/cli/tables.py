@@ -14,16 +14,22 @@ if TYPE_CHECKING:
 
 def new_table(*headings: str, title: str | None = None) -> Table:
     """An empty table: words to the left, all other columns to the right."""
-    table = Table(
+    table = bare_table(title)
+    for index, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if index else "left", no_wrap=True)
+    return table
+
+
+def bare_table(title: str | None = None, *, expand: bool = False) -> Table:
+    """A table without columns; as wide as the terminal where it is to expand."""
+    return Table(
         title=title,
         title_justify="left",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
         padding=(0, 1, 0, 0),
+        expand=expand,
     )
-    for index, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if index else "left", no_wrap=True)
-    return table
 
 
 def list_facts(facts: Iterable[tuple[str, str]], title: str | None = None) -> Table:

@@ -4,28 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
+from voxshell.cli.tables import bare_table
 from voxshell.experiments.verdict import format_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from rich.table import Table
 
     from voxshell.experiments.verdict import Row
 
 
 def make_table(title: str, rows: Iterable[Row]) -> Table:
     """Published beside here, with the bar and the verdict; long words wrap."""
-    table = Table(
-        title=title,
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
-        expand=True,
-    )
+    table = bare_table(title, expand=True)
     # What is left over goes to the words that need it most.
     table.add_column("quantity", ratio=1)
     table.add_column("published", justify="right", max_width=10)

@@ -9,7 +9,7 @@ import numpy as np
 
 from voxshell.body_shapes import mesh_of
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.world import CONTACT_DTYPE
+from voxshell.world_tables import CONTACT_DTYPE
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,0 +1,45 @@
+"""What bodies and joints have in common: they belong to a world until they are taken out of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voxshell.errors import SettingsError
+
+if TYPE_CHECKING:
+    from voxshell import _bullet
+
+
+class WorldPart:
+    """A body or a joint of a :class:`World`.
+
+    Attributes:
+        name: For people.
+    """
+
+    __slots__ = ("_world", "name")
+
+    def __init__(self, simulation: _bullet.Simulation, name: str) -> None:
+        self._world: _bullet.Simulation | None = simulation
+        self.name = name
+
+    @property
+    def removed(self) -> bool:
+        """Whether it has been taken out of its world."""
+        return self._world is None
+
+    @property
+    def _simulation(self) -> _bullet.Simulation:
+        if self._world is None:
+            raise SettingsError(f"{self._title} has been removed from its world")
+        return self._world
+
+    @property
+    def _title(self) -> str:
+        return f"{type(self).__name__.lower()} {self.name!r}"
+
+
+def check_own(part: WorldPart, simulation: _bullet.Simulation) -> None:
+    """Refuses what is of another world or of none."""
+    if part._simulation is not simulation:
+        raise SettingsError(f"{part._title} is of another world")

@@ -1,0 +1,60 @@
+"""Structured arrays that a world answers with, out of the rows of numbers that Bullet's side gives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CONTACT_DTYPE = np.dtype(
+    [
+        ("body_a", np.int32),
+        ("body_b", np.int32),
+        ("id", np.int32),
+        ("point_a", np.float64, 3),
+        ("point_b", np.float64, 3),
+        ("normal", np.float64, 3),
+        ("depth", np.float64),
+        ("impulse", np.float64),
+    ]
+)
+RAY_DTYPE = np.dtype(
+    [
+        ("body", np.int32),
+        ("fraction", np.float64),
+        ("point", np.float64, 3),
+        ("normal", np.float64, 3),
+    ]
+)
+TIMINGS_DTYPE = np.dtype(
+    [(name, np.float64) for name in ("step", "narrow_phase", "query", "reduction", "manifold")]
+)
+
+
+def as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
+    """(n,) of CONTACT_DTYPE from (n, 14)."""
+    return _as_table(rows, CONTACT_DTYPE)
+
+
+def as_hits(rows: NDArray[np.float64]) -> NDArray[np.void]:
+    """(n,) of RAY_DTYPE from (n, 8)."""
+    return _as_table(rows, RAY_DTYPE)
+
+
+def as_timings(rows: NDArray[np.float64]) -> NDArray[np.void]:
+    """(n,) of TIMINGS_DTYPE from (n, 5), without a copy."""
+    return rows.view(TIMINGS_DTYPE)[:, 0]
+
+
+def _as_table(rows: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[np.void]:
+    """Columns in the order of the fields, three for a vector."""
+    table = np.empty(len(rows), dtype)
+    column = 0
+    for name in dtype.names or ():
+        width = int(np.prod(dtype[name].shape, dtype=int))
+        table[name] = rows[:, column : column + width].reshape(table[name].shape)
+        column += width
+    return table
