@@ -49,7 +49,7 @@ PYTHON_MAY_IMPORT: dict[str, set[str]] = {
     "experiments": {"api", "viewer", "scenes"},
     "cli": {"api", "viewer", "scenes", "experiments"},
 }
-PYTHON_BINDINGS = {"_core", "_bullet"}
+PYTHON_BINDINGS = {"_core", "_bullet", "_hacd"}
 
 # (module file, part): imports against the direction that are allowed inside a function.
 PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {

@@ -2,31 +2,52 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from voxshell._arguments import as_integer
+from voxshell.comparison_shapes import ConvexDecomposition
+from voxshell.experiments.convex_parts import RECIPES, split
 from voxshell.experiments.drop import FULL_OPERATION, DropRun, run_drop
 from voxshell.experiments.motion import read_poses, restore, tabulate
 from voxshell.experiments.part import Part
 from voxshell.experiments.timing import pinned, time_poses
+from voxshell.meshes import Mesh, read_mesh
 from voxshell.scenes.bunny import ORIENTATIONS_WXYZ, find_bunny
-from voxshell.scenes.drop import METHODS, DropSettings, DropShapes, build_shapes, build_world
+from voxshell.scenes.drop import (
+    BULLET_MARGIN,
+    METHODS,
+    DropSettings,
+    DropShapes,
+    Method,
+    build_shapes,
+    build_world,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from voxshell.experiments.motion import Surface
     from voxshell.experiments.part import Columns, Tables
-    from voxshell.scenes.drop import Method
 
 CURVES = (
     *("narrow_phase", "query", "reduction", "manifold"),
     *("contacts", "depth", "speed", "angular_speed", "lowest"),
+)
+
+
+Decomposer = Literal["hacd", "coacd"]
+"""HACD of Bullet's extras, as published, and CoACD, which people use today; see
+:data:`voxshell.experiments.convex_parts.RECIPES`."""
+
+_DECOMPOSITION = next(method for method in METHODS if method.key == "decomposition")
+DECOMPOSERS = (
+    Method("hacd", "HACD", "box", _DECOMPOSITION.thesis_ratio),
+    Method("coacd", "CoACD", "box"),
 )
 
 
@@ -41,6 +62,7 @@ class BunnyFallSettings(DropSettings):
         orientations: How many of :data:`voxshell.scenes.bunny.ORIENTATIONS_WXYZ`.
         equal_poses: In how many poses of the fine fall all methods are timed once more.
         repeats: How often, in turn.
+        decomposers: Further convex decompositions that fall, beside V-HACD's.
     """
 
     mesh: str = ""
@@ -49,6 +71,7 @@ class BunnyFallSettings(DropSettings):
     orientations: int = 3
     equal_poses: int = 50
     repeats: int = 3
+    decomposers: tuple[Decomposer, ...] = ("hacd", "coacd")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -60,32 +83,80 @@ class BunnyFallSettings(DropSettings):
 
 
 def plan(settings: BunnyFallSettings) -> list[Part]:
-    """A part for each orientation: all methods in one process."""
+    """A part for each orientation, all methods in one process; before them, what takes long to split."""
+    here = {"mesh": str(find_mesh(settings)), "size": settings.size}
+    # With the libraries' versions, so that what was missing is run once it is installed.
+    libraries = {key: RECIPES[key].identity for key in find_decomposers(settings)}
     return [
-        Part(
-            f"orientation-{orientation}",
-            run_methods,
-            {"settings": settings, "orientation": orientation},
-            timed=True,
-            cost=20.0 + 0.05 * (settings.slow_steps + settings.equal_poses * settings.repeats),
-        )
-        for orientation in range(settings.orientations)
+        *(
+            Part(
+                f"split-{key}",
+                split_mesh,
+                {**here, "decomposer": key, "library": library},
+                cost={"hacd": 10.0, "coacd": 160.0}[key],
+            )
+            for key, library in libraries.items()
+        ),
+        *(
+            Part(
+                f"orientation-{orientation}",
+                run_methods,
+                {"settings": settings, "orientation": orientation, "libraries": libraries},
+                timed=True,
+                cost=20.0 + 0.05 * (settings.slow_steps + settings.equal_poses * settings.repeats),
+            )
+            for orientation in range(settings.orientations)
+        ),
     ]
 
 
-def run_methods(settings: BunnyFallSettings, orientation: int) -> Tables:
+def find_decomposers(settings: BunnyFallSettings) -> list[Decomposer]:
+    """Those of the settings that are installed."""
+    return [key for key in settings.decomposers if RECIPES[key].version is not None]
+
+
+def split_mesh(mesh: str, size: float, decomposer: Decomposer, library: str) -> Tables:
+    """Leaves the convex parts in the cache, for the timed parts; says how many points each has.
+
+    Args:
+        mesh: Path.
+        size: The mesh is scaled so that its longest side is this, metres.
+        decomposer: What splits it.
+        library: Of which version.
+    """
+    assert library
+    hulls = split(read_scaled(Path(mesh), size), RECIPES[decomposer]).hulls
+    return {"hulls": {"points": np.array([len(hull) for hull in hulls])}}
+
+
+def read_scaled(path: Path, size: float) -> Mesh:
+    """A mesh whose longest side is ``size``, metres."""
+    mesh = read_mesh(path)
+    return Mesh(mesh.vertices * (size / np.ptp(mesh.vertices, axis=0).max()), mesh.faces)
+
+
+def run_methods(
+    settings: BunnyFallSettings, orientation: int, libraries: Mapping[Decomposer, str]
+) -> Tables:
     """Each method's fall, and all methods in the poses of the fine one.
 
     Returns:
-        "steps": of every method; "equal_poses": times; "hulls": points of hull and decomposition;
-        "KEY_poses" and "KEY_contacts": the recordings.
+        "steps": of every method; "equal_poses": times; "hulls": points of hull and decompositions;
+        "split": what further decompositions took, seconds; "KEY_poses" and "KEY_contacts": the
+        recordings.
     """
     shapes = build_all_shapes(settings, find_mesh(settings))
+    made = {key: split(shapes.mesh, RECIPES[key]) for key in libraries}
+    bodies = {
+        key: ConvexDecomposition(parts.hulls, margin=BULLET_MARGIN) for key, parts in made.items()
+    }
+    shapes = replace(shapes, bodies=shapes.bodies | bodies)
+    methods = (*METHODS, *(method for method in DECOMPOSERS if method.key in libraries))
     rotation = orientation_of(orientation)
     tables: dict[str, Columns] = {}
     curves = []
     with pinned():
-        for method in METHODS:
+        for method in methods:
             steps = settings.slow_steps if method.is_slow else settings.steps
             run = run_drop(shapes, method, settings, steps, rotation=rotation)
             curves.append(
@@ -95,11 +166,15 @@ def run_methods(settings: BunnyFallSettings, orientation: int) -> Tables:
                     **{name: getattr(run, name) for name in CURVES},
                 }
             )
-            motion = tabulate(run.recording)
-            tables |= {f"{method.key}_{name}": table for name, table in motion.items()}
-        tables["equal_poses"] = _time_equal_poses(settings, shapes, tables)
+            for name, columns in tabulate(run.recording).items():
+                tables[f"{method.key}_{name}"] = columns
+        tables["equal_poses"] = _time_equal_poses(settings, shapes, methods, tables)
     tables["steps"] = {key: np.concatenate([curve[key] for curve in curves]) for key in curves[0]}
     tables["hulls"] = _tabulate_hulls(shapes)
+    tables["split"] = {
+        "method": np.array(list(made), np.str_),
+        "seconds": np.array([parts.seconds for parts in made.values()]),
+    }
     return tables
 
 
@@ -126,15 +201,24 @@ def find_mesh(settings: BunnyFallSettings) -> Path:
     return Path(settings.mesh) if settings.mesh else find_bunny()
 
 
+def methods_of(tables: Tables) -> tuple[Method, ...]:
+    """Those that fell."""
+    present = set(tables["steps"]["method"].tolist())
+    return tuple(method for method in (*METHODS, *DECOMPOSERS) if method.key in present)
+
+
 def _time_equal_poses(
-    settings: BunnyFallSettings, shapes: DropShapes, tables: Mapping[str, Columns]
+    settings: BunnyFallSettings,
+    shapes: DropShapes,
+    methods: Sequence[Method],
+    tables: Mapping[str, Columns],
 ) -> Columns:
     fine = {"poses": tables["vps-fine_poses"], "contacts": tables["vps-fine_contacts"]}
     chosen = np.linspace(*FULL_OPERATION, settings.equal_poses, endpoint=False).astype(int)
     poses = read_poses(fine, "body")[chosen]
     rows: dict[str, list[Any]] = {"method": [], "repeat": [], "step": [], "narrow_phase": []}
     for repeat in range(settings.repeats):
-        for method in METHODS:
+        for method in methods:
             world, body = build_world(shapes, method, settings, gravity=0.0)
             # The first pose warms caches and Bullet's pair up.
             times = time_poses(world, body, np.concatenate([poses[:1], poses]))["narrow_phase"][1:]
@@ -147,7 +231,9 @@ def _time_equal_poses(
 
 def _tabulate_hulls(shapes: DropShapes) -> Columns:
     points, kinds, numbers = [], [], []
-    for key in ("hull", "decomposition"):
+    for key in ("hull", "decomposition", *(method.key for method in DECOMPOSERS)):
+        if key not in shapes.bodies:
+            continue
         for number, hull in enumerate(getattr(shapes.bodies[key], "hulls")):  # noqa: B009
             points.append(hull)
             kinds += [key] * len(hull)

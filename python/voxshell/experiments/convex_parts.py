@@ -7,6 +7,7 @@ import os
 import time
 from dataclasses import dataclass
 from importlib import import_module, metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 from zipfile import BadZipFile
@@ -16,11 +17,12 @@ import numpy as np
 from voxshell.cache import find_folder, read_capacity
 from voxshell.errors import MeshError, MissingExtraError
 from voxshell.experiments.files import replacing
+from voxshell.meshes import Mesh
+from voxshell.scenes.solids import import_manifold
+from voxshell.world import BULLET_VERSION
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from voxshell.meshes import Mesh
 
 CONCAVITY = 0.05
 """CoACD's own default of what it leaves, as a share of the mesh's size."""
@@ -29,7 +31,10 @@ SEED = 0
 """Of CoACD's search."""
 
 HULL_VERTICES = 100
-"""At most, of a hull of V-HACD's, as in the thesis."""
+"""At most, of a hull of HACD's and V-HACD's, as in the thesis."""
+
+HACD_CONCAVITY = 100.0
+"""What HACD may leave where the mesh's size is 1000, as in Bullet's own demo."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,20 +59,25 @@ class Recipe:
     Attributes:
         label: For people, with the settings that matter.
         library: The distribution that does it.
-        hulls: V-HACD: how many at most.
+        hulls: HACD: how many at least; V-HACD: how many at most.
         voxels: V-HACD: of its grid.
         concavity: CoACD: what it leaves, as a share of the mesh's size.
+        tolerance: HACD: how far its input may be off the mesh, as a share of the mesh's size. It takes a
+            minute for ten thousand triangles, and more than the square of that for more.
     """
 
     label: str
-    library: Literal["vhacdx", "coacd"]
+    library: Literal["hacd", "vhacdx", "coacd"]
     hulls: int = 8
     voxels: int = 400_000
     concavity: float = CONCAVITY
+    tolerance: float = 0.005
 
     @property
     def version(self) -> str | None:
         """Of the library; None where it is not installed."""
+        if self.library == "hacd":
+            return f"of Bullet {BULLET_VERSION}" if find_spec(_HACD) is not None else None
         try:
             return metadata.version(self.library)
         except metadata.PackageNotFoundError:
@@ -76,6 +86,8 @@ class Recipe:
     @property
     def advice(self) -> str:
         """How to install it."""
+        if self.library == "hacd":
+            return "not built: install libbullet-extras-dev and build voxshell from its sources"
         extra = {"vhacdx": "experiments", "coacd": "peers"}[self.library]
         return f"not installed: pip install {self.library}, or voxshell[{extra}]"
 
@@ -84,10 +96,15 @@ class Recipe:
         """All that the parts of a mesh depend on."""
         if self.library == "coacd":
             return f"coacd {self.version} {self.concavity} {SEED}"
+        if self.library == "hacd":
+            return f"hacd {self.version} {self.hulls} {self.tolerance} {HACD_CONCAVITY} {HULL_VERTICES}"
         return f"vhacdx {self.version} {self.hulls} {self.voxels} {HULL_VERTICES}"
 
 
+_HACD = "voxshell._hacd"
+
 RECIPES = {
+    "hacd": Recipe("HACD, 8 hulls", "hacd"),
     "vhacd": Recipe("V-HACD, 8 hulls", "vhacdx"),
     "vhacd-64": Recipe("V-HACD, 64 hulls", "vhacdx", hulls=64, voxels=2_000_000),
     "coacd": Recipe("CoACD", "coacd"),
@@ -118,14 +135,50 @@ def split(mesh: Mesh, recipe: Recipe) -> Parts:
 def make_parts(mesh: Mesh, recipe: Recipe) -> Parts:
     """The convex parts of a mesh, whether or not they are kept; see :func:`split`."""
     start = time.perf_counter()
-    hulls = {"vhacdx": _run_vhacd, "coacd": _run_coacd}[recipe.library](mesh, recipe)
+    # HACD also finds flat parts, which collide with nothing.
+    found = _SPLITTERS[recipe.library](mesh, recipe)
+    hulls = tuple(points for points in found if _encloses_volume(points))
     if not hulls:
         raise MeshError(f"{recipe.label} found no convex part in the mesh")
     return Parts(hulls, time.perf_counter() - start, recipe.version or "")
 
 
+def _encloses_volume(points: NDArray[np.float64]) -> bool:
+    if len(points) < 4:
+        return False
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[2] > 1e-6 * spread[0])
+
+
+def _run_hacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
+    hacd = _load(_HACD, recipe)
+    simple = _simplify(mesh, recipe.tolerance * float(np.ptp(mesh.vertices, axis=0).max()))
+    return tuple(
+        hacd.decompose(
+            simple.vertices,
+            simple.faces,
+            clusters=recipe.hulls,
+            hull_vertices=HULL_VERTICES,
+            concavity=HACD_CONCAVITY,
+        )
+    )
+
+
+def _simplify(mesh: Mesh, tolerance: float) -> Mesh:
+    """The mesh with fewer triangles; itself where manifold3d does not take it for closed."""
+    solids = import_manifold()
+    whole = solids.Manifold(solids.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
+    if whole.status() != solids.Error.NoError:
+        return mesh
+    simple = whole.simplify(tolerance).to_mesh64()
+    return Mesh(
+        np.ascontiguousarray(simple.vert_properties[:, :3]),
+        np.ascontiguousarray(simple.tri_verts, dtype=np.uint32),
+    )
+
+
 def _run_vhacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
-    vhacdx = _load(recipe)
+    vhacdx = _load("vhacdx", recipe)
     parts = vhacdx.compute_vhacd(
         mesh.vertices,
         np.column_stack([np.full(len(mesh.faces), 3, np.uint32), mesh.faces]).ravel(),
@@ -137,7 +190,7 @@ def _run_vhacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
 
 
 def _run_coacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
-    coacd = _load(recipe)
+    coacd = _load("coacd", recipe)
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
         coacd.Mesh(mesh.vertices, mesh.faces), threshold=recipe.concavity, seed=SEED
@@ -145,9 +198,12 @@ def _run_coacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
     return tuple(np.asarray(points, np.float64) for points, _ in parts)
 
 
-def _load(recipe: Recipe) -> Any:
+_SPLITTERS = {"hacd": _run_hacd, "vhacdx": _run_vhacd, "coacd": _run_coacd}
+
+
+def _load(module: str, recipe: Recipe) -> Any:
     try:
-        return import_module(recipe.library)
+        return import_module(module)
     except ImportError as error:
         raise MissingExtraError(f"{recipe.label} is {recipe.advice}") from error
 

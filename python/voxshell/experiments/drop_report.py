@@ -28,6 +28,8 @@ COLORS = {
     "gimpact-plane": "#f4978e",
     "hull": "#5c6bc0",
     "decomposition": "#e09f3e",
+    "hacd": "#8d6e63",
+    "coacd": "#7d5ba6",
 }
 """One colour a method, in every picture: ours are green."""
 

@@ -11,7 +11,17 @@ from pathlib import Path
 import voxshell
 from voxshell.world import BULLET_VERSION
 
-_LIBRARIES = ("coal", "manifold3d", "numpy", "trimesh", "vhacdx", "matplotlib", "pyarrow", "viser")
+_LIBRARIES = (
+    "coacd",
+    "coal",
+    "manifold3d",
+    "numpy",
+    "trimesh",
+    "vhacdx",
+    "matplotlib",
+    "pyarrow",
+    "viser",
+)
 
 
 def describe_environment() -> dict[str, object]:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from voxshell.body_shapes import Shape
     from voxshell.experiments.part import Columns, Tables
 
-GearMethod = Literal["voxshell", "gimpact", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
+GearMethod = Literal["voxshell", "gimpact", "hacd", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
 """Models, Bullet's GImpact, and the convex parts of :data:`voxshell.experiments.convex_parts.RECIPES`."""
 
 NAMES = ("driven", "other")
@@ -37,7 +37,7 @@ STEP_COLUMNS = ("driven", "other", "contacts", "depth")
 RECORDED_RATE = 60.0
 """Frames a second."""
 
-_SPLITTING: dict[str, float] = {"vhacd": 10.0, "vhacd-64": 30.0, "coacd": 25.0, "coacd-fine": 50.0}
+_SPLITTING: dict[str, float] = {"vhacd": 10.0, "vhacd-64": 40.0, "coacd": 60.0, "coacd-fine": 100.0}
 """About how many seconds it takes to split both gears."""
 
 
@@ -81,7 +81,7 @@ class GearsSettings:
     margin: float = 0.00005
     methods: tuple[GearMethod, ...] = (
         *("voxshell", "gimpact"),
-        *("vhacd", "vhacd-64", "coacd", "coacd-fine"),
+        *("hacd", "vhacd", "vhacd-64", "coacd", "coacd-fine"),
     )
 
     def __post_init__(self) -> None:

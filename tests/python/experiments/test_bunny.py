@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from voxshell.experiments import bunny
+from voxshell.experiments import bunny, convex_parts
 from voxshell.experiments.bunny import BunnyFallSettings
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.bunny import BUNNY
@@ -31,6 +31,7 @@ def settings(tmp_path_factory):
         orientations=1,
         equal_poses=5,
         repeats=2,
+        decomposers=("hacd",),
     )
 
 
@@ -42,7 +43,12 @@ def results(settings):
 def test_every_method_fell_and_met_the_equal_poses(settings, results):
     tables = results["orientation-0"]
     steps = tables["steps"]
-    for method in METHODS:
+    methods = bunny.methods_of(tables)
+    assert {method.key for method in methods} == {
+        *(method.key for method in METHODS),
+        *bunny.find_decomposers(settings),
+    }
+    for method in methods:
         mine = steps["method"] == method.key
         assert mine.sum() == (settings.slow_steps if method.is_slow else settings.steps)
         assert steps["contacts"][mine].max() > 0
@@ -58,6 +64,7 @@ def test_ratios_are_those_of_the_data(settings, results):
         "gimpact": 0.02,
         "hull": 1e-6,
         "decomposition": 2e-5,
+        "hacd": 1.6e-5,
         "vps-fine": 1e-5,
         "vps-coarse": 4e-6,
     }
@@ -67,6 +74,10 @@ def test_ratios_are_those_of_the_data(settings, results):
         row.quantity: row
         for row in BUNNY.reduce(settings, {"orientation-0": {**tables, "steps": steps}})
     }
+    if bunny.find_decomposers(settings):
+        hacd = rows["decomposition by HACD / VPS coarse, own falls"]
+        assert hacd.here == pytest.approx(4.0)
+        assert hacd.holds
     assert rows["GImpact / VPS fine, own falls"].here == pytest.approx(2000.0)
     assert rows["GImpact / VPS fine, own falls"].holds
     hull = rows["VPS fine / GJK on the hull, own falls"]
@@ -81,6 +92,29 @@ def test_ratios_are_those_of_the_data(settings, results):
         for row in BUNNY.reduce(settings, {"orientation-0": {**tables, "steps": steps}})
     }
     assert rows["leads of VPS over peers that are lost"].reproduced is False
+
+
+def test_decompositions_that_did_not_fall_say_why(settings, results):
+    wanted = replace(settings, decomposers=("hacd", "coacd"))
+    quantity = "decomposition by CoACD / VPS coarse, own falls"
+    for asked, why in ((wanted, "pip install coacd"), (settings, "the full run has it")):
+        (row,) = (row for row in BUNNY.reduce(asked, results) if row.quantity == quantity)
+        assert np.isnan(row.here)
+        assert row.holds is None
+        assert why in row.note
+
+
+def test_split_parts_are_addressed_by_their_library(settings, monkeypatch):
+    wanted = replace(settings, decomposers=("coacd",))
+
+    def plan_with(version):
+        monkeypatch.setattr(convex_parts.Recipe, "version", version)
+        return {part.name: part.address for part in bunny.plan(wanted)}
+
+    without, old, new = (plan_with(version) for version in (None, "1.0", "2.0"))
+    assert "split-coacd" not in without
+    assert len({plan["orientation-0"] for plan in (without, old, new)}) == 3
+    assert old["split-coacd"] != new["split-coacd"]
 
 
 def test_pictures_animation_and_replay_are_made(settings, results, tmp_path):

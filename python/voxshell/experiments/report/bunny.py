@@ -10,6 +10,7 @@ import numpy as np
 from voxshell.comparison_shapes import ConvexDecomposition
 from voxshell.experiments import bunny
 from voxshell.experiments.bunny import BunnyFallSettings
+from voxshell.experiments.convex_parts import CONCAVITY, RECIPES
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.drop_report import COLORS, draw_curves, save_page
 from voxshell.experiments.experiment import Experiment, Picture
@@ -30,13 +31,16 @@ from voxshell.model import Model
 from voxshell.scenes.drop import GROUND_HALF_EXTENTS, METHODS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
     from voxshell.experiments.drop import DropRun
     from voxshell.experiments.experiment import Results
+    from voxshell.experiments.part import Tables
     from voxshell.meshes import Mesh
+    from voxshell.scenes.drop import Method
 
 PUBLISHED_FINE, PUBLISHED_COARSE = 0.71e-3, 0.102e-3
 """Seconds (section 5.3); it also names 1.39-1.49 ms for the fine shell, in the segments' table."""
@@ -57,7 +61,10 @@ def describe(settings: BunnyFallSettings) -> str:
         f"on a block at {settings.rate:g} Hz, voxels of {settings.voxel_size * 1e3:g} mm, shells of "
         f"{settings.fine_points:,} and {settings.coarse_points} points; beside it, in the same process "
         "and with the same mass and start, Bullet's GImpact on the full mesh, GJK on the hull of 42 "
-        "directions, and V-HACD's 8 hulls of at most 100 vertices, each with Bullet's own settings and "
+        "directions, and convex decompositions: V-HACD's and HACD's 8 hulls of at most 100 vertices (HACD of "
+        "Bullet's extras, with the settings of its demo, on the mesh simplified to within "
+        f"{1e3 * RECIPES['hacd'].tolerance * settings.size:.1f} mm), and CoACD's with its own settings, a "
+        f"concavity of {CONCAVITY:g}; each with Bullet's own settings and "
         f"the least margin that keeps all of them on the block. Full operation: steps {first} to "
         f"{last}. Medians over {settings.orientations} orientations; then every method in "
         f"{settings.equal_poses} equal poses of the fine fall. Pinned to one core, nothing else running."
@@ -66,14 +73,18 @@ def describe(settings: BunnyFallSettings) -> str:
 
 def reduce(settings: BunnyFallSettings, results: Results) -> list[Row]:
     """The verdicts."""
-    own = {method.key: _median_time(results, "steps", method.key) for method in METHODS}
-    equal = {method.key: _median_time(results, "equal_poses", method.key) for method in METHODS}
+    falls = {name: results[name] for name in results if name.startswith("orientation")}
+    methods = bunny.methods_of(falls["orientation-0"])
+    own = {method.key: _median_time(falls, "steps", method.key) for method in methods}
+    equal = {method.key: _median_time(falls, "equal_poses", method.key) for method in methods}
     return [
         *_rows_of_ratios(own, "own falls"),
+        *_rows_of_decomposers(settings, falls["orientation-0"], own, "own falls"),
         *_rows_of_ratios(equal, "equal poses"),
+        *_rows_of_decomposers(settings, falls["orientation-0"], equal, "equal poses"),
         _row_of_order(own),
-        *_rows_of_times(results, own),
-        *_rows_of_rest(results),
+        *_rows_of_times(falls, methods, own),
+        *_rows_of_rest(falls, methods),
     ]
 
 
@@ -124,9 +135,44 @@ def _rows_of_ratios(times: dict[str, float], where: str) -> list[Row]:
     ]
 
 
+def _rows_of_decomposers(
+    settings: BunnyFallSettings, tables: Tables, times: dict[str, float], where: str
+) -> list[Row]:
+    """Convex parts by others than V-HACD; those that are not here say why."""
+    rows = []
+    seconds = dict(zip(*(tables["split"][name].tolist() for name in ("method", "seconds")), strict=True))  # fmt: skip
+    for method in bunny.DECOMPOSERS:
+        quantity = f"decomposition by {method.label} / VPS coarse, {where}"
+        if method.key not in times:
+            why = "left out by the settings" + (
+                "; the full run has it" if method.key == "coacd" else ""
+            )
+            if method.key in settings.decomposers:
+                why = RECIPES[method.key].advice
+            rows.append(Row(quantity, None, float("nan"), "times", note=why))
+            continue
+        ratio = times[method.key] / times["vps-coarse"]
+        published = method.thesis_ratio is not None
+        rows.append(
+            Row(
+                quantity,
+                1 / 1.3 if published else None,
+                ratio,
+                "times",
+                reproduced=at_least(ratio, 1 / 1.3) if published else None,
+                bar=">= 3",
+                holds=at_least(ratio, 3.0),
+                note=f"{len(_hull_points(tables, method.key))} hulls, split in "
+                f"{format_value(seconds[method.key])} s",
+            )
+        )
+    return rows
+
+
 def _row_of_order(times: dict[str, float]) -> Row:
     """Every lead that VPS had over a peer is there still, and where it lagged it lags no more."""
-    published = {m.key: m.thesis_ratio for m in METHODS if m.thesis_ratio is not None}
+    known = (method for method in (*METHODS, *bunny.DECOMPOSERS) if method.key in times)
+    published = {m.key: m.thesis_ratio for m in known if m.thesis_ratio is not None}
     peers = [key for key in published if not key.startswith("vps")]
     lost = [
         f"{ours} behind {peer}"
@@ -145,10 +191,10 @@ def _row_of_order(times: dict[str, float]) -> Row:
     )
 
 
-def _rows_of_times(results: Results, own: dict[str, float]) -> list[Row]:
+def _rows_of_times(results: Results, methods: Sequence[Method], own: dict[str, float]) -> list[Row]:
     published = {"vps-fine": PUBLISHED_FINE, "vps-coarse": PUBLISHED_COARSE}
     rows = []
-    for method in METHODS:
+    for method in methods:
         samples = _samples(results, "steps", method.key)
         p99 = float(np.percentile(samples, 99)) if len(samples) else float("nan")
         rows.append(
@@ -164,9 +210,9 @@ def _rows_of_times(results: Results, own: dict[str, float]) -> list[Row]:
     return rows
 
 
-def _rows_of_rest(results: Results) -> list[Row]:
+def _rows_of_rest(results: Results, methods: Sequence[Method]) -> list[Row]:
     rows = []
-    for method in METHODS:
+    for method in methods:
         speeds, depths = [], []
         for tables in results.values():
             steps = tables["steps"]
@@ -189,7 +235,7 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
     """Curves, frames, hulls, segments, an animation and a replay."""
     folder.mkdir(parents=True, exist_ok=True)
     tables = results["orientation-0"]
-    mesh = _read_mesh(settings)
+    mesh = bunny.read_scaled(bunny.find_mesh(settings), settings.size)
     runs = _read_runs(settings, tables, thin_out(mesh, settings.size / 60))
     draw_curves(folder / "curves.png", f"The falling bunny at {settings.rate:g} Hz", runs)
     _draw_frames(settings, tables, mesh, folder / "frames.png")
@@ -201,17 +247,10 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
         Picture("curves.png", "Time of the narrow phase and speed over steps, as published (logarithmic axes); grey: full operation."),
         Picture("animation.gif", "The drop, a quarter of real time: VPS fine and coarse, GImpact, convex hull, convex decomposition."),
         Picture("frames.png", f"The fine bunny at steps {', '.join(map(str, FRAME_STEPS))}."),
-        Picture("hulls.png", "The mesh, its convex hull of 42 directions, and its convex decomposition."),
+        Picture("hulls.png", "The mesh, its convex hull of 42 directions, and its convex decompositions, a colour a hull."),
         Picture("segments.png", f"Segments of the fine shell at levels {', '.join(map(str, LEVELS_SHOWN))}, a colour each."),
         Picture("replay.html", "All methods side by side, with their contacts."),
     ]  # fmt: skip
-
-
-def _read_mesh(settings: BunnyFallSettings) -> Mesh:
-    from voxshell.meshes import Mesh, read_mesh
-
-    mesh = read_mesh(bunny.find_mesh(settings))
-    return Mesh(mesh.vertices * (settings.size / np.ptp(mesh.vertices, axis=0).max()), mesh.faces)
 
 
 def _read_runs(settings: BunnyFallSettings, tables: Any, mesh: Mesh) -> list[DropRun]:
@@ -225,7 +264,7 @@ def _read_runs(settings: BunnyFallSettings, tables: Any, mesh: Mesh) -> list[Dro
     plate.apply_translation((0.0, 0.0, -0.005))
     flat = Triangles(plate.vertices, plate.faces)
     runs = []
-    for method in METHODS:
+    for method in bunny.methods_of(tables):
         surfaces = {
             "ground": (flat if method.ground == "plane" else ground, None),
             "body": (_read_hulls(tables, method.key) or mesh, None),
@@ -274,16 +313,20 @@ def _draw_hulls(tables: Any, mesh: Mesh, path: Path) -> None:
     middle = (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)) / 2.0
     target = tuple((upright[:3, :3] @ middle).tolist())
     pictures = []
+    decompositions = (
+        ("decomposition", "V-HACD"),
+        *((m.key, m.label) for m in bunny.DECOMPOSERS if m in bunny.methods_of(tables)),
+    )
     for label, solids in (
         ("mesh", [Solid(mesh, upright, (200, 195, 185))]),
         ("convex hull", [Solid(h.mesh, upright, as_rgb(COLORS["hull"]), edges=True) for h in _as_shapes(_hull_points(tables, "hull"))]),
-        ("convex decomposition", [Solid(h.mesh, upright, make_hue(i), edges=True) for i, h in enumerate(_as_shapes(_hull_points(tables, "decomposition")))]),
+        *((f"{label}, {len(_hull_points(tables, key))} hulls", [Solid(h.mesh, upright, make_hue(i), edges=True) for i, h in enumerate(_as_shapes(_hull_points(tables, key)))]) for key, label in decompositions),
     ):  # fmt: skip
-        canvas = Canvas(Camera(target, 0.27, (430, 430)))
+        canvas = Canvas(Camera(target, 0.27, (330, 330)))
         canvas.paint(solids)
         canvas.write(label, 0.5, 0.96)
         pictures.append(canvas.finish())
-    save_row(pictures, path)
+    save_row(pictures, path, columns=3 if len(pictures) > 4 else None)
 
 
 def _as_shapes(hulls: list[NDArray[np.float64]]) -> list[ConvexDecomposition]:
@@ -367,7 +410,14 @@ BUNNY = Experiment(
     question="How long does the narrow phase of a mesh on a ground take, beside Bullet's own methods?",
     describe=describe,
     settings=BunnyFallSettings(),
-    quick=replace(BunnyFallSettings(), slow_steps=600, orientations=1, equal_poses=20, repeats=2),
+    quick=replace(
+        BunnyFallSettings(),
+        slow_steps=600,
+        orientations=1,
+        equal_poses=20,
+        repeats=2,
+        decomposers=("hacd",),
+    ),
     plan=bunny.plan,
     reduce=reduce,
     draw=draw,

@@ -31,7 +31,7 @@ LABELS = {
     "gimpact": "GImpact",
     **{key: recipe.label for key, recipe in RECIPES.items()},
 }
-COLORS = dict(zip(LABELS, (OURS, *PEERS), strict=False))
+COLORS = dict(zip(LABELS, (OURS, *PEERS, "#8d6e63"), strict=True))
 
 
 def describe(settings: GearsSettings) -> str:
