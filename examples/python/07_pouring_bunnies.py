@@ -13,10 +13,10 @@ from drawing import draw, plot
 from voxshell.scenes.solids import as_mesh
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"  # Debian: glmark2-data
-RATE, EVERY = 200.0, 0.15  # Hz; seconds from one bunny to the next
+RATE, EACH = 200.0, 0.15  # Hz; seconds for each bunny
 
 options = parse_command(__doc__, mesh=BUNNY, count=None)
-count = int(options.count or (8 if options.quick else 40))
+count = int(options.count or (8 if options.quick else 24))
 mesh = trimesh.load_mesh(options.mesh)
 mesh.apply_translation(-mesh.bounds.mean(axis=0))
 mesh.apply_scale(0.08 / mesh.extents.max())
@@ -36,7 +36,8 @@ world.add(bowl, mass=0, friction=0.6, name="bowl")
 rng = np.random.default_rng(4)
 poses = [trimesh.transformations.random_rotation_matrix(rng.random(3)) for _ in range(count)]
 for number, pose in enumerate(poses):
-    pose[:3, 3] = *rng.uniform(-0.03, 0.03, 2), 0.12 + 0.11 * number
+    layer, turn = number // 3, 2.0 * np.pi * (number % 3) / 3.0 + 0.5 * (number // 3)
+    pose[:3, 3] = 0.055 * np.cos(turn), 0.055 * np.sin(turn), 0.06 + 0.11 * layer
     world.add(bunny, mass=0.1, pose=pose, friction=0.6, name=f"bunny {number + 1}")
 recorder = world.record(every=8)
 energy, contacts = [], []
@@ -49,7 +50,7 @@ def note(world):
     contacts.append(len(world.contacts()))
 
 
-steps = round(RATE * (2.0 + EVERY * count))
+steps = round(RATE * (2.0 + EACH * count))
 world.step(steps, note)
 places = np.array([body.pose[:3, 3] for body in world.bodies[1:]])
 step_ms = 1e3 * float(np.median(world.timings["step"]))
