@@ -73,7 +73,7 @@ def query(
     For example, a part 10 mm above another, a part in the ground, and many poses at once:
 
         voxshell query part.vxs other.stl --scale 0.001 --pose 0 0 0.01
-        voxshell query part.vxs plane --a-pose 0 0 0.02 --ask contacts wrench --stiffness 1e6
+        voxshell query part.vxs plane --a-pose 0 0 0.02 --ask wrench --stiffness 1e6
         voxshell query part.vxs part.vxs --poses poses.csv --json
 
     Args:
@@ -242,7 +242,7 @@ def _make_contact_table(found: dict[str, Any]) -> Any:
             f"{found['shells'][index]} {found['ids'][index]}",
             format_length(found["depths"][index]),
             _format_vector(found["points_b"][index]),
-            " ".join(f"{x:.3f}" for x in found["normals"][index]),
+            " ".join(f"{round(x, 3) + 0.0:.3f}" for x in found["normals"][index]),
         )
     return table
 
@@ -259,4 +259,5 @@ def _format_answer(name: str, answer: Any) -> tuple[str, ...]:
 
 
 def _format_vector(vector: Any) -> str:
-    return " ".join(f"{float(x) + 0.0:.4g}" for x in vector)
+    # Far below a nanometre or a nanonewton is what rounding left.
+    return " ".join(f"{0.0 if abs(x) < 1e-10 else float(x):.4g}" for x in vector)

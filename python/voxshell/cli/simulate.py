@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from voxshell.scenes.drop import DropSettings, Method
 
 RESULTS, CURVES, PAGE = "results.json", "curves.png", "index.html"
+_STILL = 1e-9
+"""Metres a second; what is slower moves by rounding alone."""
 
 simulate = App(name="simulate")
 
@@ -71,7 +73,7 @@ def scene(
         voxshell simulate scene.toml --out result
 
     Args:
-        file: The scene, TOML; examples/scenes of the sources shows every key.
+        file: The scene, TOML; the documentation's page of scene files shows every key.
         out: The folder to write into; it is made where there is none.
         json_only: Print results.json and nothing else.
     """
@@ -101,7 +103,7 @@ def scene(
         table.add_row(
             escape(row["body"]),
             " ".join(f"{round(x, 6) + 0.0:.4g}" for x in row["position"]),
-            f"{row['speed']:.3g} m/s",
+            f"{row['speed'] if row['speed'] >= _STILL else 0.0:.3g} m/s",
             str(row["contacts"]),
             format_length(row["deepest"]),
         )
