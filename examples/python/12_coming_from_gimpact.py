@@ -52,5 +52,7 @@ table = trimesh.creation.box((0.4, 0.4, 0.02)).apply_translation((0, 0, -0.01))
 around = [(vx.Mesh(one.vertices, one.faces), np.eye(4)) for one in (table, ball)]
 draw(options.out / "picture.png", [*around, (body.shape, body.pose)], elevation=35.0)
 time = np.arange(1, len(heights) + 1) / RATE
-plot(options.out / "plot.png", time, lines, x_label="s", y_label="height of the ring, mm")
+shown = (time > 0.28) & (time < 0.8)  # from shortly before it lands
+lines = {name: line[shown] for name, line in lines.items()}
+plot(options.out / "plot.png", time[shown], lines, x_label="s", y_label="height of the ring, mm")
 recorder.save_html(options.out / "replay.html", title="A ring falls around a ball")
