@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 import trimesh
@@ -79,3 +81,9 @@ def test_tables_fit_a_terminal(voxshell, cone_model_path):
         assert ended.code == 0, ended.err
         assert max(map(len, ended.out.splitlines())) <= 80
         assert ("yes" in ended.out) == (pose[2] < 1.0)
+
+
+def test_tables_show_no_leftovers_of_rounding(voxshell, cone_model_path):
+    ended = voxshell("query", cone_model_path, "plane", "--a-pose", 0, 0, -0.0003)
+    assert "on b" in ended.out
+    assert not re.search(r"e-\d\d|-0\.000\b", ended.out), ended.out
