@@ -37,7 +37,7 @@ class Options:
         settings: A TOML file with a table an experiment; its keys override settings.
         scheduler: Address of a Dask scheduler, such as tcp://10.0.0.1:8786: what is not timed runs
             there.
-        jobs: Processes for what is not timed; one a core by default.
+        jobs: Processes for what is not timed, figures included; one a core by default.
         json_only: Print the rows as JSON and nothing else.
     """
 
@@ -58,6 +58,7 @@ OTHER_TABLES = ("peers",)
 def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
     """Plans, runs what is missing, concludes, and prints a table an experiment."""
     from voxshell.experiments.reproduction import conclude, describe_rows, plan_studies
+    from voxshell.experiments.running import run_each
     from voxshell.experiments.settings import read_settings_file
 
     if options.jobs is not None and options.jobs < 1:
@@ -73,9 +74,11 @@ def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
     progress_console = Console(quiet=options.json_only, stderr=True)
     _run_missing(studies, options, progress_console)
     findings = []
-    for study in studies:
-        with progress_console.status(f"{study.experiment.name}: table and figures"):
-            findings.append(conclude(study))
+    with progress_console.status("") as status:
+        concluded = run_each(conclude, studies, options.jobs)
+        for study in studies:
+            status.update(f"{study.experiment.name}: table and figures")
+            findings.append(next(concluded))
     if options.json_only:
         rows = [row for each in findings for row in describe_rows(each.study, each.rows)]
         print(json.dumps(finite(rows)))

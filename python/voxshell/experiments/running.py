@@ -9,7 +9,7 @@ import threading
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell.errors import MissingExtraError, SettingsError, VoxshellError
 from voxshell.experiments.part import Outcome, Part, compute_fingerprint, compute_part
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from voxshell.experiments.store import Store
 
     Done = Callable[[Part], object]
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class RunError(VoxshellError, RuntimeError):
@@ -58,6 +61,36 @@ def run_parts(
             done(part)
 
 
+def run_each(
+    function: Callable[[Item], Result], items: Sequence[Item], jobs: int | None = None
+) -> Iterator[Result]:
+    """What a function makes of each item, in their order, in as many processes as help.
+
+    Args:
+        function: At a module's top level.
+        items: What it takes.
+        jobs: Processes; one a core by default.
+
+    Raises:
+        RunError: A process was killed.
+    """
+    count = min(_count_jobs(jobs), len(items))
+    if count <= 1:
+        yield from map(function, items)
+        return
+    with _open_pool(count) as pool:
+        futures = [pool.submit(function, item) for item in items]
+        try:
+            for future in futures:
+                yield future.result()
+        except BrokenProcessPool as error:
+            raise RunError("a worker process was killed; the same command goes on") from error
+
+
+def _count_jobs(jobs: int | None) -> int:
+    return len(os.sched_getaffinity(0)) if jobs is None else jobs
+
+
 def _compute(
     missing: list[tuple[Store, Part]], jobs: int | None, scheduler: str | None
 ) -> Iterator[tuple[Store, Part, Outcome]]:
@@ -66,8 +99,7 @@ def _compute(
     if untimed and scheduler is not None:
         yield from _compute_on_cluster(untimed, scheduler)
     elif untimed:
-        count = len(os.sched_getaffinity(0)) if jobs is None else jobs
-        yield from _compute_here(untimed, min(count, len(untimed)))
+        yield from _compute_here(untimed, min(_count_jobs(jobs), len(untimed)))
     if timed:
         yield from _compute_here(timed, 1)
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 import toy_parts
 from voxshell.experiments import part as part_module
 from voxshell.experiments.part import Part, compute_part
-from voxshell.experiments.running import RunError, run_parts
+from voxshell.experiments.running import RunError, run_each, run_parts
 from voxshell.experiments.store import Store
 
 SQUARES = Part("squares", toy_parts.squares, {"count": 5})
@@ -89,6 +90,19 @@ def test_killed_worker_is_an_error_and_the_next_run_goes_on(tmp_path):
         run_parts(work, jobs=1)
     run_parts(work, jobs=1)
     assert all(store.has(part) for _, part in work)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_each_is_run_in_order_in_as_many_processes(jobs):
+    made = list(run_each(toy_parts.name_process, [3, 2, 1, 0], jobs))
+    assert [item for item, _ in made] == [3, 2, 1, 0]
+    here = os.getpid()
+    assert ({process for _, process in made} == {here}) == (jobs == 1)
+
+
+def test_error_of_a_process_is_the_callers(tmp_path):
+    with pytest.raises(ValueError, match="0 is too small"):
+        list(run_each(toy_parts.refuse_zero, [1, 0], 2))
 
 
 def test_what_a_killed_run_left_is_swept(tmp_path):

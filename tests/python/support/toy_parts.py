@@ -43,3 +43,14 @@ def die_once(folder: str) -> dict:
         marker.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return {"numbers": {"answer": np.array([42])}}
+
+
+def name_process(item):
+    time.sleep(0.05)
+    return item, os.getpid()
+
+
+def refuse_zero(item):
+    if item == 0:
+        raise ValueError("0 is too small")
+    return item

@@ -51,6 +51,8 @@ SHOWN = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
 
 LEVELS_SHOWN = (2, 3, 4, 5)
 ANIMATION_STEPS, ANIMATION_EVERY = 400, 4
+SEEN = 2e-4
+"""Of a pose's entries: smaller changes are well below a pixel of the animation."""
 
 
 def describe(settings: BunnyFallSettings) -> str:
@@ -241,7 +243,7 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
     _draw_frames(settings, tables, mesh, folder / "frames.png")
     _draw_hulls(tables, mesh, folder / "hulls.png")
     _draw_segments(settings, mesh, folder / "segments.png")
-    _animate(settings, tables, thin_out(mesh, settings.size / 45), folder / "animation.gif")
+    _animate(settings, tables, thin_out(mesh, settings.size / 30), folder / "animation.gif")
     save_page(folder / "replay.html", "The falling bunny", runs, _summaries(runs))
     return [
         Picture("curves.png", "Time of the narrow phase and speed over steps, as published (logarithmic axes); grey: full operation."),
@@ -357,16 +359,21 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
     labels = {method.key: method.label for method in METHODS}
     poses = {key: read_poses({"poses": tables[f"{key}_poses"]}, "body") for key in SHOWN}
     surfaces = {key: _read_hulls(tables, key) or mesh for key in SHOWN}
+    camera = Camera((0.0, 0.0, 0.65 * settings.height), settings.height, (190, 310))
     frames = []
+    last: dict[str, tuple[NDArray[np.float64], Any]] = {}
     for step in range(0, min(ANIMATION_STEPS, settings.slow_steps) + 1, ANIMATION_EVERY):
         pictures = []
         for key in SHOWN:
-            camera = Camera((0.0, 0.0, 0.65 * settings.height), settings.height, (190, 310))
-            canvas = Canvas(camera)
-            canvas.paint_floor((-0.3, -0.3), (0.3, 0.3))
-            canvas.paint([Solid(surfaces[key], poses[key][step], as_rgb(COLORS[key]))])
-            canvas.write(labels[key], 0.5, 0.95)
-            pictures.append(canvas.finish())
+            pose = poses[key][step]
+            # What is at rest needs no new picture.
+            if key not in last or np.abs(pose - last[key][0]).max() > SEEN:
+                canvas = Canvas(camera)
+                canvas.paint_floor((-0.3, -0.3), (0.3, 0.3))
+                canvas.paint([Solid(surfaces[key], pose, as_rgb(COLORS[key]))])
+                canvas.write(labels[key], 0.5, 0.95)
+                last[key] = (pose, canvas.finish())
+            pictures.append(last[key][1])
         frames.append(join_row(pictures))
     milliseconds = round(4 * 1000 * ANIMATION_EVERY / settings.rate)
     with replacing(path) as temporary:
