@@ -91,8 +91,13 @@ void select_deepest_per_segment(std::span<const Contact> contacts, const PointSp
 
 namespace {
 
-/// So many spheres are worth more levels of the walk before they are searched.
-constexpr std::uint32_t kFew = simd::kMostSeeds / 8;
+/// Whether so few spheres are left that another level of the walk is worth more than searching
+/// them. Slots are worth more: their points are listed, once for all that is looked for.
+bool are_few(const simd::Seeds& left, const simd::TreeView& tree) {
+  constexpr std::uint32_t kFew = simd::kMostSeeds / 8;
+  const bool slots_follow = left.level == tree.level_count - 1;
+  return left.nodes.count <= (slots_follow ? 3 * kFew / 2 : kFew);
+}
 
 /// Listing the points of what is left is the fastest search then.
 bool are_slots(const simd::Seeds& seeds, const simd::TreeView& tree) {
@@ -105,6 +110,7 @@ simd::FoundPoint get(const simd::PointList& points, std::uint32_t i) {
 
 void append(simd::PointList& points, const simd::FoundPoint& found) {
   points.id[points.count] = found.id;
+  points.tag[points.count] = 0;
   points.distance[points.count] = found.distance;
   points.x[points.count] = found.point[0];
   points.y[points.count] = found.point[1];
@@ -114,19 +120,28 @@ void append(simd::PointList& points, const simd::FoundPoint& found) {
 
 simd::FoundPoint choose_deepest(const simd::PointList& points) {
   if (points.count == 0) return {simd::kNone, 0.0f, {}};
-  const float* deepest = std::min_element(points.distance, points.distance + points.count);
-  return get(points, static_cast<std::uint32_t>(deepest - points.distance));
+  std::uint32_t deepest = 0;
+  float distance = points.distance[0];
+  for (std::uint32_t i = 1; i < points.count; ++i) {
+    if (points.distance[i] >= distance) continue;
+    distance = points.distance[i];
+    deepest = i;
+  }
+  return get(points, deepest);
 }
 
 /// Of points ascending by id.
 void keep_deepest_per_segment(simd::PointList& points, const PointSphereTree& tree, int level) {
   const std::uint32_t count = std::exchange(points.count, 0u);
+  std::uint32_t end = 0;  // of the last segment's ids
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t last = points.count - 1;
-    const bool continues = points.count > 0 && tree.segment(points.id[last], level) ==
-                                                   tree.segment(points.id[i], level);
-    if (continues && points.distance[i] >= points.distance[last]) continue;
-    if (continues) --points.count;
+    if (points.id[i] >= end) {
+      end = tree.cluster_points(level, tree.segment(points.id[i], level)).end;
+    } else if (points.distance[i] < points.distance[points.count - 1]) {
+      --points.count;
+    } else {
+      continue;
+    }
     append(points, get(points, i));
   }
 }
@@ -142,10 +157,8 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
   const simd::TreeView tree = view_tree(shell);
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    // Searches for points far apart prune little: slots are worth twice as much.
     const auto go_on = [&](const simd::Seeds& left) {
-      const bool slots_follow = left.level == tree.level_count - 1;
-      return max_points > 1 && left.nodes.count <= (slots_follow ? 2 * kFew : kFew);
+      return max_points > 1 && are_few(left, tree);
     };
     const simd::Seeds seeds =
         walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state, go_on);
@@ -188,7 +201,7 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
     // Segments finer than slots have a bucket each.
     const simd::Seeds seeds = walk_down(
         posed, tree, margin, 0.0f, SphereBounds::kWanted, state,
-        [&](const simd::Seeds& left) { return depth > tree.depth || left.nodes.count <= kFew; });
+        [&](const simd::Seeds& left) { return depth > tree.depth || are_few(left, tree); });
     simd::PointList points = state.empty_points();
     if (are_slots(seeds, tree)) {
       kernels.evaluate(posed, tree, seeds.nodes, margin, points);

@@ -18,6 +18,7 @@ void QueryScratch::State::reserve(const PointShell& shell) {
   if (points > point_capacity) {
     point_capacity = points;
     point_id = std::make_unique_for_overwrite<std::uint32_t[]>(points);
+    point_tag = std::make_unique_for_overwrite<std::uint32_t[]>(points);
     point_distance = std::make_unique_for_overwrite<float[]>(points);
     point_x = std::make_unique_for_overwrite<float[]>(points);
     point_y = std::make_unique_for_overwrite<float[]>(points);

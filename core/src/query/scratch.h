@@ -50,14 +50,20 @@ struct QueryScratch::State {
   void reserve_gradients();
 
   simd::PointList empty_points() const {
-    return {point_id.get(), point_distance.get(), point_x.get(), point_y.get(), point_z.get(), 0};
+    return {point_id.get(),
+            point_tag.get(),
+            point_distance.get(),
+            point_x.get(),
+            point_y.get(),
+            point_z.get(),
+            0};
   }
   Contact* contact_data() const { return reinterpret_cast<Contact*>(contact_bytes.get()); }
 
   std::size_t point_capacity = 0;
   std::size_t node_capacity = 0;
   NodeBuffer nodes[2];
-  Buffer<std::uint32_t> point_id;
+  Buffer<std::uint32_t> point_id, point_tag;
   Buffer<float> point_distance, point_x, point_y, point_z;
   Buffer<std::byte> contact_bytes;
   std::size_t contact_count = 0;

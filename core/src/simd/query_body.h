@@ -174,6 +174,8 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
       const unsigned lanes = bits(distance < margin);
       if (lanes == 0) continue;
       compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
+      const I8 tags = I8{} + static_cast<int32_t>(slots.tag[i]);
+      memcpy(out.tag + count, &tags, sizeof tags);
       compress(out.distance + count, distance, lanes);
       compress(out.x + count, p.x, lanes);
       compress(out.y + count, p.y, lanes);
@@ -189,6 +191,7 @@ VOXSHELL_INLINE void fill_up(const PointList& points) {
   for (uint32_t i = points.count; i % kLanes != 0; ++i) {
     const uint32_t last = points.count - 1;
     points.id[i] = points.id[last];
+    points.tag[i] = points.tag[last];
     points.distance[i] = points.distance[last];
     points.x[i] = points.x[last];
     points.y[i] = points.y[last];
@@ -214,6 +217,22 @@ void differentiate(const PosedView<V>& posed, const PointList& points, float ste
   }
 }
 
+/// Of points below the margin that their tags were found for: they lie in bricks of that plane.
+template <class V>
+VOXSHELL_INLINE Triple<F8> tagged_normal(const PosedView<V>& posed, const Triple<F8>& p,
+                                         const uint32_t* /*tags*/) {
+  return posed_normal(posed, p);
+}
+VOXSHELL_INLINE Triple<F8> tagged_normal(const PosedView<GridView>& posed, const Triple<F8>& p,
+                                         const uint32_t* tags) {
+  I8 eight;
+  memcpy(&eight, tags, sizeof eight);
+  if (tags[0] == 0 || !is_uniform(eight)) return posed_normal(posed, p);
+  const float* plane = plane_of(posed.field, tags[0]);
+  return normalized(
+      to_shell(posed, Triple<F8>{splat<F8>(plane[0]), splat<F8>(plane[1]), splat<F8>(plane[2])}));
+}
+
 template <class V>
 void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& points,
               void* contacts) {
@@ -221,7 +240,7 @@ void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& 
   char* to = static_cast<char*>(contacts);
   for (uint32_t i = 0; i < points.count; i += kLanes) {
     const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
-    Triple<F8> normal = posed_normal(posed, p);
+    Triple<F8> normal = tagged_normal(posed, p, points.tag + i);
     const I8 is_zero = (normal.x == 0.0f) & (normal.y == 0.0f) & (normal.z == 0.0f);
     // Where the field has no gradient (a ridge inside it), the shell's own normal says which way
     // is out.

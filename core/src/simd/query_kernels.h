@@ -19,9 +19,11 @@ struct NodeList {
   uint32_t count;
 };
 
-/// Points of the shell with their distances, ascending by id; room for kLanes more.
+/// Points of the shell with their distances and the tags of their spheres, ascending by id; room
+/// for kLanes more.
 struct PointList {
   uint32_t* id;
+  uint32_t* tag;
   float* distance;
   float *x, *y, *z;  ///< the shell's frame, metres
   uint32_t count;
@@ -58,7 +60,8 @@ struct QueryKernels {
   /// Appends the points below `margin` of slots.
   void (*evaluate)(const PosedView<V>&, const TreeView&, const NodeList& slots, float margin,
                    PointList& out);
-  /// Writes a contact (id, depth, point, normal) for each point, eight words each.
+  /// Writes a contact (id, depth, point, normal) for each point, eight words each. Points with a
+  /// tag must have been found below the margin that it was given for.
   void (*complete)(const PosedView<V>&, const TreeView&, const PointList& points, void* contacts);
   /// Gradients by central differences over `step` metres to either side, the shell's frame: unlike
   /// those of complete(), continuous in the pose, and shorter than 1 across a ridge. Room for

@@ -61,8 +61,13 @@ struct Room {
     return {&words[(2 * i) * size], &words[(2 * i + 1) * size], &numbers[i * size], 0};
   }
   simd::PointList points() {
-    return {&words[4 * size],   &numbers[2 * size], &numbers[3 * size],
-            &numbers[4 * size], &numbers[5 * size], 0};
+    return {&words[4 * size],
+            &words[5 * size],
+            &numbers[2 * size],
+            &numbers[3 * size],
+            &numbers[4 * size],
+            &numbers[5 * size],
+            0};
   }
   float* gradient(std::size_t axis) { return &numbers[(6 + axis) * size]; }
 
