@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <utility>
 
 #include "base/text.h"
+#include "field/brick_entry.h"
 #include "field/surface_bricks.h"
 #include "simd/grid_view.h"
 
@@ -20,8 +23,9 @@ constexpr double kMostCells = 8192.0;
 /// the samples of a fine one. Builds of hundreds of megabytes have needed three quarters of this.
 constexpr double kBytesOfBrick = 128.0;
 constexpr double kBytesOfFineBrick = 1500.0;
-/// As many samples as entries can number, in fine bricks.
-constexpr double kMostFineBricks = 150'000.0;
+/// Others than fine ones have 8, 28 or 128; on average, in the largest of the bunny's fields, 10.
+constexpr double kSamplesOfBrick = 12.0;
+constexpr double kSamplesOfFineBrick = 732.0;
 
 /// The bricks that a voxel size asks for, counted in float64 as they may be very many.
 struct Outline {
@@ -48,49 +52,91 @@ Outline make_outline(const Bounds& surface_bounds, double padding, double voxel_
   return outline;
 }
 
-/// A plan, and what it will take to build it. Without its fine bricks, where it is too large even
-/// without them.
-struct Estimate {
-  BrickGridPlan plan;
+/// What it takes to build a field.
+struct Demand {
+  double bricks = 0.0;
   double fine_bricks = 0.0;
-  double bytes = 0.0;
+  double longest = 0.0;  ///< cells along the longest side
+
+  double bytes() const { return kBytesOfBrick * bricks + kBytesOfFineBrick * fine_bricks; }
+  double samples() const {
+    return kSamplesOfBrick * bricks + (kSamplesOfFineBrick - kSamplesOfBrick) * fine_bricks;
+  }
+  bool fits(std::size_t memory_limit) const {
+    constexpr double kMostSamples = static_cast<double>(kMostPayloads * simd::kSampleAlignment);
+    return bytes() <= static_cast<double>(memory_limit) && samples() <= kMostSamples &&
+           longest <= kMostCells;
+  }
+};
+
+/// Without fine bricks.
+Demand outline_demand(const TriangleMesh& mesh, double padding, double voxel_size) {
+  const Outline outline = make_outline(mesh.bounds(), padding, voxel_size);
+  return {outline.count(), 0.0, outline.longest()};
+}
+
+struct Estimate {
+  BrickGridPlan plan;  ///< without its fine bricks where it is too large even without them
+  Demand demand;
   bool fits = false;
 };
 
 Estimate estimate(const TriangleMesh& mesh, double padding, double voxel_size,
                   std::size_t memory_limit) {
-  const Outline outline = make_outline(mesh.bounds(), padding, voxel_size);
-  const auto limit = static_cast<double>(memory_limit);
   Estimate estimate;
-  estimate.bytes = kBytesOfBrick * outline.count();
-  if (!(estimate.bytes <= limit) || !(outline.longest() <= kMostCells)) return estimate;
-  estimate.plan.grid = outline.grid(voxel_size);
+  estimate.demand = outline_demand(mesh, padding, voxel_size);
+  if (!estimate.demand.fits(memory_limit)) return estimate;
+  estimate.plan.grid = make_outline(mesh.bounds(), padding, voxel_size).grid(voxel_size);
   estimate.plan.is_fine = find_surface_bricks(mesh, estimate.plan.grid, kFineMargin);
-  estimate.fine_bricks = static_cast<double>(
+  estimate.demand.fine_bricks = static_cast<double>(
       std::count(estimate.plan.is_fine.begin(), estimate.plan.is_fine.end(), char{1}));
-  estimate.bytes += kBytesOfFineBrick * estimate.fine_bricks;
-  estimate.fits = estimate.bytes <= limit && estimate.fine_bricks <= kMostFineBricks;
+  estimate.fits = estimate.demand.fits(memory_limit);
   return estimate;
 }
 
-Error too_large(const Estimate& refused, const TriangleMesh& mesh,
-                const GridFieldSettings& settings) {
-  const double longest =
-      make_outline(mesh.bounds(), settings.padding, settings.voxel_size).longest();
-  const double by_memory = std::sqrt(refused.bytes / static_cast<double>(settings.memory_limit));
-  double advised =
-      settings.voxel_size * std::max({1.0, std::cbrt(by_memory), longest / kMostCells});
-  // The outermost bricks do not become fewer with larger voxels.
+/// The number that a text with three digits says.
+double with_three_digits(double value) {
+  return std::strtod(format_text("%.3g", value).c_str(), nullptr);
+}
+
+/// A voxel size of three digits that fits, or the mesh's longest side. Looks at few grids, as they
+/// may be large.
+double advise_voxel_size(const TriangleMesh& mesh, const GridFieldSettings& settings) {
+  constexpr double kStep = 1.04;
+  constexpr double kBricksToProbe = 1e6;
   const double too_coarse = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  const double longest = outline_demand(mesh, settings.padding, settings.voxel_size).longest;
+  const double least = settings.voxel_size * std::max(1.0, longest / kMostCells);
+  double probed = least;
+  while (probed < too_coarse &&
+         outline_demand(mesh, settings.padding, probed).bricks > kBricksToProbe) {
+    probed *= kStep;
+  }
+  const auto probe = estimate(mesh, settings.padding, probed, SIZE_MAX);
+  // Fine bricks become fewer with the square of their size.
+  const auto expect = [&](double voxel_size) {
+    Demand demand = outline_demand(mesh, settings.padding, voxel_size);
+    const double smaller = probed / voxel_size;
+    demand.fine_bricks = std::min(probe.demand.fine_bricks * smaller * smaller, demand.bricks);
+    return demand;
+  };
+  double advised = least;
+  while (advised < too_coarse && !expect(advised).fits(settings.memory_limit)) advised *= kStep;
+  advised = with_three_digits(advised);
   while (advised < too_coarse &&
          !estimate(mesh, settings.padding, advised, settings.memory_limit).fits) {
-    advised *= 1.04;
+    advised = with_three_digits(advised * kStep);
   }
-  // The last factor outweighs the rounding of the text.
+  return advised;
+}
+
+Error too_large(const Demand& refused, const TriangleMesh& mesh,
+                const GridFieldSettings& settings) {
   return {ErrorCode::kTooLarge,
           format_text("a distance field of voxel size %.3g m would need %.3g GB or more to build "
                       "(%.3g voxels along its longest side); use a voxel size of at least %.3g m",
-                      settings.voxel_size, refused.bytes / 1e9, longest, 1.006 * advised)};
+                      settings.voxel_size, refused.bytes() / 1e9, refused.longest,
+                      advise_voxel_size(mesh, settings))};
 }
 
 }  // namespace
@@ -105,7 +151,7 @@ Result<BrickGridPlan> plan_brick_grid(const TriangleMesh& mesh, const GridFieldS
                  format_text("padding must be at least 0 m, not %g", settings.padding)};
   }
   Estimate planned = estimate(mesh, settings.padding, settings.voxel_size, settings.memory_limit);
-  if (!planned.fits) return too_large(planned, mesh, settings);
+  if (!planned.fits) return too_large(planned.demand, mesh, settings);
   return std::move(planned.plan);
 }
 

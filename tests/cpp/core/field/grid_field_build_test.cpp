@@ -93,6 +93,18 @@ TEST(GridFieldBuild, RefusesAGridBeyondTheMemoryLimitAndAdvisesASizeThatFits) {
   }
 }
 
+TEST(GridFieldBuild, RefusesMoreSamplesThanCanBeNumberedBeforeItBegins) {
+  const TriangleMesh mesh = make_icosphere(0.1, 2).mesh();
+  bool has_begun = false;
+  const auto refused =
+      GridField::build(mesh, {.voxel_size = 1e-3, .padding = 1.0}, [&](std::string_view, double) {
+        has_begun = true;
+        return false;
+      });
+  expect_error(refused, ErrorCode::kTooLarge, "voxel size of");
+  EXPECT_FALSE(has_begun);
+}
+
 TEST(GridFieldBuild, RefusesMoreNodesAlongAnAxisThanFloat32CanNumber) {
   const TriangleMesh rod = make_box({1.0, 0.001, 0.001}).mesh();
   expect_error(GridField::build(rod, {.voxel_size = 1e-4}), ErrorCode::kTooLarge, "voxel size of");
