@@ -97,7 +97,7 @@ def make_table(title: str) -> Table:
 def make_query_table(cases: dict[str, dict[str, Any]]) -> Table:
     """One row a query case; the answer is the mean number of contacts, or share of yes."""
     table = make_table("queries, microseconds")
-    for heading in ("answer", "median", "p99", "bar", "flat/this", "holds"):
+    for heading in ("answer", "median", "least", "p99", "bar", "flat/this", "holds"):
         table.add_column(heading, justify="right")
     for name, case in cases.items():
         if name.startswith(("build/", "load/")):
@@ -113,6 +113,7 @@ def make_query_table(cases: dict[str, dict[str, Any]]) -> Table:
             name,
             f"{case['answer']:.1f}",
             format_time(case["median_us"]),
+            format_time(case["least_us"]) if "least_us" in case else "",
             format_time(case["p99_us"]),
             "" if bar is None else f"{bar.most:g}",
             "" if ratio is None else f"{ratio:.3g}",

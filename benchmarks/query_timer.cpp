@@ -76,12 +76,15 @@ QueryTimes time_queries(std::span<const Pose> poses, Visit visit, double seconds
 
   std::vector<double> all;
   std::vector<double> medians;
+  std::vector<double> leasts;
   for (std::vector<double>& repeated : by_pose) {
     all.insert(all.end(), repeated.begin(), repeated.end());
     medians.push_back(quantile(repeated, 0.5));
+    leasts.push_back(quantile(repeated, 0.0));
   }
   times.queries = all.size();
   times.median = quantile(medians, 0.5);
+  times.least = quantile(leasts, 0.5);
   times.mean = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
   times.p99 = quantile(all, 0.99);
   times.worst = quantile(all, 1.0);

@@ -18,8 +18,9 @@ enum class Visit { kPassByPass, kRepeated, kCold };
 /// Microseconds of single queries.
 struct QueryTimes {
   double median = 0.0;  ///< over poses, of the median over a pose's repeats
-  double mean = 0.0;    ///< over all queries
-  double p99 = 0.0;     ///< over all queries
+  double least = 0.0;  ///< over poses, of the least: without the turns of a shared machine's others
+  double mean = 0.0;   ///< over all queries
+  double p99 = 0.0;    ///< over all queries
   double worst = 0.0;
   std::size_t queries = 0;
   double answer = 0.0;                 ///< mean over poses of what the query returned

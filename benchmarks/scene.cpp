@@ -152,6 +152,7 @@ void register_query(const std::string& scene_name, const std::shared_ptr<LazySce
       state.SetIterationTime(times.median * 1e-6);
     }
     state.counters["median_us"] = times.median;
+    state.counters["least_us"] = times.least;
     state.counters["mean_us"] = times.mean;
     state.counters["p99_us"] = times.p99;
     state.counters["worst_us"] = times.worst;
