@@ -15,6 +15,7 @@ import pytest
 import trimesh
 from code_blocks import ROOT, Block, all_blocks
 
+BUILD = ROOT / "build/release"  # where ./dev builds
 # Commands that are not run here, each with the reason: patterns of their beginnings.
 NOT_RUN = {
     r"git clone <": "there is no address to clone from",
@@ -80,8 +81,8 @@ def run_command(command: str) -> None:
     subprocess.run(["bash", "-euc", command], check=True, env={**os.environ, "PATH": path})
 
 
-def compile_cpp(block: Block, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Whether a compiler takes it inside a function that has what the text says is there."""
+def link_cpp(block: Block, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Whether it compiles and links inside a function that has what the text says is there."""
     includes = re.findall(r"^#include .*$", block.code, re.M)
     rest = re.sub(r"^#include .*$", "", block.code, flags=re.M)
     arrays = "const std::vector<voxshell::Vec3>& vertices, const std::vector<voxshell::Triangle>& triangles"
@@ -89,15 +90,27 @@ def compile_cpp(block: Block, folder: Path) -> subprocess.CompletedProcess[str]:
     source.write_text(
         "\n".join(includes)
         + CPP_HEADERS
-        + f"void block({CPP_SURROUNDINGS[block.page]}, {arrays}) {{\n{rest}\n}}\n"
+        + f"void block({CPP_SURROUNDINGS[block.page]}, {arrays}) {{\n{rest}\n}}\nint main() {{}}\n"
     )
     compiler = os.environ.get("CXX") or shutil.which("c++") or "g++"
-    found = subprocess.run(
-        ["pkg-config", "--cflags", "bullet-float64"], capture_output=True, text=True, check=True
+    cflags, libs = (
+        shlex.split(
+            subprocess.run(
+                ["pkg-config", option, "bullet-float64"], capture_output=True, text=True, check=True
+            ).stdout
+        )
+        for option in ("--cflags", "--libs")
     )
-    own = [f"-I{ROOT / 'core/include'}", f"-I{ROOT / 'bullet/include'}"]
+    headers = [f"-I{ROOT / 'core/include'}", f"-I{ROOT / 'bullet/include'}"]
+    libraries = [
+        str(BUILD / "bullet/libvoxshell_bullet_float64.a"),
+        str(BUILD / "core/libvoxshell_core.a"),
+    ]
     return subprocess.run(
-        [compiler, "-std=c++20", "-fsyntax-only", *own, *shlex.split(found.stdout), str(source)],
+        [
+            *(compiler, "-std=c++20", *headers, *cflags, str(source)),
+            *(*libraries, *libs, "-pthread", "-o", str(folder / "block")),
+        ],
         capture_output=True,
         text=True,
     )
@@ -118,8 +131,8 @@ def test_commands_run(block: Block, folder: Path):
 
 
 @pytest.mark.parametrize("block", all_blocks("cpp"), ids=str)
-def test_cpp_compiles(block: Block, folder: Path):
-    done = compile_cpp(block, folder)
+def test_cpp_links(block: Block, folder: Path):
+    done = link_cpp(block, folder)
     assert done.returncode == 0, done.stderr
 
 
@@ -154,6 +167,8 @@ def test_broken_blocks_are_noticed(folder):
     good = all_blocks("cpp")[0]
     wrong = good.code.replace("ModelShape shape", "ModelShapes shape")
     assert wrong != good.code
-    assert "ModelShapes" in compile_cpp(Block(good.page, 1, "cpp", wrong), folder).stderr
+    assert "ModelShapes" in link_cpp(Block(good.page, 1, "cpp", wrong), folder).stderr
+    nowhere = good.code + "\nvoid declared_only(); declared_only();"
+    assert "declared_only" in link_cpp(Block(good.page, 1, "cpp", nowhere), folder).stderr
     with pytest.raises(subprocess.CalledProcessError):
         run_command("voxshell rebuild part.stl")
