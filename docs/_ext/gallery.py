@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples/python"
-_PARTS = (("replay.html", "replay"), ("plot.png", "plot"))
 _logger = logging.getLogger(__name__)
 
 
@@ -31,7 +30,7 @@ class Gallery(SphinxDirective):
     """Runs each example in its quick form unless it has not changed since it last ran."""
 
     def run(self) -> list[nodes.Node]:
-        """A section an example: what it is about, picture, output, program."""
+        """A section an example: what it is about, pictures, output, program."""
         self.env.note_reread()  # there may be new examples
         return [self._tell(path) for path in list_examples()]
 
@@ -54,20 +53,20 @@ class Gallery(SphinxDirective):
                 ),
             )
         relative = f"gallery/{path.stem}"
-        links = " · ".join(
-            f'<a href="{relative}/{file}">{name}</a>'
-            for file, name in _PARTS
-            if (out / file).is_file()
+        pictures = "".join(
+            f'<p><img class="gallery-picture" src="{relative}/{kind}.png" alt="{title} ({kind})"></p>'
+            for kind in ("picture", "plot")
         )
-        section += nodes.raw(
-            "",
-            f'<p><img class="gallery-picture" src="{relative}/picture.png" alt="{title}"></p>'
-            f"<p>{links}</p>",
-            format="html",
-        )
-        command = f"$ python examples/python/{path.name} --quick\n{printed}"
+        if (out / "replay.html").is_file():
+            pictures += (
+                f'<p><a href="{relative}/replay.html">Replay, to look at from all sides</a></p>'
+            )
+        section += nodes.raw("", pictures, format="html")
+        command = f"$ .venv/bin/python examples/python/{path.name} --quick\n{printed}"
         section += nodes.literal_block(command, command, language="text")
+        section += nodes.raw("", "<details><summary>The program</summary>", format="html")
         section += nodes.literal_block(source, source, language="python")
+        section += nodes.raw("", "</details>", format="html")
         return section
 
 
@@ -84,8 +83,9 @@ def _run(path: Path, out: Path) -> str:
     )
     if done.returncode != 0:
         raise ExtensionError(f"{path.name} failed:\n{done.stderr}")
-    if not (out / "picture.png").is_file():
-        raise ExtensionError(f"{path.name} made no picture.png")
+    for made in ("picture.png", "plot.png"):
+        if not (out / made).is_file():
+            raise ExtensionError(f"{path.name} made no {made}")
     log.write_text(done.stdout, encoding="utf-8")
     return done.stdout
 
