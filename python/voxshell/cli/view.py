@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
+from cyclopts import Parameter
 from rich.console import Console
 
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
@@ -23,7 +24,9 @@ def view(
     other: str | None = None,
     /,
     *,
-    show: tuple[Layer, ...] = ("surface",),
+    show: Annotated[tuple[Layer, ...], Parameter(consume_multiple=True, negative="")] = (
+        "surface",
+    ),
     export: Path | None = None,
     port: int = 8080,
     options: ModelOptions = DEFAULTS,
@@ -36,16 +39,18 @@ def view(
 
         voxshell view part.stl --scale 0.001
         voxshell view bunny.vxs plane
-        voxshell view bunny.vxs --show slice --show points --export bunny.html
+        voxshell view bunny.vxs --show slice points --export bunny.html
 
     Args:
         body: A model file (.vxs), or a mesh that trimesh reads.
         other: Likewise, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
-        show: What is seen at first: surface, slice, level, points, normals, spheres; may be repeated.
+        show: What is seen at first: surface, slice, level, points, normals, spheres.
         export: Write the scene as one offline page instead, to turn and look at, without controls.
         options: How meshes are made into models.
         port: Of the page on this machine; where it is taken, the next free one.
     """
+    if not show:
+        raise SettingsError("show must name what is seen, as in --show slice points")
     bodies: dict[str, Collidable] = {}
     with open_progress(Console(stderr=True)) as progress:
         # A body that meets itself is read once.

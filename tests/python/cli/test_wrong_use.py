@@ -85,6 +85,7 @@ COMMANDS = [
     ("reproduce ball --settings missing.toml --out x", "no settings file missing.toml"),
     ("reproduce ball --settings false.toml --out x", "false.toml: no TOML"),
     ("reproduce ball extra --out x", "too many arguments: extra"),
+    ("view cone.vxs --show", "show must name what is seen"),
     ("cache empty", "Unknown command"),
     ("cache list all", "too many arguments: all"),
 ]
