@@ -24,6 +24,7 @@ NOT_RUN = {
     r"cmake (--install|-S examples/bullet|--build build/example) ": "C++ test: build_example.cmake",
     r"(export PKG_CONFIG_PATH|g\+\+ -O2 app.cpp)": "C++ test: build_example.cmake does so",
     r"\.venv/bin/voxshell reproduce all ": "takes minutes; tests/python/cli runs its parts",
+    r"pip install \"\$\(ls build/dist/": "./dev wheel installs what it makes",
     r"voxshell simulate examples/": "tests/python/cli/test_simulate_scene.py runs the scenes",
 }
 # Blocks that stand four to the right and are no commands, by how they begin.
