@@ -1,4 +1,4 @@
-"""The stack of spheres: how long it stands."""
+"""The stacks of spheres and of bunnies: how long they stand."""
 
 from __future__ import annotations
 
@@ -9,13 +9,20 @@ import numpy as np
 
 from voxshell.experiments.motion import tabulate
 from voxshell.experiments.part import Part
-from voxshell.scenes.stack import StackSettings, build_world
+from voxshell.scenes.stack import StackSettings, build_bunny_world, build_world
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from voxshell.body import Body
     from voxshell.experiments.part import Tables
     from voxshell.scenes.ball import Rule
+    from voxshell.world import World
 
 RULES: tuple[Rule, ...] = ("published", "voxshell")
+BUNNY_FALL = 0.05
+"""How far the top bunny has fallen when their stack has collapsed, metres."""
+
 KEPT_EVERY = 5
 """Steps between the heights that are kept."""
 
@@ -37,6 +44,13 @@ def plan(settings: StackSettings) -> list[Part]:
             cost=0.02 * settings.seeds * settings.seconds,
         )
         for name, rule, points in variants
+    ] + [
+        Part(
+            "bunnies",
+            run_bunnies,
+            {"settings": settings},
+            cost=0.1 * settings.bunny_seeds * settings.seconds,
+        )
     ]
 
 
@@ -60,6 +74,32 @@ def _stand(
 ) -> tuple[float, dict[str, Any]]:
     """When the top has fallen by a radius, seconds, infinite if it has not; and its height."""
     world, bodies = build_world(settings, points=points, rule=rule, seed=seed)
+    return _watch(settings, world, bodies, settings.radius, seed)
+
+
+def run_bunnies(settings: StackSettings) -> Tables:
+    """Every seed until its stack of bunnies has collapsed, or has stood long enough."""
+    runs = [
+        _watch(settings, *build_bunny_world(settings, seed=seed), BUNNY_FALL, seed)
+        for seed in range(settings.bunny_seeds)
+    ]
+    world, _ = build_bunny_world(settings, seed=0)
+    recorder = world.record(every=4)
+    world.step(round(min(RECORDED_SECONDS, settings.seconds) * settings.rate))
+    return {
+        "runs": {
+            "seed": np.arange(settings.bunny_seeds),
+            "collapse": np.array([collapse for collapse, _ in runs]),
+        },
+        "heights": {key: np.concatenate([c[key] for _, c in runs]) for key in runs[0][1]},
+        **tabulate(recorder.recording()),
+    }
+
+
+def _watch(
+    settings: StackSettings, world: World, bodies: Sequence[Body], fall: float, seed: int
+) -> tuple[float, dict[str, Any]]:
+    """When the top has fallen so far, metres; seconds, infinite if it has not; and its height."""
     start = bodies[-1].pose[2, 3]
     steps, heights = [0], [start]
     collapse = math.inf
@@ -69,7 +109,7 @@ def _stand(
         if step % KEPT_EVERY == 0:
             steps.append(step)
             heights.append(height)
-        if height < start - settings.radius:
+        if height < start - fall:
             collapse = step / settings.rate
             break
     return collapse, {

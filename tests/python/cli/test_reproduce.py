@@ -21,6 +21,7 @@ high_points = 300
 seeds = 2
 seconds = 1.5
 resolutions = [100, 300]
+bunny_seeds = 1
 [bunny]
 mesh = "MESH"
 size = 0.1
@@ -146,13 +147,16 @@ def report(tmp_path_factory, settings):
 PUBLISHED = {
     "ball": ("contacts in a step with contact", "first apex", "maximum penetration"),
     "stack": ("time to collapse", "growth of that time"),
-    "bunny": ("GImpact / VPS fine", "VPS fine / GJK on the hull", "decomposition / VPS coarse"),
+    "bunny": (
+        *("GImpact / VPS fine", "VPS fine / GJK on the hull", "decomposition / VPS coarse"),
+        *("picture of the convex hull", "picture of the decomposition", "frames of the drop"),
+    ),
     "segments": ("max/min over L, low", "max/min over L, high"),
     "rates": ("lowest rate that holds, L = 4", "lowest rate that holds, L = 5"),
 }
 DEMANDED = {
     "ball": ("rebound off c2", "energy gained", "deepest the ball is in the ground"),
-    "stack": ("5 fine spheres stand",),
+    "stack": ("5 fine spheres stand", "5 bunnies stand"),
     "bunny": ("GImpact / VPS fine on the analytic plane", "VPS fine / GJK", "decomposition /"),
     "segments": ("mean time, low", "mean time, high", "max/min over L"),
     "rates": ("lowest rate that holds, auto, our rule", "deepest after the first contact"),

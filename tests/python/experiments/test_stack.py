@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from voxshell.errors import SettingsError
 from voxshell.experiments import stack
+from voxshell.experiments.motion import read_poses
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.stack import STACK
 from voxshell.scenes.stack import StackSettings
 
-SETTINGS = replace(StackSettings(), seeds=3, seconds=4.0, resolutions=(275, 800, 2_700))
+SETTINGS = replace(
+    StackSettings(), seeds=3, seconds=4.0, resolutions=(275, 800, 2_700), bunny_seeds=2
+)
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +50,21 @@ def test_seeds_turn_the_spheres(results):
     poses = results["published-275"]["poses"]
     entries = np.stack([poses[key] for key in ("xx", "yy", "zz")])[:, poses["frame"] == 0]
     assert len(np.unique(entries.round(6), axis=1).T) == SETTINGS.count + 1  # the ground is one
+
+
+def test_bunnies_stand_on_each_other_and_their_bar_follows_the_data(results):
+    tables = results["bunnies"]
+    assert np.isinf(tables["runs"]["collapse"]).all()
+    heights = [read_poses(tables, f"bunny {n + 1}")[-1][2, 3] for n in range(5)]
+    assert (np.diff(heights) > 0.05).all()
+    tops = tables["heights"]["top"]
+    assert tops.max() - tops.min() < stack.BUNNY_FALL
+    assert len(np.unique(tops[tables["heights"]["step"] == 0])) == 2  # each is shaken its own way
+    for collapse, holds in (((np.inf, np.inf), True), ((np.inf, 3.0), False)):
+        runs = {**tables["runs"], "collapse": np.array(collapse)}
+        rows = STACK.reduce(SETTINGS, {**results, "bunnies": {**tables, "runs": runs}})
+        bar = next(row for row in rows if row.quantity.startswith("5 bunnies stand"))
+        assert bar.holds is holds
 
 
 def test_resolutions_ascend():

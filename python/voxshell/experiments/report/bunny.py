@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 PUBLISHED_FINE, PUBLISHED_COARSE = 0.71e-3, 0.102e-3
 """Seconds (section 5.3); it also names 1.39-1.49 ms for the fine shell, in the segments' table."""
 
+PUBLISHED_HULL_VERTICES, PUBLISHED_HULLS = 42, 8
+
 FRAME_STEPS = (50, 175, 200, 300)
 SHOWN = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
 """Methods in the animation."""
@@ -85,6 +87,7 @@ def reduce(settings: BunnyFallSettings, results: Results) -> list[Row]:
         *_rows_of_ratios(equal, "equal poses"),
         *_rows_of_decomposers(settings, falls["orientation-0"], equal, "equal poses"),
         _row_of_order(own),
+        *_rows_of_pictures(falls["orientation-0"]),
         *_rows_of_times(falls, methods, own),
         *_rows_of_rest(falls, methods),
     ]
@@ -191,6 +194,42 @@ def _row_of_order(times: dict[str, float]) -> Row:
         reproduced=not lost,
         note="fastest first: " + ", ".join(order) + ("; lost: " + ", ".join(lost) if lost else ""),
     )
+
+
+def _rows_of_pictures(tables: Tables) -> list[Row]:
+    """What the published pictures show, measured on what is drawn here."""
+    hull = len(_hull_points(tables, "hull")[0])
+    parts = _hull_points(tables, "decomposition")
+    poses = read_poses({"poses": tables["vps-fine_poses"]}, "body")
+    heights = [float(poses[step][2, 3]) for step in FRAME_STEPS]
+    return [
+        Row(
+            "picture of the convex hull: vertices",
+            PUBLISHED_HULL_VERTICES,
+            hull,
+            "",
+            reproduced=hull <= PUBLISHED_HULL_VERTICES,
+            note="at most one for each direction of btShapeHull",
+        ),
+        Row(
+            "picture of the decomposition: convex parts",
+            PUBLISHED_HULLS,
+            len(parts),
+            "",
+            reproduced=len(parts) <= PUBLISHED_HULLS,
+            note=f"of at most {max(len(points) for points in parts)} vertices",
+        ),
+        Row(
+            f"frames of the drop, steps {', '.join(map(str, FRAME_STEPS))}: way down after the first",
+            "falls, then lies",
+            1e3 * (heights[0] - heights[-1]),
+            "mm",
+            reproduced=heights[0] > max(heights[1:]),
+            note="origin at "
+            + ", ".join(format_value(1e3 * height) for height in heights)
+            + " mm; segments in colours, an animation and a replay beside them",
+        ),
+    ]
 
 
 def _rows_of_times(results: Results, methods: Sequence[Method], own: dict[str, float]) -> list[Row]:

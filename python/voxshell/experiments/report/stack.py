@@ -9,11 +9,20 @@ import numpy as np
 
 from voxshell.experiments import stack
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.motion import restore
+from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import OURS, PEERS, as_rgb, open_figure
+from voxshell.experiments.report.paint import (
+    Camera,
+    Canvas,
+    Solid,
+    make_hue,
+    save_row,
+    thin_out,
+)
 from voxshell.experiments.verdict import Row, at_least
 from voxshell.meshes import Mesh
-from voxshell.scenes.stack import StackSettings
+from voxshell.scenes.bunny import BunnySettings
+from voxshell.scenes.stack import BUNNY_PLACES, BUNNY_SHAKE, StackSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,7 +38,9 @@ def describe(settings: StackSettings) -> str:
         f"{settings.count} spheres of {settings.radius:g} m and {settings.mass:g} kg on an analytic "
         f"plane, one exactly above the other, each turned at random ({settings.seeds} seeds), at "
         f"{settings.rate:g} Hz, nothing sleeps. Collapsed: the top has fallen by a radius. Shells of "
-        f"{', '.join(f'{n:,}' for n in settings.resolutions)} points, and Bullet's own spheres."
+        f"{', '.join(f'{n:,}' for n in settings.resolutions)} points, and Bullet's own spheres. "
+        f"Beside them {len(BUNNY_PLACES)} fine bunnies, {settings.bunny_seeds} times: let go "
+        f"{BUNNY_SHAKE * 1e3:g} mm over each other and shaken by as much, in places where they had held."
     )
 
 
@@ -69,6 +80,7 @@ def reduce(settings: StackSettings, results: Results) -> list[Row]:
     finest = settings.resolutions[-1]
     worst = float(_collapses(results, f"voxshell-{finest}").min())
     stood = min(worst, settings.seconds)
+    bunnies = np.minimum(_collapses(results, "bunnies"), settings.seconds)
     rows += [
         Row(
             f"{settings.count} fine spheres stand, worst seed, our rule",
@@ -78,6 +90,15 @@ def reduce(settings: StackSettings, results: Results) -> list[Row]:
             bar=f">= {settings.seconds:g}",
             holds=at_least(stood, settings.seconds),
             note="perfect spheres have no stable stack: what stands rests on facets and friction",
+        ),
+        Row(
+            f"{len(BUNNY_PLACES)} bunnies stand, worst seed, our rule",
+            None,
+            float(bunnies.min()),
+            "s",
+            bar=f">= {settings.seconds:g}",
+            holds=at_least(float(bunnies.min()), settings.seconds),
+            note=f"{int((bunnies >= settings.seconds).sum())} of {len(bunnies)} shaken starts stand",
         ),
         Row(
             "time to collapse, median, Bullet's spheres",
@@ -127,11 +148,27 @@ def draw(settings: StackSettings, results: Results, folder: Path) -> list[Pictur
         )
         right.set(xlabel="step", ylabel="height of the top's centre, m", xscale="symlog")
         right.legend(fontsize=8, frameon=False)
+    _draw_bunnies(results, folder / "bunnies.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
         Picture("collapse.png", "Left: time to collapse over the shells' points, a dot a seed, lines through medians. Right: the top's height, published rule, first seed."),
+        Picture("bunnies.png", "The five bunnies at the start and four seconds later, or at the end; from two sides."),
         Picture("replay.html", "Coarse and fine stacks, and Bullet's, side by side."),
     ]  # fmt: skip
+
+
+def _draw_bunnies(results: Results, path: Path) -> None:
+    mesh = thin_out(BunnySettings().build_mesh(), 0.002)
+    poses = [read_poses(results["bunnies"], f"bunny {n + 1}") for n in range(len(BUNNY_PLACES))]
+    pictures = []
+    for azimuth in (25.0, 115.0):
+        for frame, label in ((0, "start"), (-1, "later")):
+            canvas = Canvas(Camera((0.0, 0.0, 0.27), 0.45, (230, 330), azimuth=azimuth))
+            canvas.paint_floor((-0.2, -0.2), (0.2, 0.2))
+            canvas.paint([Solid(mesh, each[frame], make_hue(n)) for n, each in enumerate(poses)])
+            canvas.write(label, 0.5, 0.96)
+            pictures.append(canvas.finish())
+    save_row(pictures, path)
 
 
 def _save_replay(settings: StackSettings, results: Results, path: Path) -> None:
@@ -181,7 +218,7 @@ STACK = Experiment(
     question="How long does a stack of spheres stand, and do finer shells help?",
     describe=describe,
     settings=StackSettings(),
-    quick=replace(StackSettings(), seeds=5, seconds=20.0),
+    quick=replace(StackSettings(), seeds=5, seconds=20.0, bunny_seeds=1),
     plan=stack.plan,
     reduce=reduce,
     draw=draw,
