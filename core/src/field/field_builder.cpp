@@ -105,7 +105,7 @@ bool FieldBuilder::measure_corners() {
   lattice_.distances.resize(nx * ny * nz);
   lattice_.triangles.resize(nx * ny * nz);
   std::vector<OverlapCount> overlaps(ny * nz);
-  const auto measure_row = [&](std::size_t row) {
+  const auto measure_row = [&, nx = nx, ny = ny](std::size_t row) {
     const std::size_t j = row % ny;
     const std::size_t k = row / ny;
     std::vector<int> layers(nx);
@@ -179,7 +179,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     double floor = 1e30;    ///< nearest that a coarse brick may come, voxels
   };
   std::vector<RowResult> results(ny * nz);
-  const auto fill_row = [&](std::size_t row) {
+  const auto fill_row = [&, nx = nx](std::size_t row) {
     DistanceTree::Scratch scratch;
     RowResult& result = results[row];
     std::array<float, cube(kBrickCells + 1)> distances;

@@ -119,7 +119,9 @@ class Surroundings {
 
 void measure_plane_surroundings(GridFieldData& data, unsigned threads) {
   if (data.planes.empty()) return;
-  const auto [nx, ny, nz] = data.bricks;
+  const int nx = data.bricks[0];
+  const int ny = data.bricks[1];
+  const int nz = data.bricks[2];
   const auto for_each_row = [&](const auto& visit) {
     const auto visit_row = [&](std::size_t row) {
       Place place{0, static_cast<int>(row) % ny, static_cast<int>(row) / ny};
