@@ -335,7 +335,7 @@ BALL = Experiment(
     question="Does a ball of points rebound as Bullet's own sphere does, and how deep does it go?",
     describe=describe,
     settings=BallSettings(),
-    quick=replace(BallSettings(), phases=10),
+    quick=replace(BallSettings(), phases=6),
     plan=ball.plan,
     reduce=reduce,
     draw=draw,
