@@ -30,20 +30,6 @@ void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
   btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
 }
 
-/// Lets friction remember where the bodies held on to each other: the places on both drift apart by
-/// what Bullet's friction, which starts from nothing in every step, lets them slip.
-void hold_in_place(btManifoldPoint& point, const btManifoldPoint& before,
-                   const btTransform& world_from_0, const btTransform& world_from_1,
-                   double slip_limit) {
-  btVector3 slip = world_from_0 * before.m_localPointA - world_from_1 * before.m_localPointB;
-  slip -= slip.dot(point.m_normalWorldOnB) * point.m_normalWorldOnB;
-  if (slip.length() > static_cast<btScalar>(slip_limit)) return;  // it slides
-  point.m_localPointB = world_from_1.invXform(point.m_positionWorldOnB - slip);
-  // Pulled back at once, points of a body at rest pull against each other.
-  constexpr btScalar kPulledBack = 0.25;
-  point.m_positionWorldOnB -= kPulledBack * slip;
-}
-
 void carry_over(btManifoldPoint& point, const btManifoldPoint& before, bool is_resting) {
   point.m_appliedImpulse = before.m_appliedImpulse;
   // What is left for ten iterations to find again in every step is what resting bodies rock by.
@@ -93,16 +79,16 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
     point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
     point.m_combinedRollingFriction =
         std::max(point.m_combinedRollingFriction, static_cast<btScalar>(contact.rolling_friction));
-    if (contact.is_resting()) point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    if (contact.is_resting) {
+      // Pulled back at once, bodies on four points rest less calmly.
+      constexpr double kPulledBack = 0.75;
+      point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+      point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));
+    }
     for (int i = 0; i < before_count; ++i) {
       const auto slot = static_cast<std::size_t>(i);
-      const bool is_same = before[slot].m_index0 == point.m_index0;
-      // The one point of a segment holds on where the one before it did.
-      if (contact.is_resting() && (is_same || (contacts.size() == 1 && before_count == 1))) {
-        hold_in_place(point, before[slot], world_from_0, world_from_1, contact.slip_limit);
-      }
-      if (!carried[slot] && is_same) {
-        carry_over(point, before[slot], contact.is_resting());
+      if (!carried[slot] && before[slot].m_index0 == point.m_index0) {
+        carry_over(point, before[slot], contact.is_resting);
         carried[slot] = true;
         break;
       }

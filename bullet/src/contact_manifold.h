@@ -19,15 +19,14 @@ struct WorldContact {
   std::uint32_t id;  ///< of the shell's point
   Vec3 point_a;
   Vec3 point_b;
-  Vec3 normal;                 ///< unit, on b, pointing towards a
-  double depth;                ///< positive where the bodies overlap
-  double restitution = 0.0;    ///< what the solver is to take for it
-  double first_impulse = 0.0;  ///< where the solver is to start if the point is new, N s
-  /// Of resting bodies: from where on a point slides instead of being pulled back, metres.
-  double slip_limit = 0.0;
+  Vec3 normal;                    ///< unit, on b, pointing towards a
+  double depth;                   ///< positive where the bodies overlap
+  double restitution = 0.0;       ///< what the solver is to take for it
+  double first_impulse = 0.0;     ///< where the solver is to start if the point is new, N s
   double rolling_friction = 0.0;  ///< at least that of the objects, metres
-
-  bool is_resting() const { return slip_limit > 0.0; }
+  bool is_resting = false;
+  /// Of resting bodies: how far a has slipped on b since they took hold of each other, metres.
+  Vec3 slip{};
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id

@@ -27,6 +27,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
                          Memory& memory)
     : pair_(pair),
+      b_from_a_(pair.b.world_from_geometry().inverse() * pair.a.world_from_geometry()),
       time_step_(time_step),
       memory_(memory),
       rest_margin_(settings.margin >= 0.0 ? settings.margin
@@ -96,6 +97,7 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
   } else {
     memory_.patch.release();
   }
+  hold(contacts);
   memory_.owed = 0.0;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(pair_.to_world(contact));
@@ -131,6 +133,40 @@ bool ContactRule::is_resting(const Impact& impact) const {
   return is_slow(impact) && std::abs(impact.gap) <= rest_margin_;
 }
 
+/// Whether friction is to remember where the bodies are.
+bool ContactRule::holds(const Impact& impact) const {
+  return is_resting(impact) && impact.speed * time_step_ <= rest_margin_;
+}
+
+/// Bodies of which no point is where it took hold do so anew. One pose for all points: remembered
+/// point by point, slips that no motion undoes would pull for ever.
+void ContactRule::hold(std::span<const Contact> contacts) {
+  bool any = false;
+  for (const Contact& contact : contacts) {
+    const WorldContact world = pair_.to_world(contact);
+    if (!holds(impact_of(world))) continue;
+    any = true;
+    if (memory_.hold && length(slip_of(world)) <= slip_limit()) return;
+  }
+  memory_.hold = any ? std::optional(b_from_a_) : std::nullopt;
+}
+
+/// Beyond which points of resting bodies slide, metres.
+double ContactRule::slip_limit() const {
+  constexpr double kOfMargin = 1.0 / 30.0;
+  return kOfMargin * rest_margin_;
+}
+
+/// Along the surface, metres.
+Vec3 ContactRule::slip_of(const WorldContact& world) const {
+  const Pose& a = pair_.a.world_from_geometry();
+  const Pose& b = pair_.b.world_from_geometry();
+  const Vec3 held =
+      b.transform_point(memory_.hold->transform_point(a.inverse().transform_point(world.point_a)));
+  const Vec3 slip = world.point_a - held;
+  return slip - dot(slip, world.normal) * world.normal;
+}
+
 /// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
 /// along the normal, is what a rebound at the surface would leave.
 ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
@@ -150,9 +186,10 @@ WorldContact ContactRule::to_world(const Contact& contact, double patch) const {
   WorldContact world = pair_.to_world(contact);
   const Impact impact = impact_of(world);
   const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
-  if (is_resting(impact) && impact.speed * time_step_ <= rest_margin_) {
-    constexpr double kSlipOfMargin = 1.0 / 30.0;
-    world.slip_limit = kSlipOfMargin * rest_margin_;
+  if (holds(impact)) {
+    world.is_resting = true;
+    const Vec3 slip = slip_of(world);
+    if (length(slip) <= slip_limit()) world.slip = slip;  // else it slides
     // Bullet's solver hardly feels the lever between points that are near each other: it is told of
     // the torque that they withstand.
     constexpr double kSmall = 0.1;

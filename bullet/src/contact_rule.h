@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "contact_manifold.h"
@@ -26,6 +27,8 @@ class ContactRule {
     /// where the step began: the energy that it still has, J/kg along the normal.
     double owed = 0.0;
     RestingPatch patch;
+    /// b_from_a, where resting bodies took hold of each other.
+    std::optional<Pose> hold;
   };
 
   ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
@@ -68,10 +71,15 @@ class ContactRule {
   Rebound rebound_of(const Impact& impact) const;
   bool is_slow(const Impact& impact) const;
   bool is_resting(const Impact& impact) const;
+  bool holds(const Impact& impact) const;
+  void hold(std::span<const Contact> contacts);
+  double slip_limit() const;
+  Vec3 slip_of(const WorldContact& world) const;
   bool is_first(const Impact& impact) const;
   std::optional<Contact> sweep(const Contact& contact, const WorldContact& world) const;
 
   const PosedPair& pair_;
+  Pose b_from_a_;
   double time_step_;
   Memory& memory_;
   double rest_margin_;

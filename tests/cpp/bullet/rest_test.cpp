@@ -116,6 +116,30 @@ TEST(Pile, OfThreeCubesStands) {
   }
 }
 
+// Of points that each remembered where they held on, some pulled against others for ever, the more
+// the shorter the step.
+TEST(ShortSteps, LeaveABodyAtRestStill) {
+  constexpr int kRate = 1000;
+  for (const Body which : {Body::kCube, Body::kTorus, Body::kBlob}) {
+    SCOPED_TRACE(static_cast<int>(which));
+    TestWorld world;
+    world.world.getSolverInfo().m_numIterations = 50;
+    add_ground(world, Ground::kPlane).setFriction(1);
+    btRigidBody& body = world.add(make_body(world, which), 1, {{}, {0, 0, 0.13}});
+    body.setFriction(scalar(0.8));
+    body.setActivationState(DISABLE_DEACTIVATION);
+    double fastest_turn = 0.0;
+    for (int i = 0; i < 6 * kRate; ++i) {
+      world.step(1, 1.0 / kRate);
+      if (i >= 5 * kRate) {
+        fastest_turn =
+            std::max(fastest_turn, static_cast<double>(body.getAngularVelocity().length()));
+      }
+    }
+    EXPECT_LT(fastest_turn, kIsDouble ? 1e-4 : 0.05);
+  }
+}
+
 // Nothing but the shells' points keeps balls from rolling off each other. In float they do.
 TEST(Pile, OfThreeBallsStands) {
   if (!kIsDouble) GTEST_SKIP();
