@@ -66,9 +66,9 @@ class Body(WorldPart):
         motion: Motion,
     ) -> None:
         super().__init__(simulation, name)
-        self.number = number
-        self.shape = shape
-        self.mass = mass
+        self.number: int = number
+        self.shape: Shape = shape
+        self.mass: float = mass
         self.motion: Motion = motion
 
     @property

@@ -180,9 +180,9 @@ class Joint(WorldPart):
     ) -> None:
         super().__init__(simulation, name)
         self._number = number
-        self.kind = kind
-        self.parent = parent
-        self.child = child
+        self.kind: JointKind = kind
+        self.parent: Body | None = parent
+        self.child: Body = child
 
     @property
     def position(self) -> float:

@@ -122,7 +122,7 @@ class World:
             )
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
-        self.time_step = as_positive(time_step, "time_step")
+        self.time_step: float = as_positive(time_step, "time_step")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._takes_joints = solver != "nncg"

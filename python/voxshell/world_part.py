@@ -21,7 +21,7 @@ class WorldPart:
 
     def __init__(self, simulation: _bullet.Simulation, name: str) -> None:
         self._world: _bullet.Simulation | None = simulation
-        self.name = name
+        self.name: str = name
 
     @property
     def removed(self) -> bool:

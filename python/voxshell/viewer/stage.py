@@ -147,7 +147,9 @@ def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab
     return slabs
 
 
-def place_camera(boxes: Sequence[tuple[NDArray, NDArray]], *, rows: int, up: str) -> Camera:
+def place_camera(
+    boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], *, rows: int, up: str
+) -> Camera:
     """Looks at boxes from the front and slightly above, as near as all of them fit.
 
     Args:
