@@ -146,7 +146,7 @@ void ContactRule::hold(std::span<const Contact> contacts) {
     const WorldContact world = pair_.to_world(contact);
     if (!holds(impact_of(world))) continue;
     any = true;
-    if (memory_.hold && length(slip_of(world)) <= slip_limit()) return;
+    if (length(slip_of(world)) <= slip_limit()) return;
   }
   memory_.hold = any ? std::optional(b_from_a_) : std::nullopt;
 }
@@ -157,12 +157,12 @@ double ContactRule::slip_limit() const {
   return kOfMargin * rest_margin_;
 }
 
-/// Along the surface, metres.
+/// Along the surface, metres; of bodies that hold on to nothing, farther than any limit.
 Vec3 ContactRule::slip_of(const WorldContact& world) const {
-  const Pose& a = pair_.a.world_from_geometry();
-  const Pose& b = pair_.b.world_from_geometry();
+  if (!memory_.hold) return {kNever, kNever, kNever};
+  const Vec3 on_a = pair_.a.world_from_geometry().inverse().transform_point(world.point_a);
   const Vec3 held =
-      b.transform_point(memory_.hold->transform_point(a.inverse().transform_point(world.point_a)));
+      pair_.b.world_from_geometry().transform_point(memory_.hold->transform_point(on_a));
   const Vec3 slip = world.point_a - held;
   return slip - dot(slip, world.normal) * world.normal;
 }

@@ -167,7 +167,8 @@ def _run_hacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
 def _simplify(mesh: Mesh, tolerance: float) -> Mesh:
     """The mesh with fewer triangles; itself where manifold3d does not take it for closed."""
     solids = import_manifold()
-    whole = solids.Manifold(solids.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
+    # It takes no arrays that cannot be written to, as those of models are.
+    whole = solids.Manifold(solids.Mesh64(np.array(mesh.vertices), mesh.faces.astype(np.uint64)))
     if whole.status() != solids.Error.NoError:
         return mesh
     simple = whole.simplify(tolerance).to_mesh64()

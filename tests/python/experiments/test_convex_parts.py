@@ -42,7 +42,7 @@ def test_missing_library_is_named(kept, monkeypatch):
 def test_hacd_splits_a_concave_body(kept):
     if RECIPES["hacd"].version is None:
         pytest.skip("built without HACD")
-    torus = read_mesh(trimesh.creation.torus(1.0, 0.3, 24, 16))
+    torus = vx.Model.from_mesh(trimesh.creation.torus(1.0, 0.3, 24, 16), resolution=50).mesh
     hulls = split(torus, RECIPES["hacd"]).hulls
     assert len(hulls) >= 8
     assert max(len(hull) for hull in hulls) <= convex_parts.HULL_VERTICES
