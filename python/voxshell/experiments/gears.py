@@ -29,8 +29,9 @@ if TYPE_CHECKING:
     from voxshell.body_shapes import Shape
     from voxshell.experiments.part import Columns, Tables
 
-GearMethod = Literal["voxshell", "gimpact", "hacd", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
-"""Models, Bullet's GImpact, and the convex parts of :data:`voxshell.experiments.convex_parts.RECIPES`."""
+GearMethod = Literal["voxshell", "gimpact", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
+"""Models, Bullet's GImpact, and convex parts of :data:`voxshell.experiments.convex_parts.RECIPES`. HACD is
+not among them: of a gear it finds one part that has a volume, whatever its settings."""
 
 NAMES = ("driven", "other")
 STEP_COLUMNS = ("driven", "other", "contacts", "depth")
@@ -81,7 +82,7 @@ class GearsSettings:
     margin: float = 0.00005
     methods: tuple[GearMethod, ...] = (
         *("voxshell", "gimpact"),
-        *("hacd", "vhacd", "vhacd-64", "coacd", "coacd-fine"),
+        *("vhacd", "vhacd-64", "coacd", "coacd-fine"),
     )
 
     def __post_init__(self) -> None:
