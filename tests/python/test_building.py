@@ -85,7 +85,7 @@ import sys, trimesh
 import voxshell as vx
 print("building", flush=True)
 try:
-    vx.Model.from_mesh(trimesh.creation.icosphere(6), resolution=300, threads={threads}{progress})
+    vx.Model.from_mesh(trimesh.creation.icosphere(6), resolution=700, threads={threads}{progress})
 except KeyboardInterrupt:
     print("interrupted", flush=True)
     sys.exit(7)

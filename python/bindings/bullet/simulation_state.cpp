@@ -118,8 +118,6 @@ void Simulation::rebuild(const SimulationState& state) {
     rigid_body.forceActivationState(ACTIVE_TAG);
     enter(body);
     rigid_body.clearForces();
-    rigid_body.applyCentralForce(saved.force);
-    rigid_body.applyTorque(saved.torque);
   }
   for (const SimulationState::JointState& saved : state.joints) {
     Joint& joint = *joints_[saved.number];
@@ -128,10 +126,15 @@ void Simulation::rebuild(const SimulationState& state) {
     world_->addConstraint(&joint.constraint());
   }
   world_->getDispatchInfo().m_timeStep = settings_.time_step;
+  // Contacts are found as in a step: without weight, nothing would be taken to lie still.
+  world_->applyGravity();
   world_->performDiscreteCollisionDetection();
   warm_up(state);
   for (const SimulationState::BodyState& saved : state.bodies) {
     btRigidBody& rigid_body = bodies_[saved.number]->rigid_body;
+    rigid_body.clearForces();
+    rigid_body.applyCentralForce(saved.force);
+    rigid_body.applyTorque(saved.torque);
     rigid_body.forceActivationState(saved.activation);
     rigid_body.setDeactivationTime(saved.still_for);
   }
