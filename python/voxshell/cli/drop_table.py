@@ -38,9 +38,9 @@ def make_table(runs: list[DropRun], summaries: list[DropSummary]) -> Table:
             format_ratio(summary.ratio),
             format_ratio(run.method.thesis_ratio),
             f"{summary.mean_contacts:.1f}" if summary.steps > FULL_OPERATION[0] else "-",
-            f"{summary.deepest * 1e3:.1f}",
-            f"{summary.rest_speed * 1e3:.2f}",
-            f"{summary.rest_lowest * 1e3:+.2f}",
+            _format_thousandths(summary.deepest, 1),
+            _format_thousandths(summary.rest_speed, 2),
+            _format_thousandths(summary.rest_lowest, 2, "+"),
         )
     return table
 
@@ -74,3 +74,9 @@ def format_ratio(ratio: float | None) -> str:
         return ""
     number, prefix = (ratio, "") if ratio >= 0.995 else (1.0 / ratio, "1/")
     return f"{prefix}{number:.0f}" if number >= 10 else f"{prefix}{number:.1f}"
+
+
+def _format_thousandths(value: float, decimals: int, sign: str = "") -> str:
+    """Millimetres of metres; whole ones where there are many, as of bodies that were thrown off."""
+    number = value * 1e3
+    return f"{number:{sign}.{decimals if abs(number) < 100.0 else 0}f}"
