@@ -27,7 +27,6 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings, double time_step,
                          Memory& memory)
     : pair_(pair),
-      b_from_a_(pair.b.world_from_geometry().inverse() * pair.a.world_from_geometry()),
       time_step_(time_step),
       memory_(memory),
       rest_margin_(settings.margin >= 0.0 ? settings.margin
@@ -148,7 +147,10 @@ void ContactRule::hold(std::span<const Contact> contacts) {
     any = true;
     if (length(slip_of(world)) <= slip_limit()) return;
   }
-  memory_.hold = any ? std::optional(b_from_a_) : std::nullopt;
+  memory_.hold.reset();
+  if (any) {
+    memory_.hold = pair_.b.world_from_geometry().inverse() * pair_.a.world_from_geometry();
+  }
 }
 
 /// Beyond which points of resting bodies slide, metres.

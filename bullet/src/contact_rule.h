@@ -79,7 +79,6 @@ class ContactRule {
   std::optional<Contact> sweep(const Contact& contact, const WorldContact& world) const;
 
   const PosedPair& pair_;
-  Pose b_from_a_;
   double time_step_;
   Memory& memory_;
   double rest_margin_;

@@ -18,7 +18,7 @@ from voxshell.cache import find_folder, read_capacity
 from voxshell.errors import MeshError, MissingExtraError
 from voxshell.experiments.files import replacing
 from voxshell.meshes import Mesh
-from voxshell.scenes.solids import import_manifold
+from voxshell.scenes.solids import simplify
 from voxshell.world import BULLET_VERSION
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def _encloses_volume(points: NDArray[np.float64]) -> bool:
 
 def _run_hacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
     hacd = _load(_HACD, recipe)
-    simple = _simplify(mesh, recipe.tolerance * float(np.ptp(mesh.vertices, axis=0).max()))
+    simple = simplify(mesh, recipe.tolerance * float(np.ptp(mesh.vertices, axis=0).max()))
     return tuple(
         hacd.decompose(
             simple.vertices,
@@ -161,20 +161,6 @@ def _run_hacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
             hull_vertices=HULL_VERTICES,
             concavity=HACD_CONCAVITY,
         )
-    )
-
-
-def _simplify(mesh: Mesh, tolerance: float) -> Mesh:
-    """The mesh with fewer triangles; itself where manifold3d does not take it for closed."""
-    solids = import_manifold()
-    # It takes no arrays that cannot be written to, as those of models are.
-    whole = solids.Manifold(solids.Mesh64(np.array(mesh.vertices), mesh.faces.astype(np.uint64)))
-    if whole.status() != solids.Error.NoError:
-        return mesh
-    simple = whole.simplify(tolerance).to_mesh64()
-    return Mesh(
-        np.ascontiguousarray(simple.vert_properties[:, :3]),
-        np.ascontiguousarray(simple.tri_verts, dtype=np.uint32),
     )
 
 

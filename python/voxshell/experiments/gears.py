@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 GearMethod = Literal["voxshell", "gimpact", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
 """Models, Bullet's GImpact, and convex parts of :data:`voxshell.experiments.convex_parts.RECIPES`. HACD is
-not among them: of a gear it finds one part that has a volume, whatever its settings."""
+not among them: of a gear it finds one part that has a volume, at concavities of 1 to 100."""
 
 NAMES = ("driven", "other")
 STEP_COLUMNS = ("driven", "other", "contacts", "depth")

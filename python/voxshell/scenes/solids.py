@@ -29,3 +29,13 @@ def as_mesh(solid: Any) -> Mesh:
     """The surface of a ``manifold3d.Manifold``."""
     mesh = solid.to_mesh64()
     return Mesh(np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.uint32))
+
+
+def simplify(mesh: Mesh, error: float) -> Mesh:
+    """A mesh with fewer triangles, at most ``error`` metres off; itself where it encloses no solid."""
+    solids = import_manifold()
+    # It takes no arrays that cannot be written to, as those of models are.
+    solid = solids.Manifold(
+        solids.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.uint64))
+    )
+    return mesh if solid.is_empty() else as_mesh(solid.simplify(error))

@@ -23,7 +23,7 @@ from voxshell.experiments.report.paint import Camera, Canvas, Solid
 from voxshell.experiments.verdict import Row
 from voxshell.meshes import Mesh
 from voxshell.scenes.pour import METHODS, PourSettings
-from voxshell.scenes.solids import as_mesh, import_manifold
+from voxshell.scenes.solids import simplify
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -127,7 +127,7 @@ def draw(settings: PourSettings, results: Results, folder: Path) -> list[Picture
         panels[0].set(xlabel="s", ylabel="time of a step, ms", yscale="log")
         panels[1].set(xlabel="s", ylabel="median speed, mm/s", yscale="log")
         panels[1].legend(fontsize=8, frameon=False)
-    mesh = _simplify(settings.build_model().mesh, DRAWN_ERROR * settings.size)
+    mesh = simplify(settings.build_model().mesh, DRAWN_ERROR * settings.size)
     _draw_heap(settings, results, mesh, folder / "heap.png")
     _save_replay(settings, results, mesh, folder / "replay.html")
     return [
@@ -135,15 +135,6 @@ def draw(settings: PourSettings, results: Results, folder: Path) -> list[Picture
         Picture("steps.png", "Time of a step, and how calm the heap becomes."),
         Picture("replay.html", "Models poured into a model."),
     ]  # fmt: skip
-
-
-def _simplify(mesh: Mesh, error: float) -> Mesh:
-    """Fewer triangles, for pictures alone; the same where it does not enclose a solid."""
-    solids = import_manifold()
-    solid = solids.Manifold(
-        solids.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.uint64))
-    )
-    return mesh if solid.is_empty() else as_mesh(solid.simplify(error))
 
 
 def _shades(count: int) -> list[tuple[int, int, int]]:
