@@ -1,8 +1,7 @@
 """URDF gripper: a robot from a file takes a mug by its wall and carries it aside.
 
 One finger is inside the mug, the other outside: as convex hulls they could not be there. The arm's links
-are meshes; they, the fingers and the mug are models. What holds the mug is friction alone: it creeps by
-some millimetres a second between fingers this light, as boxes between hulls do in stock Bullet.
+are meshes; they, the fingers and the mug are models. What holds the mug is friction alone.
 """
 
 from pathlib import Path
@@ -55,10 +54,10 @@ if __name__ == "__main__":
         rows.append((mug.pose[2, 3], wrist, found["depth"][held].max(initial=0.0)))
 
     take(world, robot, note=note)
-    held = np.linalg.inv(robot.links["wrist"].pose) @ mug.pose
+    held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
-    slip = np.linalg.inv(robot.links["wrist"].pose) @ mug.pose - held
+    slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held  # the fingers give way, with the mug
     draw(options.out / "picture.png", world.bodies, elevation=35.0)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)

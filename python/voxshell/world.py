@@ -50,6 +50,9 @@ _MOST_ITERATIONS = 1_000_000
 class World:
     """A world of stock Bullet (double precision) in which models collide.
 
+    Friction acts along two fixed directions of each contact. Bullet's default, the direction of sliding
+    alone, lets gripped bodies creep.
+
     Args:
         gravity: (3,), m/s2, world frame.
         time_step: Seconds a step.
