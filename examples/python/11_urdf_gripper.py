@@ -54,10 +54,11 @@ if __name__ == "__main__":
         rows.append((mug.pose[2, 3], wrist, found["depth"][held].max(initial=0.0)))
 
     take(world, robot, note=note)
+    # In the frame of a finger: both may give way together with the mug.
     held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
-    slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held  # the fingers give way, with the mug
+    slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
     draw(options.out / "picture.png", world.bodies, elevation=35.0)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
