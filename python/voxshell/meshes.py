@@ -104,7 +104,7 @@ def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
     """
     handler = signal.getsignal(signal.SIGINT)
     in_main_thread = threading.current_thread() is threading.main_thread()
-    if not in_main_thread or handler is not signal.default_int_handler:
+    if not in_main_thread or not callable(handler):
         yield
         return
     interrupted = False
@@ -113,7 +113,8 @@ def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
         nonlocal interrupted
         interrupted = True
         if not until_the_end:
-            signal.default_int_handler(number, frame)
+            handler(number, frame)
+            interrupted = False  # it did not raise, which nobody has to do again
 
     signal.signal(signal.SIGINT, interrupt)
     try:
@@ -121,7 +122,7 @@ def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
     finally:
         signal.signal(signal.SIGINT, handler)
         if interrupted:
-            raise KeyboardInterrupt
+            handler(signal.SIGINT, None)
 
 
 def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from voxshell.cache import CacheWarning
+from voxshell.cli.interrupts import raising_interrupts
 from voxshell.errors import FileAccessError, MissingExtraError, VoxshellError
 from voxshell.meshes import MeshWarning
 
@@ -35,9 +36,14 @@ def run(app: App, arguments: Sequence[str]) -> int:
         for ours in (CacheWarning, MeshWarning):
             warnings.simplefilter("always", ours)
         try:
-            app(
-                list(arguments), exit_on_error=False, print_error=False, result_action="return_none"
-            )
+            with raising_interrupts():
+                app(
+                    list(arguments),
+                    exit_on_error=False,
+                    print_error=False,
+                    result_action="return_none",
+                )
+                sys.stdout.flush()
         except CycloptsError as error:
             words = [word for word in arguments if not word.startswith("-")][:1]
             hint = " ".join(["voxshell", *(w for w in words if w in app), "--help"])
