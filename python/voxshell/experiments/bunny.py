@@ -13,10 +13,12 @@ from voxshell._arguments import as_integer
 from voxshell.comparison_shapes import ConvexDecomposition
 from voxshell.experiments.convex_parts import RECIPES, split
 from voxshell.experiments.drop import FULL_OPERATION, DropRun, run_drop
+from voxshell.experiments.hull_tables import tabulate_hulls
 from voxshell.experiments.motion import read_poses, restore, tabulate
 from voxshell.experiments.part import Part
 from voxshell.experiments.timing import pinned, time_poses
 from voxshell.meshes import Mesh, read_mesh
+from voxshell.model import Model
 from voxshell.scenes.bunny import ORIENTATIONS_WXYZ, find_bunny
 from voxshell.scenes.drop import (
     BULLET_MARGIN,
@@ -39,6 +41,9 @@ CURVES = (
     *("contacts", "depth", "speed", "angular_speed", "lowest"),
 )
 
+
+LEVELS = (1, 2, 3, 4, 5)
+"""Of segments."""
 
 Decomposer = Literal["hacd", "coacd"]
 """HACD of Bullet's extras, as published, and CoACD, which people use today; see
@@ -142,8 +147,8 @@ def run_methods(
 
     Returns:
         "steps": of every method; "equal_poses": times; "hulls": points of hull and decompositions;
-        "split": what further decompositions took, seconds; "KEY_poses" and "KEY_contacts": the
-        recordings.
+        "split": what further decompositions took, seconds; "body", "shells" and "segments": the set-up
+        as it was built; "KEY_poses" and "KEY_contacts": the recordings.
     """
     shapes = build_all_shapes(settings, find_mesh(settings))
     made = {key: split(shapes.mesh, RECIPES[key]) for key in libraries}
@@ -170,12 +175,39 @@ def run_methods(
                 tables[f"{method.key}_{name}"] = columns
         tables["equal_poses"] = _time_equal_poses(settings, shapes, methods, tables)
     tables["steps"] = {key: np.concatenate([curve[key] for curve in curves]) for key in curves[0]}
-    tables["hulls"] = _tabulate_hulls(shapes)
+    tables["hulls"] = tabulate_hulls(
+        {
+            key: body.hulls
+            for key, body in shapes.bodies.items()
+            if isinstance(body, ConvexDecomposition)
+        }
+    )
+    tables |= _measure_shapes(shapes)
     tables["split"] = {
         "method": np.array(list(made), np.str_),
         "seconds": np.array([parts.seconds for parts in made.values()]),
     }
     return tables
+
+
+def _measure_shapes(shapes: DropShapes) -> dict[str, Columns]:
+    """Sides and moments of inertia of the body, metres and kg m2; points of its shells; their segments."""
+    shells = {key: body.shell for key, body in shapes.bodies.items() if isinstance(body, Model)}
+    tree = shells["vps-fine"].tree
+    return {
+        "body": {
+            "side": np.ptp(shapes.mesh.vertices, axis=0),
+            "moment": np.diag(shapes.mass_properties.inertia),
+        },
+        "shells": {
+            "method": np.array(list(shells)),
+            "points": np.array([len(shell) for shell in shells.values()]),
+        },
+        "segments": {
+            "level": np.array(LEVELS),
+            "segments": np.array([len(np.unique(tree.segments(level))) for level in LEVELS]),
+        },
+    }
 
 
 def orientation_of(number: int) -> np.ndarray:
@@ -227,23 +259,6 @@ def _time_equal_poses(
             rows["step"] += chosen.tolist()
             rows["narrow_phase"] += times.tolist()
     return {name: np.array(values) for name, values in rows.items()}
-
-
-def _tabulate_hulls(shapes: DropShapes) -> Columns:
-    points, kinds, numbers = [], [], []
-    for key in ("hull", "decomposition", *(method.key for method in DECOMPOSERS)):
-        if key not in shapes.bodies:
-            continue
-        for number, hull in enumerate(getattr(shapes.bodies[key], "hulls")):  # noqa: B009
-            points.append(hull)
-            kinds += [key] * len(hull)
-            numbers += [number] * len(hull)
-    stacked = np.concatenate(points)
-    return {
-        "kind": np.array(kinds),
-        "number": np.array(numbers),
-        **{axis: stacked[:, i] for i, axis in enumerate("xyz")},
-    }
 
 
 def read_run(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from voxshell._arguments import as_integer, as_positive
 from voxshell.comparison_shapes import ConvexDecomposition, GImpact
 from voxshell.errors import SettingsError
 from voxshell.experiments.convex_parts import RECIPES, split
+from voxshell.experiments.hull_tables import tabulate_hulls
 from voxshell.experiments.motion import tabulate
 from voxshell.experiments.part import Part
 from voxshell.joints import HingeJoint
@@ -226,35 +227,10 @@ def _build_shapes(
     settings: GearsSettings, method: GearMethod, models: tuple[Model, Model]
 ) -> tuple[Sequence[Shape], Columns]:
     if method == "voxshell":
-        return models, tabulate_hulls([])
+        return models, tabulate_hulls({})
     if method == "gimpact":
         shapes = [GImpact(model.mesh, margin=settings.margin) for model in models]
-        return shapes, tabulate_hulls([])
+        return shapes, tabulate_hulls({})
     split_gears = [split(model.mesh, RECIPES[method]).hulls for model in models]
     shapes = [ConvexDecomposition(hulls, margin=0.0) for hulls in split_gears]
-    return shapes, tabulate_hulls(split_gears)
-
-
-def tabulate_hulls(bodies: Sequence[Sequence[NDArray[np.float64]]]) -> Columns:
-    """The points of some bodies' convex parts: body, part, x, y, z."""
-    columns: dict[str, list[Any]] = {name: [] for name in ("body", "part", "x", "y", "z")}
-    for body, parts in enumerate(bodies):
-        for part, points in enumerate(parts):
-            columns["body"] += [body] * len(points)
-            columns["part"] += [part] * len(points)
-            for axis, values in zip("xyz", points.T.tolist(), strict=True):
-                columns[axis] += values
-    whole = ("body", "part")
-    return {
-        name: np.array(values, np.int64 if name in whole else np.float64)
-        for name, values in columns.items()
-    }
-
-
-def read_hulls(tables: Tables, body: int) -> list[NDArray[np.float64]]:
-    """The convex parts of a body that :func:`tabulate_hulls` wrote down, (n, 3) each."""
-    table = tables["hulls"]
-    mine = table["body"] == body
-    points = np.stack([table[axis][mine] for axis in "xyz"], axis=1)
-    parts = table["part"][mine]
-    return [points[parts == part] for part in sorted(set(parts.tolist()))]
+    return shapes, tabulate_hulls(dict(zip(NAMES, split_gears, strict=True)))

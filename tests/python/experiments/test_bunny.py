@@ -94,6 +94,44 @@ def test_ratios_are_those_of_the_data(settings, results):
     assert rows["leads of VPS over peers that are lost"].reproduced is False
 
 
+def test_setup_is_held_to_the_published_one(settings, results):
+    tables = results["orientation-0"]
+    published = {
+        **tables,
+        "body": {
+            "side": np.array([0.2115, 0.2096, 0.1639]),
+            "moment": np.array([4.79e-3, 4.46e-3, 6.38e-3]),
+        },
+        "shells": {
+            "method": np.array(["vps-fine", "vps-coarse"]),
+            "points": np.array([35_500, 850]),
+        },
+    }
+    like = replace(settings, voxel_size=0.002)
+    rows = {
+        row.quantity: row
+        for row in BUNNY.reduce(like, {"orientation-0": published})
+        if row.quantity.startswith("set-up")
+    }
+    grid = rows["set-up: voxels of a full grid, 100 of them on each side of the bunny"]
+    assert grid.here == 306 * 305 * 282
+    assert {quantity for quantity, row in rows.items() if not row.reproduced} == {
+        "set-up: points of VPS coarse"
+    }
+
+
+def test_stages_of_the_narrow_phase_are_told_apart(settings, results):
+    rows = {row.quantity: row.here for row in BUNNY.reduce(settings, results)}
+    whole = rows["narrow phase in full operation, median, VPS fine"]
+    stages = [
+        rows[f"{stage} in full operation, median, VPS fine"]
+        for stage in ("query", "reduction", "manifold")
+    ]
+    assert 0.0 < max(stages) < whole
+    assert 64 < rows["picture of the segments: those of level 5, fine shell"] <= 256
+    assert rows["video of the drop: frames of the offline replay with contacts, VPS fine"] > 400
+
+
 def test_decompositions_that_did_not_fall_say_why(settings, results):
     wanted = replace(settings, decomposers=("hacd", "coacd"))
     quantity = "decomposition by CoACD / VPS coarse, own falls"

@@ -41,14 +41,15 @@ def test_more_segments_hold_at_lower_rates(results):
 def test_bars_are_held_to_the_data(results):
     name = "fall-voxshell-plane-auto"
     runs = {key: values.copy() for key, values in results[name]["runs"].items()}
-    runs["later_depth"][:] = 0.0041
+    runs["later_depth"][:] = runs["rest_depth"][:] = 0.0041
     runs["middle"][:] = -0.1
     rows = {r.quantity: r for r in RATES.reduce(SETTINGS, {**results, name: {"runs": runs}})}
     assert rows["lowest rate that holds, auto, our rule, half-space"].holds is False
-    assert (
-        rows["deepest after the first contact, 50 to 5 Hz, auto, our rule, half-space"].holds
-        is False
-    )
+    for what in ("deepest after the first contact", "deepest at rest"):
+        row = rows[f"{what}, 50 to 5 Hz, auto, our rule, half-space"]
+        assert row.here == pytest.approx(4.1)
+        assert row.holds is False
+        assert "2 of 2 runs above the bar, at 50 Hz and less" in row.note
 
 
 def test_lowest_rate_ends_where_one_run_is_lost():

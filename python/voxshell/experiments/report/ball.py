@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,13 +44,11 @@ ELASTIC_GAIN = 5.0
 APEX_TOLERANCE = 0.005
 """Metres: what a step of the published fall can move the apex."""
 
+_RULES = {"published": "published rule", "voxshell": "our rule"}
 LABELS = {"bullet": "Bullet's sphere", "low": "VPS, {low} points", "high": "VPS, {high} points"}
 COLORS = {"bullet": PEERS[1], "low": OURS_COARSE, "high": OURS}
-NOTES = {
-    "bullet": "the published 42.5 mm is the gap three steps before contact, an offset of the margin",
-    "low": "depends on where the step begins: see the range over start heights",
-    "high": "depends on where the step begins: see the range over start heights",
-}
+ROUGHLY = 0.05
+"""Of the way down, that a ball may be off one that it roughly follows."""
 
 
 def describe(settings: BallSettings) -> str:
@@ -71,6 +70,7 @@ def reduce(settings: BallSettings, results: Results) -> list[Row]:
     return [
         *_rows_of_contacts(settings, results),
         *_rows_of_apexes(settings, results),
+        *_rows_of_following(settings, results),
         *_rows_of_depths(settings, results),
         *_rows_of_phases(settings, results),
     ]
@@ -99,22 +99,57 @@ def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
     rows = []
     for restitution in settings.restitutions:
         ideal = settings.radius + restitution**2 * (settings.height - settings.radius)
-        for rule in ball.RULES:
-            fall = _select(results[f"fall-{rule}-high"]["steps"], restitution)
+        for method, rule in product(("low", "high"), ball.RULES):
+            fall = _select(results[f"fall-{rule}-{method}"]["steps"], restitution)
             apex = ball.find_apex(fall)
             here = float("nan") if apex is None else float(fall["height"][apex])
+            turning = 0.0 if apex is None else float(fall["turning"][apex] / settings.gravity)
             published = rule == "published"
             rows.append(
                 Row(
-                    f"first apex, c {restitution:g}, {_label(settings, 'high')}, "
-                    + ("published rule" if published else "our rule"),
+                    f"first apex, c {restitution:g}, {_label(settings, method)}, {_RULES[rule]}",
                     ideal if published else None,
                     here,
                     "m",
                     reproduced=at_most(abs(here - ideal), APEX_TOLERANCE) if published else None,
-                    note="published: the dashed line, 0.5 + 0.5 c2" if published else "",
+                    note=("published: the dashed line, 0.5 + 0.5 c2; " if published else "")
+                    + f"turning has the energy of {turning * 1e3:.1f} mm more",
                 )
             )
+    return rows
+
+
+def _rows_of_following(settings: BallSettings, results: Results) -> list[Row]:
+    """How far the shells' balls are off Bullet's, until that is at its first apex."""
+    limit = ROUGHLY * (settings.height - settings.radius)
+    rows = []
+    for method in ("low", "high"):
+        off, later = [], []
+        for restitution in settings.restitutions:
+            own, other = (
+                _select(results[f"fall-published-{each}"]["steps"], restitution)
+                for each in (method, "bullet")
+            )
+            apex = ball.find_apex(other)
+            end = len(other["height"]) if apex is None else apex + 1
+            difference = np.abs(own["height"] - other["height"])
+            off.append(float(difference[:end].max()))
+            later.append(float(difference.max()))
+        rows.append(
+            Row(
+                f"farthest off Bullet's sphere to its first apex, {_label(settings, method)}, "
+                "published rule",
+                "roughly follows",
+                max(off) * 1e3,
+                "mm",
+                reproduced=at_most(max(off), limit),
+                note=f"reproduced up to {limit * 1e3:g} mm; "
+                + ", ".join(
+                    f"c {c:g}: {1e3 * value:.1f}, in all steps {1e3 * whole:.0f}"
+                    for c, value, whole in zip(settings.restitutions, off, later, strict=True)
+                ),
+            )
+        )
     return rows
 
 
@@ -143,11 +178,36 @@ def _rows_of_depths(settings: BallSettings, results: Results) -> list[Row]:
                     here,
                     "mm",
                     reproduced=reproduced,
-                    note=f"{spread.min():.1f} to {spread.max():.1f} mm over start heights; "
-                    + NOTES[method],
+                    note=f"{spread.min():.1f} to {spread.max():.1f} mm over start heights"
+                    + (
+                        ""
+                        if reproduced in (True, None)
+                        else f"; {_explain_depth(settings, method)}"
+                    ),
                 )
             )
     return rows
+
+
+def _explain_depth(settings: BallSettings, method: str) -> str:
+    """Where the published depth would have to come from, in numbers of the free fall."""
+    # Bullet moves a body by its new speed.
+    step = 1.0 / settings.rate
+    count = np.arange(settings.steps + 1)
+    gaps = (
+        settings.height - settings.radius - 0.5 * settings.gravity * step**2 * count * (count + 1)
+    )
+    first = int(np.argmax(gaps < 0.0))
+    if method == "bullet":
+        return (
+            f"the free fall is {gaps[first - 3] * 1e3:.1f} mm over the ground three steps before its "
+            "first step below: an offset of the margin would show that"
+        )
+    return (
+        f"the free fall is {-gaps[first] * 1e3:.1f} mm below the ground at its first step below and "
+        f"{-gaps[first + 1] * 1e3:.1f} mm at the next, and moves {settings.way_a_step * 1e3:.1f} mm a "
+        "step: more than that needs a step without an answer"
+    )
 
 
 def _rows_of_phases(settings: BallSettings, results: Results) -> list[Row]:
@@ -160,24 +220,32 @@ def _rows_of_phases(settings: BallSettings, results: Results) -> list[Row]:
             who = f"{_label(settings, method)}, {where}, {settings.phases} start heights"
             ideal = runs["restitution"] ** 2
             bounces = ideal > 0.0
-            off = float(np.abs(runs["rebound"][bounces] / ideal[bounces] - 1.0).max()) * 100
+            offs = np.abs(runs["rebound"][bounces] / ideal[bounces] - 1.0) * 100
+            off, worst = float(offs.max()), int(offs.argmax())
+            way = float(abs(runs["rebound"] - ideal)[bounces][worst]) * (
+                settings.height - settings.radius
+            )
             dead = float(np.abs(runs["rebound"][~bounces]).max(initial=0.0))
             lossy = runs["restitution"] < 1.0
             gain = float(runs["energy"][lossy].max() - 1.0) * 100
             elastic = float(runs["energy"].max() - 1.0) * 100
             depth = float(runs["depth"].max()) * 1e3
-            fine = method == "high"
             rows += [
                 Row(
                     f"rebound off c2 at most, {who}",
                     None,
                     off,
                     "%",
-                    bar="<= 2" if fine else "",
-                    holds=at_most(off, 2.0) if fine else None,
-                    note=f"for c = 0 it rebounds to {dead:.2g} of the height"
-                    if fine
-                    else "the shell is a polyhedron: the ball lands on a corner and turns",
+                    bar="<= 2",
+                    holds=at_most(off, 2.0),
+                    note=f"worst for c = {runs['restitution'][bounces][worst]:g}, where the apex is "
+                    f"{way * 1e3:.2g} mm off; for c = 0 it rebounds to {dead:.2g} of the height"
+                    + (
+                        ""
+                        if at_most(off, 2.0)
+                        else "; the shell is a polyhedron that lands on a corner: turning takes up to "
+                        f"{runs['spin'].max() * 100:.2g} % of the start's energy"
+                    ),
                 ),
                 Row(
                     f"energy gained at most, c < 1, {who}",
@@ -220,7 +288,7 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
         Picture("heights-published.png", "Height of the centre over steps, as published: the shells under the published rule, Bullet's sphere, and the ideal first apex (dashed)."),
         Picture("heights-voxshell.png", "The same with this package's rule."),
         Picture("phases.png", "Deepest penetration against the start height: the published figures are single points of these saw-teeth."),
-        Picture("energy.png", "Energy over steps, as part of that at the start: never rising."),
+        Picture("energy.png", "Energy over steps, turning included, as part of that at the start, with our rule."),
         Picture("replay.html", "The fine ball under our rule, and Bullet's, side by side."),
     ]  # fmt: skip
 
@@ -237,7 +305,11 @@ def _panels(
             axes.set_title(f"c = {restitution:g}", fontsize=10)
             axes.set_xlabel(x)
         columns[0].set_ylabel(y)
-        columns[-1].legend(fontsize=8, frameon=False)
+        # Of one panel, as all have the same curves; above them, where it hides none.
+        lines, labels = columns[0].get_legend_handles_labels()
+        figure.legend(
+            lines, labels, loc="outside upper center", ncols=len(labels), fontsize=8, frameon=False
+        )
 
 
 def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: str) -> None:

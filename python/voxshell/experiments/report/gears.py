@@ -10,7 +10,8 @@ import numpy as np
 from voxshell.experiments import gears
 from voxshell.experiments.convex_parts import RECIPES
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.gears import GearsSettings, read_hulls
+from voxshell.experiments.gears import GearsSettings
+from voxshell.experiments.hull_tables import read_hulls
 from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import OURS, PEERS, as_rgb, open_figure
 from voxshell.experiments.report.paint import Camera, Canvas, Solid, make_hue, save_row
@@ -68,7 +69,7 @@ def reduce(settings: GearsSettings, results: Results) -> list[Row]:
         ours = method == "voxshell"
         ratio, said = _measure_ratio(settings, tables)
         off = abs(ratio / settings.ratio - 1.0)
-        parts = [len(read_hulls(tables, body)) for body in range(2)]
+        parts = [len(read_hulls(tables["hulls"], name)) for name in gears.NAMES]
         made_of = f"; {parts[0]} and {parts[1]} convex parts" if parts[0] else ""
         overlap = float(tables["frames"]["overlap"].max())
         rows += [
@@ -142,8 +143,8 @@ def _surfaces(settings: GearsSettings, tables: Tables) -> list[list[Mesh]]:
     from voxshell.comparison_shapes import ConvexHull
 
     return [
-        [ConvexHull(points).mesh for points in read_hulls(tables, body)] or [model.mesh]
-        for body, model in enumerate(settings.build_models())
+        [ConvexHull(points).mesh for points in read_hulls(tables["hulls"], name)] or [model.mesh]
+        for name, model in zip(gears.NAMES, settings.build_models(), strict=True)
     ]
 
 
@@ -180,7 +181,7 @@ def _save_replay(settings: GearsSettings, results: Results, ran: list[str], path
         for body, (name, model) in enumerate(
             zip(gears.NAMES, settings.build_models(), strict=True)
         ):
-            hulls = read_hulls(results[method], body)
+            hulls = read_hulls(results[method]["hulls"], name)
             mesh = ConvexDecomposition(hulls).mesh if hulls else model.mesh
             surfaces[name] = (mesh, colors[body])
         time_step = settings.recorded_every / settings.rate
