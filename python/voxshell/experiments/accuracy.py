@@ -51,7 +51,12 @@ def plan(settings: AccuracySettings) -> list[Part]:
 
 
 def measure_depths(settings: AccuracySettings) -> Tables:
-    """Of every pose: the deepest contact by each shell, metres, and the exact overlap, m3."""
+    """Measures every pose.
+
+    Returns:
+        "depths": the deepest contact by each shell, metres; the exact overlap, and what the shells make of
+        it, m3.
+    """
     mesh = settings.build_mesh()
     fine, coarse = settings.build_model("fine"), settings.build_model("coarse")
     truth = Model.from_mesh(
@@ -70,9 +75,10 @@ def measure_depths(settings: AccuracySettings) -> Tables:
             (
                 *(_find_depth(model, pose) for model in (fine, coarse, truth)),
                 overlap.volume(),
+                *(_add_volume(model, pose) for model in (fine, coarse)),
             )
         )
-    names = ("fine", "coarse", "truth", "volume")
+    names = ("fine", "coarse", "truth", "volume", "fine_volume", "coarse_volume")
     return {"depths": dict(zip(names, np.array(rows).T, strict=True))}
 
 
@@ -80,6 +86,12 @@ def _find_depth(model: Model, pose: NDArray[np.float64]) -> float:
     """The deepest contact of the flat loop over all points of both, metres; 0 without contact."""
     found = contacts_flat(model, model, None, pose, shell="both")
     return float(found.depths.max(initial=0.0))
+
+
+def _add_volume(model: Model, pose: NDArray[np.float64]) -> float:
+    """Areas of the first's points in the second by their depths, m3: of a shallow overlap, its volume."""
+    found = contacts_flat(model, model, None, pose, shell="a")
+    return float(model.shell.areas[found.ids].astype(np.float64) @ found.depths)
 
 
 def _as_solid(mesh: Any) -> Any:

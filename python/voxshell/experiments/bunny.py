@@ -16,7 +16,7 @@ from voxshell.experiments.drop import FULL_OPERATION, DropRun, run_drop
 from voxshell.experiments.hull_tables import tabulate_hulls
 from voxshell.experiments.motion import read_poses, restore, tabulate
 from voxshell.experiments.part import Part
-from voxshell.experiments.timing import pinned, time_poses
+from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.meshes import Mesh, read_mesh
 from voxshell.model import Model
 from voxshell.scenes.bunny import ORIENTATIONS_WXYZ, find_bunny
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from voxshell.experiments.part import Columns, Tables
 
 CURVES = (
-    *("narrow_phase", "query", "reduction", "manifold"),
+    *("narrow_phase", *STAGES),
     *("contacts", "depth", "speed", "angular_speed", "lowest"),
 )
 

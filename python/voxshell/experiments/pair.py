@@ -13,7 +13,7 @@ from voxshell._arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.experiments.bunny import build_all_shapes
 from voxshell.experiments.part import Part
-from voxshell.experiments.timing import pinned, time_poses
+from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.model import Model
 from voxshell.queries import collide
 from voxshell.scenes.bunny import find_bunny
@@ -81,7 +81,12 @@ def plan(settings: PairSettings) -> list[Part]:
 
 
 def time_methods(settings: PairSettings) -> Tables:
-    """Seconds of every pose: of the narrow phase in Bullet, and of yes/no queries beside coal's."""
+    """Times every pose.
+
+    Returns:
+        "times": seconds of the narrow phase in Bullet, of a model's stages of it ("METHOD-STAGE"), and of
+        yes/no queries beside coal's; "contacts": how many, and the deepest.
+    """
     shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
     model = shapes.bodies["vps-fine"]
     assert isinstance(model, Model)
@@ -93,7 +98,10 @@ def time_methods(settings: PairSettings) -> Tables:
     with pinned():
         for repeat in range(settings.repeats):
             for method in (each for each in METHODS if each.key in PAIRED):
-                _append(rows, method.key, repeat, _time_in_world(settings, shapes, method, poses))
+                times = _time_in_world(settings, shapes, method, poses)
+                _append(rows, method.key, repeat, times["narrow_phase"])
+                for stage in STAGES if method.is_model else ():
+                    _append(rows, f"{method.key}-{stage}", repeat, times[stage])
             for name, ask in asks.items():
                 _append(rows, name, repeat, _time_queries(ask, poses))
     return {
@@ -151,13 +159,17 @@ def _build_world(settings: PairSettings, shapes: DropShapes, method: Method, pos
 
 def _time_in_world(
     settings: PairSettings, shapes: DropShapes, method: Method, poses: NDArray[np.float64]
-) -> NDArray[np.float64]:
+) -> dict[str, NDArray[np.float64]]:
+    """Of the narrow phase and its stages, medians over the steps at each pose, (poses,)."""
     world, body = _build_world(settings, shapes, method, poses[0])
     near = np.repeat(poses, settings.steps_a_pose, axis=0)
     # To and fro, so that the depth stays what it is.
     near[:, :3, 3] += settings.drift * (np.arange(len(near)) % 2)[:, None] / np.sqrt(3.0)
-    seconds = time_poses(world, body, near)["narrow_phase"].reshape(len(poses), -1)
-    return np.median(seconds[:, 1:], axis=1)
+    times = time_poses(world, body, near)
+    return {
+        name: np.median(times[name].reshape(len(poses), -1)[:, 1:], axis=1)
+        for name in ("narrow_phase", *STAGES)
+    }
 
 
 def _count_contacts(

@@ -10,6 +10,7 @@ import numpy as np
 
 from voxshell._arguments import as_positive
 from voxshell.errors import SettingsError
+from voxshell.experiments.motion import tabulate
 from voxshell.experiments.part import Part
 from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose, find_lowest
 from voxshell.shapes import Plane
@@ -18,7 +19,8 @@ from voxshell.world import World
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.experiments.part import Tables
+    from voxshell.body import Body
+    from voxshell.experiments.part import Columns, Tables
 
 Rule = Literal["published", "voxshell"]
 RULES: tuple[Rule, ...] = ("published", "voxshell")
@@ -32,9 +34,19 @@ LEVELS = (1, 2, 3, 4, 5)
 MODES = (*(f"level {level}" for level in LEVELS), "regular", "auto")
 """Of contacts; the last is ours alone."""
 
+SHOWN: tuple[tuple[Rule, str, float], ...] = (
+    ("published", "level 1", 30.0),
+    ("published", "level 1", 10.0),
+    ("published", "level 5", 10.0),
+    ("voxshell", "auto", 10.0),
+    ("voxshell", "auto", 5.0),
+)
+"""Rule, mode and rate of the falls in the replay."""
+
+SHOWN_SECONDS = 2.0
 THROWN_MODES = ("auto", "regular")
-LEAST_STEPS = 12
-"""Of a run, however few seconds these are."""
+LEAST_STEPS = 25
+"""Of a run, however few seconds these are: a landing takes some dozen steps to come to rest."""
 
 REST_SECONDS = 0.5
 """At the end of a run, that count as rest."""
@@ -70,7 +82,7 @@ class RatesSettings(BunnySettings):
 
 
 def plan(settings: RatesSettings) -> list[Part]:
-    """A part for each rule, ground and way to make contacts."""
+    """A part for each rule, ground and way to make contacts; and one to be shown."""
     cost = 2e-4 * settings.orientations * settings.seconds * sum(settings.rates)
     falls = [
         Part(
@@ -93,7 +105,7 @@ def plan(settings: RatesSettings) -> list[Part]:
         for ground in GROUNDS
         for mode in THROWN_MODES
     ]
-    return falls + throws
+    return [*falls, *throws, Part("shown", record_falls, {"settings": settings}, cost=0.5)]
 
 
 def modes_of(rule: Rule) -> tuple[str, ...]:
@@ -131,6 +143,18 @@ def run_throws(settings: RatesSettings, ground: Ground, mode: str) -> Tables:
     )
 
 
+def record_falls(settings: RatesSettings) -> Tables:
+    """Upright falls on the half-space: "N_poses" and "N_contacts" of case N of :data:`SHOWN`."""
+    tables: dict[str, Columns] = {}
+    for number, (rule, mode, rate) in enumerate(SHOWN):
+        world, _ = _build_world(settings, rule, "plane", mode, rate, 0.0, 0)
+        recorder = world.record()
+        world.step(round(SHOWN_SECONDS * rate))
+        for name, columns in tabulate(recorder.recording()).items():
+            tables[f"{number}_{name}"] = columns
+    return tables
+
+
 def _tabulate(
     cases: list[tuple[float, float, int]],
     settings: RatesSettings,
@@ -165,21 +189,8 @@ def _land(
     orientation: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Heights of the lowest vertex and of the centre of mass, and its way sideways, each step."""
-    world = World(time_step=1.0 / rate, sleeping=False, **_contact_arguments(rule, mode))
-    if ground == "plane":
-        world.add(Plane(), mass=0.0)
-    else:
-        pose = np.eye(4)
-        pose[2, 3] = -SLAB_HALF_EXTENTS[2]
-        world.add(build_block(SLAB_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=pose)
     mesh = settings.build_mesh()
-    body = world.add(
-        settings.build_model(),
-        mass=settings.mass,
-        pose=compute_pose(mesh, orientation, settings.height),
-        inertia=settings.mass_properties,
-    )
-    body.linear_velocity = (0.0, 0.0, -speed)
+    world, body = _build_world(settings, rule, ground, mode, rate, speed, orientation)
     steps = max(round(settings.seconds * rate), LEAST_STEPS)
     lowest, middle, sideways = np.zeros((3, steps))
     for step in range(steps):
@@ -189,6 +200,35 @@ def _land(
         middle[step] = pose[2, 3]
         sideways[step] = math.hypot(pose[0, 3], pose[1, 3])
     return lowest, middle, sideways
+
+
+def _build_world(
+    settings: RatesSettings,
+    rule: Rule,
+    ground: Ground,
+    mode: str,
+    rate: float,
+    speed: float,
+    orientation: int,
+) -> tuple[World, Body]:
+    world = World(time_step=1.0 / rate, sleeping=False, **_contact_arguments(rule, mode))
+    if ground == "plane":
+        world.add(Plane(), mass=0.0, name="ground")
+    else:
+        pose = np.eye(4)
+        pose[2, 3] = -SLAB_HALF_EXTENTS[2]
+        world.add(
+            build_block(SLAB_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=pose, name="ground"
+        )
+    body = world.add(
+        settings.build_model(),
+        mass=settings.mass,
+        pose=compute_pose(settings.build_mesh(), orientation, settings.height),
+        inertia=settings.mass_properties,
+        name="bunny",
+    )
+    body.linear_velocity = (0.0, 0.0, -speed)
+    return world, body
 
 
 def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:

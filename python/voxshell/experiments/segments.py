@@ -9,8 +9,9 @@ import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
+from voxshell.experiments.motion import tabulate
 from voxshell.experiments.part import Part
-from voxshell.experiments.timing import pinned, time_poses
+from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose
 from voxshell.world import World
 
@@ -27,7 +28,10 @@ LEVELS = (1, 2, 3, 4, 5)
 POSES_OF = 4
 """The level whose poses all others are timed in once more."""
 
-TIMES = ("narrow_phase", "query", "reduction", "manifold")
+RECORDED_EVERY, RECORDED_STEPS = 2, 300
+"""Of the falls that are shown."""
+
+TIMES = ("narrow_phase", *STAGES)
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,9 @@ class SegmentsSettings(BunnySettings):
 
 
 def plan(settings: SegmentsSettings) -> list[Part]:
-    """A part for each orientation: all levels in one process."""
-    return [
+    """A part for each orientation: all levels in one process; and one to be shown."""
+    shown = Part("shown", record_levels, {"settings": settings})
+    return [shown] + [
         Part(
             f"orientation-{orientation}-{shell}",
             time_levels,
@@ -102,6 +107,19 @@ def time_levels(
     }
 
 
+def record_levels(settings: SegmentsSettings) -> Tables:
+    """The fine bunny's fall at each level, upright: "N_poses" and "N_contacts" of level N."""
+    start = compute_pose(settings.build_mesh(), 0, settings.height)
+    tables: dict[str, Columns] = {}
+    for level in LEVELS:
+        world, _ = _build_world(settings, "fine", level, start, 9.81)
+        recorder = world.record(every=RECORDED_EVERY)
+        world.step(min(RECORDED_STEPS, settings.last_step))
+        for name, columns in tabulate(recorder.recording()).items():
+            tables[f"{level}_{name}"] = columns
+    return tables
+
+
 @dataclass(frozen=True, eq=False)
 class _Run:
     timings: NDArray[np.float64]
@@ -142,12 +160,15 @@ def _build_world(
     )
     below = np.eye(4)
     below[2, 3] = -GROUND_HALF_EXTENTS[2]
-    world.add(build_block(GROUND_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=below)
+    world.add(
+        build_block(GROUND_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=below, name="ground"
+    )
     body = world.add(
         settings.build_model(shell),
         mass=settings.mass,
         pose=pose,
         inertia=settings.mass_properties,
+        name="bunny",
     )
     return world, body
 

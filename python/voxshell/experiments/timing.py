@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from voxshell.world import World
 
 
+STAGES = ("query", "reduction", "manifold")
+"""Of a model's narrow phase, as columns of :attr:`voxshell.World.timings`."""
+
+
 @contextmanager
 def pinned() -> Iterator[None]:
     """Keeps this process on one core, the last it may use, which interrupts visit least.

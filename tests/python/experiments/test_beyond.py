@@ -246,6 +246,11 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
         rows["median time, GImpact"].here / fine_time
     )
     times = results["times"]["times"]
+    whole, query = (
+        times["seconds"][times["method"] == name] for name in ("vps-fine", "vps-fine-query")
+    )
+    assert (query < whole).all()
+    assert "VPS takes query" in rows["decomposition / VPS fine, bunny on bunny"].note
     slow = {**times, "seconds": np.where(times["method"] == "vps-fine", 1.0, times["seconds"])}
     rows = PAIR.reduce(settings, {"times": {**results["times"], "times": slow}})
     assert [row.holds for row in rows if row.bar] == [False, False]
@@ -268,6 +273,9 @@ def test_depths_are_true_to_a_voxel(tmp_path):
     assert rows["meshes overlap, no contact, fine"].unit.startswith("of ")
     table = results["depths"]["depths"]
     assert (table["volume"] > 0.0).sum() >= 3  # the poses do overlap
+    ratio = rows["areas by depths over the exact volume, all poses together, fine"].here
+    assert ratio == pytest.approx(table["fine_volume"].sum() / table["volume"].sum())
+    assert 0.6 < ratio < 1.4
     blind = {"depths": table | {"fine": np.zeros(4), "truth": np.full(4, 0.005)}}
     rows = {row.quantity: row for row in ACCURACY.reduce(settings, {"depths": blind})}
     assert rows["depth off the truth at most, fine"].holds is False

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from voxshell.errors import SettingsError
 from voxshell.experiments import rates
+from voxshell.experiments.motion import read_poses
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.rates import RatesSettings
 from voxshell.experiments.report.rates import RATES, is_carried
@@ -63,6 +64,23 @@ def test_beside_the_slab_is_not_carried():
     runs = {"middle": np.array([0.1, 0.1, -0.1]), "sideways": np.array([0.0, 0.6, 0.0])}
     assert is_carried(runs, "slab").tolist() == [True, False, False]
     assert is_carried(runs, "plane").tolist() == [True, True, False]
+
+
+def test_low_rates_run_long_enough_to_come_to_rest():
+    lowest, *_ = rates._land(SETTINGS, "voxshell", "plane", "auto", 2.0, 0.0, 0)
+    assert len(lowest) == rates.LEAST_STEPS
+    lowest, *_ = rates._land(SETTINGS, "voxshell", "plane", "auto", 50.0, 0.0, 0)
+    assert len(lowest) == 75
+
+
+def test_shown_falls_are_those_of_their_rule(results):
+    """At 10 Hz one segment's contact does not carry the bunny, ours do."""
+    ends = {
+        case: read_poses({"poses": results["shown"][f"{number}_poses"]}, "bunny")[-1, 2, 3]
+        for number, case in enumerate(rates.SHOWN)
+    }
+    assert ends["voxshell", "auto", 10.0] > 0.05
+    assert ends["published", "level 1", 10.0] < ends["voxshell", "auto", 10.0] - 0.05
 
 
 def test_rates_descend():

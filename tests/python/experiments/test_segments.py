@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from voxshell.errors import SettingsError
 from voxshell.experiments import segments
+from voxshell.experiments.motion import read_poses
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.segments import SEGMENTS
 from voxshell.experiments.segments import LEVELS, SegmentsSettings
@@ -39,7 +40,8 @@ def test_rows_follow_the_data(results):
     rows = {row.quantity: row for row in SEGMENTS.reduce(SETTINGS, results)}
     assert rows["mean time, high, L = 3"].holds
     slow = {}
-    for name, tables in results.items():
+    timed = {name: tables for name, tables in results.items() if name.startswith("orientation")}
+    for name, tables in timed.items():
         columns = {key: values.copy() for key, values in tables["steps"].items()}
         columns["narrow_phase"] = np.where(columns["level"] == 5, 1e-3, 1e-4)
         slow[name] = {**tables, "steps": columns}
@@ -56,8 +58,22 @@ def test_steps_are_in_order():
         SegmentsSettings(first_step=300, last_step=300)
 
 
-def test_picture_is_drawn(results, tmp_path):
+def test_shown_falls_have_contacts_of_more_segments_at_higher_levels(results):
+    shown = results["shown"]
+    frames = segments.RECORDED_STEPS // segments.RECORDED_EVERY + 1
+    most = []
+    for level in LEVELS:
+        poses = read_poses({"poses": shown[f"{level}_poses"]}, "bunny")
+        assert len(poses) == frames
+        assert poses[0, 2, 3] > poses[-1, 2, 3] > 0.0
+        most.append(int(np.bincount(shown[f"{level}_contacts"]["frame"]).max()))
+    assert most[0] < most[-1]
+
+
+def test_picture_and_replay_are_made(results, tmp_path):
     assert [picture.path for picture in SEGMENTS.draw(SETTINGS, results, tmp_path)] == [
-        "levels.png"
+        "levels.png",
+        "replay.html",
     ]
     assert (tmp_path / "levels.png").stat().st_size > 10_000
+    assert (tmp_path / "replay.html").stat().st_size > 100_000

@@ -13,6 +13,7 @@ from voxshell.experiments import ball
 from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.motion import restore
 from voxshell.experiments.report.figures import FAINT, OURS, OURS_COARSE, PEERS, as_rgb, open_figure
+from voxshell.experiments.report.rules import RULE_NAMES
 from voxshell.experiments.verdict import Row, at_most
 from voxshell.meshes import Mesh
 from voxshell.scenes.ball import GROUND_HALF_EXTENTS, BallSettings
@@ -44,7 +45,6 @@ ELASTIC_GAIN = 5.0
 APEX_TOLERANCE = 0.005
 """Metres: what a step of the published fall can move the apex."""
 
-_RULES = {"published": "published rule", "voxshell": "our rule"}
 LABELS = {"bullet": "Bullet's sphere", "low": "VPS, {low} points", "high": "VPS, {high} points"}
 COLORS = {"bullet": PEERS[1], "low": OURS_COARSE, "high": OURS}
 ROUGHLY = 0.05
@@ -107,7 +107,7 @@ def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
             published = rule == "published"
             rows.append(
                 Row(
-                    f"first apex, c {restitution:g}, {_label(settings, method)}, {_RULES[rule]}",
+                    f"first apex, c {restitution:g}, {_label(settings, method)}, {RULE_NAMES[rule]}",
                     ideal if published else None,
                     here,
                     "m",

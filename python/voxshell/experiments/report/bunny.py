@@ -27,6 +27,7 @@ from voxshell.experiments.report.paint import (
     save_row,
     thin_out,
 )
+from voxshell.experiments.timing import STAGES
 from voxshell.experiments.verdict import Row, at_least, at_most, format_value
 from voxshell.model import Model
 from voxshell.scenes.drop import GROUND_HALF_EXTENTS, METHODS
@@ -57,9 +58,6 @@ SETUP_TOLERANCE = 0.01
 """By which the set-up may be off the published one, as a part of it."""
 
 PUBLISHED_HULL_VERTICES, PUBLISHED_HULLS = 42, 8
-
-STAGES = ("query", "reduction", "manifold")
-"""Of the narrow phase of a model."""
 
 FRAME_STEPS = (50, 175, 200, 300)
 SHOWN = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
@@ -499,7 +497,7 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
             # What is at rest needs no new picture.
             if key not in last or np.abs(pose - last[key][0]).max() > SEEN:
                 canvas = Canvas(camera)
-                canvas.paint_floor((-0.3, -0.3), (0.3, 0.3))
+                canvas.paint_floor((-0.11, -0.11), (0.11, 0.11))
                 canvas.paint([Solid(surfaces[key], pose, as_rgb(COLORS[key]))])
                 canvas.write(labels[key], 0.5, 0.95)
                 last[key] = (pose, canvas.finish())

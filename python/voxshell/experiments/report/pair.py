@@ -12,6 +12,7 @@ from voxshell.experiments.drop_report import COLORS
 from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.pair import PairSettings
 from voxshell.experiments.report.figures import FAINT, OURS_PLANE, open_figure
+from voxshell.experiments.timing import STAGES
 from voxshell.experiments.verdict import Row, at_least, format_value
 from voxshell.scenes.drop import METHODS
 
@@ -63,6 +64,7 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
             "times",
             bar=f">= {LEAST_OVER_PARTS:g}",
             holds=at_least(over_parts, LEAST_OVER_PARTS),
+            note=_explain_fine(results),
         ),
         Row(
             "GJK on the hull / VPS fine, bunny on bunny",
@@ -85,12 +87,35 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
         if mine.any():
             note = (
                 f"in contact in {int((found['contacts'][mine] > 0).sum())} of {int(mine.sum())} poses, "
-                f"deepest {format_value(float(found['depth'][mine].max()) * 1e3)} mm"
+                f"deepest {format_value(_deepest(results, key))} mm"
             )
         rows.append(
             Row(f"median time, {LABELS[key]}", None, seconds * 1e6, "\N{MICRO SIGN}s", note=note)
         )
     return rows
+
+
+def _explain_fine(results: Results) -> str:
+    """What the fine shell's time is made of, and how many contacts it finds beside the hulls."""
+    stages = ", ".join(
+        f"{stage} {format_value(1e6 * _median(results, f'vps-fine-{stage}'))}" for stage in STAGES
+    )
+    found = results["times"]["contacts"]
+    fine, hulls = (
+        float(found["contacts"][found["method"] == key].mean())
+        for key in ("vps-fine", "decomposition")
+    )
+    return (
+        f"VPS takes {stages} \N{MICRO SIGN}s for {fine:.1f} contacts; the hulls have {hulls:.1f}, "
+        f"deepest {format_value(_deepest(results, 'decomposition'))} mm instead of "
+        f"{format_value(_deepest(results, 'vps-fine'))}"
+    )
+
+
+def _deepest(results: Results, key: str) -> float:
+    """Of all poses, millimetres."""
+    found = results["times"]["contacts"]
+    return float(found["depth"][found["method"] == key].max()) * 1e3
 
 
 def draw(settings: PairSettings, results: Results, folder: Path) -> list[Picture]:

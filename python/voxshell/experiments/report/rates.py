@@ -10,9 +10,13 @@ import numpy as np
 
 from voxshell.experiments import rates
 from voxshell.experiments.experiment import Experiment, Picture
+from voxshell.experiments.motion import restore
 from voxshell.experiments.rates import RatesSettings
-from voxshell.experiments.report.figures import FAINT, open_figure
+from voxshell.experiments.report.figures import FAINT, OURS, OURS_COARSE, as_rgb, open_figure
+from voxshell.experiments.report.paint import thin_out
+from voxshell.experiments.report.rules import RULE_NAMES
 from voxshell.experiments.verdict import Row, at_most
+from voxshell.meshes import Mesh
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,7 +40,7 @@ def describe(settings: RatesSettings) -> str:
     """The set-up in words."""
     return (
         f"The bunny with {settings.fine_points:,} points falls {settings.height:g} m in "
-        f"{settings.orientations} orientations, {settings.seconds:g} s at each rate from "
+        f"{settings.orientations} orientations, {settings.seconds:g} s and at least {rates.LEAST_STEPS} steps at each rate from "
         f"{settings.rates[0]:g} to {settings.rates[-1]:g} Hz, on a half-space and on a slab of "
         f"{2e2 * rates.SLAB_HALF_EXTENTS[2]:g} cm. Carried: at the end its centre of mass is above "
         "the surface and above the ground. The published rule makes contacts of the points that "
@@ -185,7 +189,7 @@ def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Pictur
                         label=mode,
                     )
                 axes.axhline(settings.voxel_size * 1e3, color=FAINT, ls="--", lw=1)
-                axes.set(xscale="log", yscale="log", title=f"{rule} rule, {GROUNDS[ground]}")
+                axes.set(xscale="log", yscale="log", title=f"{RULE_NAMES[rule]}, {GROUNDS[ground]}")
         for axes in panels[1]:
             axes.set_xlabel("rate, Hz")
         for axes in panels[:, 0]:
@@ -205,15 +209,39 @@ def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Pictur
                 np.minimum(lowest, 2 * settings.rates[0]),
                 *(0.2,),
                 color=color,
-                label=f"{rule} rule, {GROUNDS[ground]}",
+                label=f"{RULE_NAMES[rule]}, {GROUNDS[ground]}",
             )
         axes.set_xticks(range(len(names)), names)
         axes.set(yscale="log", ylabel="lowest rate that holds, Hz")
+        axes.set_axisbelow(True)
         axes.legend(fontsize=8, frameon=False)
+    _save_replay(settings, results, folder / "replay.html")
     return [
         Picture("rates.png", "Depth of the lowest vertex at rest over the rate, medians over orientations; dashed: a voxel. Above 100 mm the body has fallen through."),
         Picture("lowest.png", "The lowest rate down to which every orientation is carried (twice the highest rate: at none)."),
+        Picture("replay.html", "The upright bunny's fall on the half-space at low rates, published rule and ours."),
     ]  # fmt: skip
+
+
+def _save_replay(settings: RatesSettings, results: Results, path: Path) -> None:
+    from trimesh.creation import box
+
+    from voxshell.viewer.lanes import arrange_lanes
+    from voxshell.viewer.replay import save_replay
+
+    plate = box((0.5, 0.5, 0.004))
+    plate.apply_translation((0.0, 0.0, -0.002))
+    flat = Mesh(plate.vertices, plate.faces)
+    bunny = thin_out(settings.build_mesh(), settings.size / 60)
+    recordings = {}
+    for number, (rule, mode, rate) in enumerate(rates.SHOWN):
+        color = as_rgb(OURS if rule == "voxshell" else OURS_COARSE)
+        recordings[f"{RULE_NAMES[rule]}\n{mode}, {rate:g} Hz"] = restore(
+            {name: results["shown"][f"{number}_{name}"] for name in ("poses", "contacts")},
+            {"ground": (flat, None), "bunny": (bunny, color)},
+            1.0 / rate,
+        )
+    save_replay(path, arrange_lanes(recordings), title="Low rates", caption=describe(settings))
 
 
 def _find_lowest(results: Results, rule: str, ground: str, mode: str) -> float:

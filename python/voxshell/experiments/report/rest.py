@@ -88,10 +88,10 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
 
 def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture]:
     """Angular speed and drift of every orientation."""
-    with open_figure(folder / "rest.png", width=11, height=4.4) as figure:
-        turning, drift = figure.subplots(1, 2)
+    with open_figure(folder / "rest.png", width=9, height=7.2) as figure:
+        turning, drift = figure.subplots(2, 1, sharex=True)
         cases = [
-            *((f"{g}-{s}-{m}", s, f"{s}\n{m}\n{g}") for g in rest.GROUNDS for s in rest.SHELLS for m in rest.MODES if m != "auto"),
+            *((f"{g}-{s}-{m}", s, f"{s}\n{m}\n{g}") for g in rest.GROUNDS for s in rest.SHELLS for m in rest.MODES),
             ("plane-hull-auto", "hull", "Bullet's\nhull\nplane"),
         ]  # fmt: skip
         colors = {"fine": OURS, "coarse": OURS_COARSE, "hull": PEERS[1]}

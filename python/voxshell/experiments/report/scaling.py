@@ -69,6 +69,8 @@ def reduce(settings: ScalingSettings, results: Results) -> list[Row]:
 def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Picture]:
     """Time over points and over the voxel size."""
     del settings
+    from matplotlib.ticker import LogLocator
+
     with open_figure(folder / "scaling.png", width=9, height=3.8) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         for axes, name, key, scale in (
@@ -80,7 +82,11 @@ def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Pict
             sizes, seconds = _by(results, name, key)
             axes.plot(sizes * scale, seconds * 1e6, "o-", color=OURS)
             axes.set(xscale="log", yscale="log")
+            axes.minorticks_off()
+            axes.set_xticks(sizes * scale, [f"{size * scale:,g}" for size in sizes])
         left.set(xlabel="points of the shell", ylabel="narrow phase, \N{MICRO SIGN}s")
+        left.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        left.yaxis.set_major_formatter("{x:g}")
         right.set_xlabel("voxel size, mm")
     return [Picture("scaling.png", "Narrow-phase time over points and over the voxel size; grey: orientations.")]  # fmt: skip
 

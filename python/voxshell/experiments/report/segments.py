@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.body_shapes import mesh_of
 from voxshell.experiments import segments
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.report.figures import OURS, OURS_COARSE, open_figure
+from voxshell.experiments.motion import restore
+from voxshell.experiments.report.figures import OURS, OURS_COARSE, as_rgb, open_figure
+from voxshell.experiments.report.paint import thin_out
 from voxshell.experiments.segments import LEVELS, SegmentsSettings
 from voxshell.experiments.verdict import Row, at_most
+from voxshell.shapes import Box
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,7 +44,8 @@ def describe(settings: SegmentsSettings) -> str:
         f"{settings.fine_points:,} points, its contacts segmented at levels 1 to 5. Means over steps "
         f"{settings.first_step} to {settings.last_step}; a step's time is its median over "
         f"{settings.repeats} equal runs, one core, nothing else running. Then all levels once more in "
-        f"the poses of level {segments.POSES_OF}."
+        f"the poses of level {segments.POSES_OF}. The section gives its fine shell 35,596 or 34,892 "
+        "points, and 0.71 ms or these times: here it has the former, beside these times."
     )
 
 
@@ -127,7 +132,34 @@ def draw(settings: SegmentsSettings, results: Results, folder: Path) -> list[Pic
             xticks=LEVELS,
         )
         axes.legend(fontsize=8, frameon=False, ncols=2)
-    return [Picture("levels.png", "Mean narrow-phase time over the level of the segments, published and here.")]  # fmt: skip
+    _save_replay(settings, results, folder / "replay.html")
+    return [
+        Picture("levels.png", "Mean narrow-phase time over the level of the segments, published and here."),
+        Picture("replay.html", "The upright fine bunny's fall with contacts of levels 1 to 5, side by side."),
+    ]  # fmt: skip
+
+
+def _save_replay(settings: SegmentsSettings, results: Results, path: Path) -> None:
+    from voxshell.viewer.lanes import arrange_lanes
+    from voxshell.viewer.replay import save_replay
+
+    block = mesh_of(Box(segments.GROUND_HALF_EXTENTS))
+    bunny = thin_out(settings.build_mesh(), settings.size / 60)
+    tables = results["shown"]
+    recordings = {
+        f"L = {level}": restore(
+            {name: tables[f"{level}_{name}"] for name in ("poses", "contacts")},
+            {"ground": (block, None), "bunny": (bunny, as_rgb(OURS))},
+            segments.RECORDED_EVERY / settings.rate,
+        )
+        for level in LEVELS
+    }
+    save_replay(
+        path,
+        arrange_lanes(recordings),
+        title="Contacts of more segments",
+        caption=describe(settings),
+    )
 
 
 def _means(

@@ -19,6 +19,7 @@ from voxshell.experiments.report.paint import (
     save_row,
     thin_out,
 )
+from voxshell.experiments.report.rules import RULE_NAMES
 from voxshell.experiments.verdict import Row, at_least
 from voxshell.meshes import Mesh
 from voxshell.scenes.bunny import BunnySettings
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from voxshell.experiments.experiment import Results
-
-RULE_NAMES = {"published": "published rule", "voxshell": "our rule"}
 
 
 def describe(settings: StackSettings) -> str:
@@ -151,7 +150,7 @@ def draw(settings: StackSettings, results: Results, folder: Path) -> list[Pictur
     _draw_bunnies(results, folder / "bunnies.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("collapse.png", "Left: time to collapse over the shells' points, a dot a seed, lines through medians. Right: the top's height, published rule, first seed."),
+        Picture("collapse.png", "Left: time to collapse over the shells' points, a dot a seed, lines through medians; the highest dots stand to the end. Right: the top's height, published rule, first seed."),
         Picture("bunnies.png", "The five bunnies at the start and four seconds later, or at the end; from two sides."),
         Picture("replay.html", "Coarse and fine stacks, and Bullet's, side by side."),
     ]  # fmt: skip
@@ -218,7 +217,7 @@ STACK = Experiment(
     question="How long does a stack of spheres stand, and do finer shells help?",
     describe=describe,
     settings=StackSettings(),
-    quick=replace(StackSettings(), seeds=5, seconds=20.0, bunny_seeds=1),
+    quick=replace(StackSettings(), seeds=10, seconds=20.0, bunny_seeds=1),
     plan=stack.plan,
     reduce=reduce,
     draw=draw,
