@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from cyclopts import App
+from cyclopts import App, Parameter
 
 import voxshell
 from voxshell.cli.bench import bench
@@ -22,18 +22,36 @@ from voxshell.cli.view import view
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+
+def _describe_default(value: object) -> str | None:
+    """As one would type it; nothing for what is off, or on, unless said otherwise."""
+    if value is None or isinstance(value, bool) or value == ():
+        return None
+    return " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
 app = App(
     name="voxshell",
-    help="Collision of any mesh with any mesh at haptic rates, exactly as sampled.",
+    help="""Collision of any mesh with any mesh at haptic rates, exactly as sampled.
+
+    For example, from a mesh in millimetres to bodies that fall:
+
+        voxshell info part.stl --scale 0.001 --advise
+        voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
+        voxshell query part.vxs plane --a-pose 0 0 0.01
+        voxshell simulate scene.toml --out result
+    """,
     help_epilogue=(
         "Lengths are in metres, times in seconds, masses in kilograms. Exit codes: 0 success, 1 failure,"
         " 2 wrong use (arguments, settings or input files), 130 stopped by Ctrl-C."
     ),
     version=voxshell.__version__,
+    default_parameter=Parameter(show_default=_describe_default),
     suppress_keyboard_interrupt=False,
 )
-for _command in (build, info, query, view, simulate, bench, reproduce, cache):
+for _command in (build, info, query, simulate, bench, reproduce, cache):
     app.command(_command)
+app.command(view, usage="Usage: voxshell view [OPTIONS] BODY [OTHER]")
 reproduce.command(peers)
 app.register_install_completion_command()
 

@@ -62,9 +62,9 @@ def bench(
 
     Args:
         mesh: A model file (.vxs), or a mesh that trimesh reads.
-        poses: How many.
-        repeats: How often each is timed.
-        seed: Of the poses.
+        poses: How many poses.
+        repeats: How often each pose is timed.
+        seed: Of the random poses.
         options: How a mesh is made into a model.
         json_only: Print JSON and nothing else: seconds, metres.
     """

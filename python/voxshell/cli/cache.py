@@ -17,7 +17,14 @@ from voxshell.errors import FileAccessError
 
 cache = App(
     name="cache",
-    help="Models that were built before and are kept on the disk: list them, or remove them.",
+    help="""Models that were built before and are kept on the disk: list them, or remove them.
+
+    VOXSHELL_CACHE_DIR names another folder for them, VOXSHELL_CACHE_SIZE how much they may take,
+    such as 500MB. For example:
+
+        voxshell cache list
+        voxshell cache clear
+    """,
 )
 
 Json = Annotated[bool, Parameter(name="--json", negative="")]

@@ -79,12 +79,12 @@ def query(
     Args:
         a: The first body.
         b: The second body; normals are on it and point towards the first.
-        pose: Of b.
-        a_pose: Of a.
-        poses: Of b, many: a .csv file with a pose a line, or a .npy file with (n, 4, 4) or rows.
+        pose: Where b is.
+        a_pose: Where a is.
+        poses: Or many places of b: a .csv file with a pose a line, or a .npy file with (n, 4, 4) or rows.
         ask: What to ask; wrench needs --stiffness.
         shell: The body whose points are tested; auto: the one with fewer.
-        margin: Metres; points that near count as contacts, too.
+        margin: Points up to so many metres apart count as contacts, too.
         max_points: Only so many contacts, the deepest.
         stiffness: For wrench: newtons per cubic metre, the pressure per metre of depth.
         options: How meshes are made into models.

@@ -22,7 +22,13 @@ if TYPE_CHECKING:
 
 reproduce = App(
     name="reproduce",
-    help="Run experiments of the thesis' section 5.3, and compare with what was published.",
+    help="""Run experiments of the thesis' section 5.3, and compare with what was published.
+
+    For example, all of them within minutes, and one at its full size:
+
+        voxshell reproduce all --quick --out reproduction
+        voxshell reproduce bunny --out reproduction
+    """,
 )
 
 
@@ -108,7 +114,8 @@ def _run_missing(studies: list[Study], options: Options, console: Console) -> No
     ) as progress:
         known = count - len(missing)
         task = progress.add_task(
-            f"{len(missing)} parts to run" + (f", {known} done before" if known else ""),
+            f"{len(missing)} part{'' if len(missing) == 1 else 's'} to run"
+            + (f", {known} done before" if known else ""),
             total=sum(part.cost for part in missing) or 1.0,
             last="",
         )

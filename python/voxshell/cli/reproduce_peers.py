@@ -34,13 +34,17 @@ def peers(
     out: Path = Path("reproduction/peers"),
     quick: Annotated[bool, Parameter(negative="")] = False,
     settings: Path | None = None,
-    only: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
+    only: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")] = (),
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
     """Contacts, depths and drops of the bunny: voxshell, Bullet, MuJoCo, ODE, coal, fcl, Drake.
 
     Each peer runs in a process of its own; one that is not installed, crashes or hangs is a row that
     says so. Rows that are done are not measured again.
+
+    For example:
+
+        voxshell reproduce peers --quick --only voxshell coal
 
     Args:
         out: The folder to write into.

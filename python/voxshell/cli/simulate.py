@@ -27,7 +27,13 @@ RESULTS, CURVES, PAGE = "results.json", "curves.png", "index.html"
 _STILL = 1e-9
 """Metres a second; what is slower moves by rounding alone."""
 
-simulate = App(name="simulate")
+simulate = App(
+    name="simulate",
+    usage=(
+        "Usage: voxshell simulate --out PATH [OPTIONS] FILE\n"
+        "       voxshell simulate drop [OPTIONS] [MESH]"
+    ),
+)
 
 MethodKey = Literal[
     "vps-fine",
@@ -122,7 +128,7 @@ def scene(
         console.print(f"  {path}", soft_wrap=True)
 
 
-@simulate.command
+@simulate.command(usage="Usage: voxshell simulate drop [OPTIONS] [MESH]")
 def drop(
     mesh: Path | None = None,
     /,

@@ -2,16 +2,20 @@ from __future__ import annotations
 
 import pytest
 
-COMMANDS = ("build", "info", "query", "bench", "simulate", "simulate drop")
+TELLING = ("build", "info", "query", "bench", "simulate", "simulate drop", "reproduce peers")
+"""Commands that answer programs, too."""
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", ["", *TELLING, "view", "reproduce", "cache"])
 def test_help_teaches_by_example(voxshell, command):
     ended = voxshell(*command.split(), "--help")
     assert (ended.code, ended.err) == (0, "")
-    assert f"\n voxshell {command} " in ended.out
-    assert "--json" in ended.out
+    assert ended.out.startswith(f"Usage: voxshell {command}".strip() + " ")
+    assert f"\n voxshell {command}".rstrip() + " " in ended.out
+    assert ("--json" in ended.out) == (command in TELLING)
     assert max(map(len, ended.out.splitlines())) <= 80
+    for odd in ("[ARGS]", "None", "[default: (", "True", "False", "empty"):
+        assert odd not in ended.out
 
 
 @pytest.mark.parametrize("command", ["", "reproduce", "cache", "reproduce ball", "reproduce peers"])
