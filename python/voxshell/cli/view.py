@@ -1,4 +1,4 @@
-"""``voxshell view``: look into a model, and drag another body against it."""
+"""``voxshell view``: look into a model, and drag it and another body against each other."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def view(
 ) -> None:
     """Show a model in the browser: surface, distance field, points and tree; Ctrl-C ends it.
 
-    With two bodies the second can be dragged, and the contacts follow.
+    With two bodies, each can be dragged and turned by its arrows and rings, and the contacts follow.
 
     For example:
 

@@ -1,4 +1,4 @@
-"""A page on which to look into a model, and to drag another body against it."""
+"""A page on which to look into a model, and to drag it and another body against each other."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from voxshell.queries import contacts, distance
 from voxshell.query_scratch import QueryScratch
 from voxshell.recording import ContactTrack
 from voxshell.shapes import Plane
+from voxshell.viewer.handle import Handle
 from voxshell.viewer.layers import (
     Axis,
     color_segments,
@@ -43,6 +44,8 @@ _BODY_COLOR, _OTHER_COLOR, _LEVEL_COLOR = (92, 141, 208), (176, 138, 190), (230,
 _MOST_PINS = 400
 _MOST_POINTS = 60_000
 _GRAIN = 2.0**-13
+_HANDLE = 0.5
+"""Size of a handle's arrows, in diagonals of its body."""
 _PLANE_DRAWN = 1.5
 """Side of the plate that a plane is drawn as, in diagonals of the model."""
 
@@ -60,7 +63,7 @@ class Inspector:
     Args:
         server: Where to show it.
         model: What to look into.
-        other: A body to drag against it; contacts follow.
+        other: A second body; both can be dragged then, and the contacts follow.
         pose: ``model_from_other`` at first, (4, 4); beside the model by default.
         name: Of the model, for people.
         show: What is seen at first; controls change it.
@@ -87,16 +90,20 @@ class Inspector:
         # viser calls back from several threads; a scratch is for one.
         self._lock = threading.RLock()
         self._nodes: dict[str, Any] = {}
+        self._root = "/model"
+        self._handles: list[Handle] = []
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
         self._look_at(low, high)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_markdown(self._describe())
+        if other is not None:
+            self._add_pair(other, pose)
         self._add_body()
         self._add_field()
         self._add_shell()
         if other is not None:
-            self._add_other(other, pose)
+            self._add_contacts()
 
     def _look_at(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
         """Places the camera before a box, metres, so that all of it is seen beside the controls."""
@@ -115,7 +122,7 @@ class Inspector:
         )
 
     def _add_body(self) -> None:
-        body = self._add_mesh("/body", self._model.mesh, _BODY_COLOR)
+        body = self._add_mesh(f"{self._root}/body", self._model.mesh, _BODY_COLOR)
         shown = self._server.gui.add_checkbox("surface", "surface" in self._show)
         body.visible = shown.value
         opacity = self._server.gui.add_slider("opacity", 0.1, 1.0, 0.1, 1.0)
@@ -153,7 +160,7 @@ class Inspector:
                     return
                 surface = find_level_surface(self._model, 1e-3 * level.value)
                 if len(surface.faces) > 0:
-                    node = self._add_mesh("/level", surface, _LEVEL_COLOR)
+                    node = self._add_mesh(f"{self._root}/level", surface, _LEVEL_COLOR)
                     node.opacity = 0.6
                     self._nodes["level"] = node
 
@@ -171,7 +178,7 @@ class Inspector:
         middle = 0.5 * (low + high)
         middle[across] = low[across] + share * (high - low)[across]
         return self._server.scene.add_image(
-            "/slice",
+            f"{self._root}/slice",
             paint_slice(self._model, axis, share),
             render_width=width * self._scale,
             render_height=height * self._scale,
@@ -213,12 +220,16 @@ class Inspector:
         spacing = shell.spacing * self._scale
         if points:
             self._nodes["points"] = self._server.scene.add_point_cloud(
-                "/points", places, colors, point_size=0.5 * spacing, point_shape="circle"
+                f"{self._root}/points",
+                places,
+                colors,
+                point_size=0.5 * spacing,
+                point_shape="circle",
             )
         if normals:
             ends = places + np.float32(1.5 * spacing) * shell.normals[chosen]
             self._nodes["normals"] = self._server.scene.add_line_segments(
-                "/normals",
+                f"{self._root}/normals",
                 np.stack([places, ends], axis=1),
                 np.repeat(colors[:, None], 2, axis=1),
             )
@@ -229,7 +240,7 @@ class Inspector:
         ball = icosphere(subdivisions=3)
         drawn = spheres[spheres[:, 3] > 0.0] * np.float32(self._scale)
         self._nodes["spheres"] = self._server.scene.add_batched_meshes_simple(
-            "/spheres",
+            f"{self._root}/spheres",
             np.asarray(ball.vertices, np.float32),
             np.asarray(ball.faces, np.uint32),
             np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (len(drawn), 1)),
@@ -241,35 +252,54 @@ class Inspector:
             receive_shadow=False,
         )
 
-    def _add_other(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
+    def _add_pair(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
+        """Puts both bodies on handles, and shows the second."""
         mesh = mesh_of(other)  # pyright: ignore[reportArgumentType]: every shape that there is
+        low, high = self._model.bounds
         if isinstance(other, Plane):
             # A plate as large as the scene: the whole one would hide it.
             middle = mesh.vertices.mean(axis=0)
             share = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
             surface = other.offset * other.normal
             mesh = mesh._replace(vertices=surface + share * (mesh.vertices - middle))
-        extent = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
-        start = np.eye(4) if pose is None else pose
-        if pose is None and not isinstance(other, Plane):
-            start[0, 3] = self._model.bounds[1, 0] - mesh.vertices[:, 0].min()
-        if not isinstance(other, Plane):
-            both = np.stack(
-                [*self._model.bounds, *(mesh.vertices @ start[:3, :3].T + start[:3, 3])]
+            start = np.eye(4) if pose is None else pose
+            # Towards a corner, where neither the model nor the controls are in its way.
+            corner = mesh.vertices[np.argmax(mesh.vertices @ (-1.0, -1.0, 1.0))]
+            grip = surface + 0.6 * (corner - surface)
+            seen = [low, high]
+        else:
+            start = np.eye(4)
+            if pose is None:
+                start[0, 3] = high[0] - mesh.vertices[:, 0].min()
+            else:
+                start = pose
+            grip = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+            seen = [low, high, *(mesh.vertices @ start[:3, :3].T + start[:3, 3])]
+        self._look_at(np.min(seen, axis=0), np.max(seen, axis=0))
+        extent = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) * self._scale
+        of_model = ("/model", 0.5 * (low + high), np.eye(4), _DIAGONAL)
+        for name, place, world_from_body, size in (of_model, ("/other", grip, start, extent)):
+            self._handles.append(
+                Handle(
+                    self._server,
+                    name,
+                    grip=place,
+                    pose=world_from_body,
+                    scale=self._scale,
+                    size=_HANDLE * min(size, _DIAGONAL),
+                )
             )
-            self._look_at(both.min(axis=0), both.max(axis=0))
-        self._gizmo = self._server.scene.add_transform_controls(
-            "/other",
-            scale=0.5 * min(extent * self._scale, _DIAGONAL),
-            wxyz=rotations_as_wxyz(start[None, :3, :3])[0],
-            position=start[:3, 3] * self._scale,
-        )
-        self._add_mesh("/other/body", mesh, _OTHER_COLOR).opacity = 0.7
-        with self._server.gui.add_folder("contacts"):
-            self._readout = self._server.gui.add_markdown("")
-            place = self._server.gui.add_vector3(
-                "place, mm", tuple((1e3 * start[:3, 3]).tolist()), step=0.1
-            )
+        self._root = self._handles[0].path
+        self._add_mesh(f"{self._handles[1].path}/body", mesh, _OTHER_COLOR).opacity = 0.7
+
+    def _add_contacts(self) -> None:
+        gui = self._server.gui
+        with gui.add_folder("contacts"):
+            self._readout = gui.add_markdown("")
+            places = [
+                gui.add_vector3(f"{which} at, mm", (0.0, 0.0, 0.0), step=0.1)
+                for which in ("first", "second")
+            ]
         ball, faces = build_pin_mesh(0.012 * _DIAGONAL)
         self._pins = self._server.scene.add_batched_meshes_simple(
             *("/contacts", ball, faces),
@@ -281,21 +311,30 @@ class Inspector:
             visible=False,
         )
 
-        @self._gizmo.on_update
-        def _(_: Any) -> None:
-            with self._lock:
-                millimetres = 1e3 / self._scale * np.asarray(self._gizmo.position)
-                place.value = tuple(millimetres.round(3).tolist())
-                self.show_contacts()
+        def connect(handle: Handle, place: viser.GuiVector3Handle) -> None:
+            def tell() -> None:
+                place.value = tuple((1e3 * handle.pose[:3, 3]).round(3).tolist())
 
-        @place.on_update
-        def _(event: Any) -> None:
-            # Not what the drag above has just written.
-            if event.client_id is not None:
+            def follow() -> None:
                 with self._lock:
-                    self._gizmo.position = 1e-3 * self._scale * np.array(place.value)
+                    tell()
                     self.show_contacts()
 
+            @place.on_update
+            def _(event: Any) -> None:
+                # Not what a drag has just written.
+                if event.client_id is not None:
+                    with self._lock:
+                        pose = handle.pose
+                        pose[:3, 3] = 1e-3 * np.array(place.value)
+                        handle.pose = pose
+                        self.show_contacts()
+
+            handle.on_drag(follow)
+            tell()
+
+        for handle, place in zip(self._handles, places, strict=True):
+            connect(handle, place)
         self.show_contacts()
 
     def save_html(self, path: Path) -> Path:
@@ -304,8 +343,12 @@ class Inspector:
         Raises:
             OSError: The file cannot be written.
         """
+        # Without a server behind it, nothing would follow a drag.
+        self._show_handles(shown=False)
+        scene = self._server.get_scene_serializer().as_html()
+        self._show_handles(shown=True)
         page = add_heading(
-            self._server.get_scene_serializer().as_html(),
+            scene,
             title=self._name,
             caption=f"{len(self._model.shell):,} points",
             rate="",
@@ -314,25 +357,22 @@ class Inspector:
         )
         return write_whole(path, page)
 
+    def _show_handles(self, *, shown: bool) -> None:
+        for handle in self._handles:
+            handle.show(shown=shown)
+
     @property
-    def pose(self) -> NDArray[np.float64]:
-        """``model_from_other`` as it stands, (4, 4)."""
-        w, x, y, z = np.asarray(self._gizmo.wxyz) / np.linalg.norm(self._gizmo.wxyz)
-        pose = np.eye(4)
-        pose[:3, :3] = (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
-            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
-            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
-        )
-        pose[:3, 3] = np.asarray(self._gizmo.position) / self._scale
-        return pose
+    def poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """``world_from_model`` and ``world_from_other`` as they stand, (4, 4) each."""
+        first, second = self._handles
+        return first.pose, second.pose
 
     def show_contacts(self) -> None:
-        """Works out the contacts where the other body is now, and shows them."""
+        """Works out the contacts where the bodies are now, and shows them."""
         assert self._other is not None
-        pose = self.pose
-        found = contacts(self._model, self._other, None, pose, scratch=self._scratch)
-        apart = distance(self._model, self._other, None, pose).distance
+        poses = self.poses
+        found = contacts(self._model, self._other, *poses, scratch=self._scratch)
+        apart = distance(self._model, self._other, *poses).distance
         track = ContactTrack.from_frames([(found.points_b, found.normals, found.depths)])
         pins = build_pins(
             track.frame(0),

@@ -88,6 +88,20 @@ class Visit:
     def differs(self, before: np.ndarray, pixels: int = 100) -> bool:
         return int(np.sum(np.abs(self.picture() - before).max(axis=2) > 25)) > pixels
 
+    def settled(self) -> np.ndarray:
+        """The picture once it no longer changes."""
+        before, now = self.picture(), self.picture()
+        while np.abs(now - before).max() > 25:
+            time.sleep(0.1)
+            before, now = now, self.picture()
+        return now
+
+    def type(self, number: int, value: str) -> None:
+        """Types into one of the fields of numbers, counted from the first."""
+        field = self.page.get_by_role("textbox").filter(visible=True).nth(number)
+        field.fill(value)
+        field.blur()
+
     def readout(self) -> tuple[int, float]:
         """Contacts, and signed distance in millimetres."""
         text = self.page.get_by_text(re.compile(r"\d contacts, ")).inner_text()
@@ -110,12 +124,11 @@ def colored(picture: np.ndarray, red: int, green: int, blue: int) -> np.ndarray:
     return np.abs(picture - (red, green, blue)).max(axis=2) < 30
 
 
-def test_a_drag_moves_the_body_and_its_contacts(visit: tuple[Visit, Inspector]):
-    page, inspector = visit
-    # A brick of 60 mm and a sphere of 15 mm beside it; its gizmo's blue arrow, along z, is drawn up.
-    assert page.readout()[0] == 0
-    assert page.readout()[1] == pytest.approx(0.0, abs=0.2)
-    rows, columns = np.nonzero(colored(page.picture(), 54, 142, 226))
+def drag_up(page: Visit, *, right: bool) -> None:
+    """Pulls a body by its blue arrow, which is along z and drawn up."""
+    rows, columns = np.nonzero(colored(page.settled(), 54, 142, 226))
+    side = (columns > 330) == right
+    rows, columns = rows[side], columns[side]
     grip = np.argsort(rows)[20]
     x, y = float(columns[grip]), float(rows[grip])
     mouse = page.page.mouse
@@ -126,35 +139,83 @@ def test_a_drag_moves_the_body_and_its_contacts(visit: tuple[Visit, Inspector]):
         time.sleep(0.1)
         mouse.move(x, y - 12.0 * part)
     mouse.up()
-    page.wait(lambda: page.readout()[1] > 1.0, "the drag moves nothing")
-    assert inspector.pose[:2, 3] == pytest.approx((0.045, 0.0), abs=1e-6)
-    assert inspector.pose[2, 3] > 0.01
+
+
+def test_a_drag_moves_either_body_and_its_contacts(visit: tuple[Visit, Inspector]):
+    page, inspector = visit
+    # A brick of 60 mm, and right of it a sphere of 15 mm that touches it.
+    assert page.readout()[0] == 0
+    assert page.readout()[1] == pytest.approx(0.0, abs=0.2)
+    for moved in (1, 0):
+        before, told = inspector.poses, page.readout()
+        drag_up(page, right=moved == 1)
+        page.wait(lambda moved=moved: inspector.poses[moved][2, 3] > 0.01, "the drag moves nothing")
+        page.wait(lambda told=told: page.readout() != told, "contacts do not follow")
+        lift = inspector.poses[moved] - before[moved]
+        lift[2, 3] = 0.0
+        assert np.abs(lift).max() < 1e-6
+        assert np.array_equal(inspector.poses[1 - moved], before[1 - moved])
     assert page.complaints == []
 
 
-def test_a_place_typed_in_moves_the_body_and_its_contacts(
+def test_a_place_typed_in_moves_either_body_and_its_contacts(
     visit: tuple[Visit, Inspector], brick: vx.Model
 ):
     page, inspector = visit
-    place = page.page.get_by_role("textbox").filter(visible=True).nth(-3)
-    place.fill("40")
-    place.blur()
-    page.wait(lambda: page.readout()[1] == pytest.approx(-5.0, abs=0.01), "the field moves nothing")
-    assert inspector.pose[0, 3] == pytest.approx(0.04)
-    assert page.readout()[0] == len(vx.contacts(brick, vx.Sphere(0.015), None, inspector.pose))
+    count = page.page.get_by_role("textbox").filter(visible=True).count()
+    for field, value, wanted in ((-3, "40", -5.0), (-6, "5", -10.0)):
+        page.type(count + field, value)
+        page.wait(
+            lambda wanted=wanted: page.readout()[1] == pytest.approx(wanted, abs=0.01),
+            "the field moves nothing",
+        )
+        first, second = inspector.poses
+        assert second[0, 3] - first[0, 3] == pytest.approx(0.045 + 1e-3 * wanted)
+        assert page.readout()[0] == len(vx.contacts(brick, vx.Sphere(0.015), first, second)) > 0
     assert page.complaints == []
 
 
-def test_controls_change_the_picture(visit: tuple[Visit, Inspector]):
+def test_every_control_changes_the_picture(visit: tuple[Visit, Inspector]):
     page, _ = visit
     boxes = page.page.get_by_role("checkbox")
-    labels = ("surface", "slice", "level surface", "points", "normals", "spheres")
-    assert boxes.count() == len(labels)
-    before = page.picture()
-    for number, label in enumerate(labels):
-        boxes.nth(number).click()
+    surface, slice_, level, points, normals, spheres = range(6)
+    assert boxes.count() == 6
+    opacity, at, distance, tree_level = range(4)
+
+    def tick(number: int) -> Callable[[], None]:
+        return lambda: boxes.nth(number).click()
+
+    def type_in(number: int, value: str) -> Callable[[], None]:
+        return lambda: page.type(number, value)
+
+    def choose_axis() -> None:
+        page.page.get_by_role("combobox", name="across").click()
+        page.page.get_by_role("option", name="x").click()
+
+    steps: list[tuple[str, Callable[[], None]]] = [
+        ("opacity", type_in(opacity, "0.3")),
+        ("surface", tick(surface)),
+        ("slice", tick(slice_)),
+        ("across", choose_axis),
+        ("at", type_in(at, "0.8")),
+        ("slice, off", tick(slice_)),
+        ("level surface", tick(level)),
+        ("distance", type_in(distance, "9")),
+        ("level surface, off", tick(level)),
+        ("points", tick(points)),
+        ("tree level, of points", type_in(tree_level, "6")),
+        ("points, off", tick(points)),
+        ("normals", tick(normals)),
+        ("tree level, of normals", type_in(tree_level, "1")),
+        ("normals, off", tick(normals)),
+        ("spheres", tick(spheres)),
+        ("tree level, of spheres", type_in(tree_level, "4")),
+        ("spheres, off", tick(spheres)),
+    ]
+    for label, act in steps:
+        before = page.settled()
+        act()
         page.wait(lambda before=before: page.differs(before), f"{label} changes nothing")
-        before = page.picture()
     assert page.complaints == []
 
 
@@ -162,10 +223,14 @@ def test_the_exported_page_shows_the_scene_offline(
     play: Callable[[Path], Player], brick: vx.Model, tmp_path: Path
 ):
     with silent_server() as server:
-        inspector = Inspector(server, brick, show=("slice", "points"), name="a <brick>")
+        inspector = Inspector(
+            server, brick, vx.Sphere(0.015), show=("slice", "points"), name="a <brick>"
+        )
         path = inspector.save_html(tmp_path / "brick.html")
     player = play(path)
-    player.wait(lambda p: int(np.sum(p.min(axis=2) < 200)) > 3000, "nothing is seen")
+    picture = player.wait(lambda p: int(np.sum(p.min(axis=2) < 200)) > 3000, "nothing is seen")
+    # No arrows and rings: nothing would follow them.
+    assert not colored(picture, 255, 45, 98).any()
     assert player.page.title() == "a <brick>"
     assert player.complaints == []
     assert player.fetched == [path.as_uri()]

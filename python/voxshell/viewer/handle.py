@@ -1,0 +1,70 @@
+"""A handle by which a body is dragged and turned on a page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.viewer.quaternions import rotation_from_wxyz, rotations_as_wxyz
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import viser
+    from numpy.typing import NDArray
+
+
+class Handle:
+    """Arrows and rings that move a body; what is shown below :attr:`path` moves along.
+
+    Args:
+        server: Where it is shown.
+        name: Of its node in the scene, such as ``"/part"``.
+        grip: (3,) metres, body frame: where the handle is, and what the body turns about.
+        pose: ``world_from_body`` at first, (4, 4).
+        scale: Display units a metre.
+        size: Of the arrows, display units.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        name: str,
+        *,
+        grip: NDArray[np.float64],
+        pose: NDArray[np.float64],
+        scale: float,
+        size: float,
+    ) -> None:
+        self.path: str = f"{name}/origin"
+        """Of the body's frame in the scene."""
+        self._grip, self._scale = grip, scale
+        self._controls = server.scene.add_transform_controls(name, scale=size)
+        server.scene.add_frame(self.path, show_axes=False, position=-scale * grip)
+        self.pose = pose
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``world_from_body`` as it stands, (4, 4); settable."""
+        pose = np.eye(4)
+        pose[:3, :3] = rotation_from_wxyz(np.asarray(self._controls.wxyz))
+        pose[:3, 3] = np.asarray(self._controls.position) / self._scale - pose[:3, :3] @ self._grip
+        return pose
+
+    @pose.setter
+    def pose(self, pose: NDArray[np.float64]) -> None:
+        self._controls.wxyz = rotations_as_wxyz(pose[None, :3, :3])[0]
+        self._controls.position = self._scale * (pose[:3, 3] + pose[:3, :3] @ self._grip)
+
+    def on_drag(self, function: Callable[[], None]) -> None:
+        """Calls a function, in a thread of viser's, whenever somebody has dragged or turned it."""
+
+        @self._controls.on_update
+        def _(_: Any) -> None:
+            function()
+
+    def show(self, *, shown: bool) -> None:
+        """Shows or hides the arrows and rings; the body stays in sight."""
+        controls = self._controls
+        controls.disable_axes = controls.disable_sliders = controls.disable_rotations = not shown
