@@ -30,10 +30,10 @@ void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
   btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
 }
 
-void carry_over(btManifoldPoint& point, const btManifoldPoint& before, bool is_resting) {
+void carry_over(btManifoldPoint& point, const btManifoldPoint& before, bool carries_on) {
   point.m_appliedImpulse = before.m_appliedImpulse;
   // What is left for ten iterations to find again in every step is what resting bodies rock by.
-  if (is_resting) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
+  if (carries_on) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
   point.m_prevRHS = before.m_prevRHS;
   point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
   point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
@@ -88,7 +88,7 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
     for (int i = 0; i < before_count; ++i) {
       const auto slot = static_cast<std::size_t>(i);
       if (!carried[slot] && before[slot].m_index0 == point.m_index0) {
-        carry_over(point, before[slot], contact.is_resting);
+        carry_over(point, before[slot], contact.carries_on);
         carried[slot] = true;
         break;
       }

@@ -24,14 +24,14 @@ struct WorldContact {
   double restitution = 0.0;       ///< what the solver is to take for it
   double first_impulse = 0.0;     ///< where the solver is to start if the point is new, N s
   double rolling_friction = 0.0;  ///< at least that of the objects, metres
+  bool carries_on = false;  ///< the solver is to start from all of the impulse of the step before
   bool is_resting = false;
   /// Of resting bodies: how far a has slipped on b since they took hold of each other, metres.
   Vec3 slip{};
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
-/// it held before are carried over, so that the solver starts warm: with all of them where bodies
-/// rest. Other material properties are those of the two objects, and Bullet's contact callbacks are
+/// it held before are carried over, so that the solver starts warm. Other material properties are those of the two objects, and Bullet's contact callbacks are
 /// honoured.
 void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
                    const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);

@@ -188,8 +188,9 @@ WorldContact ContactRule::to_world(const Contact& contact, double patch) const {
   WorldContact world = pair_.to_world(contact);
   const Impact impact = impact_of(world);
   const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
-  if (holds(impact)) {
-    world.is_resting = true;
+  world.is_resting = holds(impact);
+  world.carries_on = is_still_ || world.is_resting;
+  if (world.is_resting) {
     const Vec3 slip = slip_of(world);
     if (length(slip) <= slip_limit()) world.slip = slip;  // else it slides
     // Bullet's solver hardly feels the lever between points that are near each other: it is told of

@@ -77,7 +77,8 @@ class World:
             as one problem, exactly, in a time that grows with the cube of their number;
             "projected_gauss_seidel" solves that problem step by step.
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
-            bodies; stacks and machines want the 50 here, pybullet's default. "dantzig" does without.
+            bodies; stacks and machines want 50, pybullet's default. By default 50, and in longer steps
+            as many for each 30th of a second. "dantzig" does without.
 
     Raises:
         SettingsError: A setting is out of range.
@@ -113,7 +114,7 @@ class World:
         solver: Literal[
             "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
         ] = "sequential_impulse",
-        iterations: int = 50,
+        iterations: int | None = None,
     ) -> None:
         if solver not in _SOLVERS:
             raise SettingsError(
@@ -126,6 +127,8 @@ class World:
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         self.time_step: float = as_positive(time_step, "time_step")
+        if iterations is None:
+            iterations = max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._takes_joints = solver != "nncg"

@@ -12,6 +12,7 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
 
 namespace voxshell::python {
@@ -80,8 +81,8 @@ void Simulation::make_world() {
   broadphase_ = std::make_unique<btDbvtBroadphase>();
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
-  world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
-                                                     solver_.get(), configuration_.get());
+  world_ = std::make_unique<bullet::ForceAwareWorld<>>(dispatcher_.get(), broadphase_.get(),
+                                                       solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   world_->getSolverInfo().m_splitImpulse = 1;

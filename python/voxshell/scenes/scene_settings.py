@@ -34,7 +34,7 @@ class WorldSettings:
     solver: Literal["sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"] = (
         "sequential_impulse"
     )
-    iterations: int = 50
+    iterations: int | None = None
     sleeping: bool = True
     sweep_beyond: float | None = None
 
@@ -47,7 +47,8 @@ class WorldSettings:
                 f"second, not {self.duration:g}"
             )
         check_vector(self.gravity, "gravity")
-        as_integer(self.iterations, "iterations", 1, 1_000_000)
+        if self.iterations is not None:
+            as_integer(self.iterations, "iterations", 1, 1_000_000)
         if self.level is not None:
             as_integer(self.level, "level", 1, 12)
             if self.contact == "regular":

@@ -40,6 +40,13 @@ def test_more_segments_hold_at_lower_rates(results):
     assert thrown.holds
 
 
+def test_bodies_hardly_sink_at_the_lowest_rates():
+    """Found in time, and with iterations enough for what gravity adds in steps of 0.2 s."""
+    settings = replace(SETTINGS, orientations=10, rates=(7.5, 5), seconds=4.0)
+    runs = rates.run_falls(settings, "voxshell", "slab", "auto")["runs"]
+    assert runs["later_depth"].max() < 0.002
+
+
 def test_bars_are_held_to_the_data(results):
     name = "fall-voxshell-plane-auto"
     runs = {key: values.copy() for key, values in results[name]["runs"].items()}
