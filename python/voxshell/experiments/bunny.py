@@ -90,6 +90,10 @@ class BunnyFallSettings(DropSettings):
 def plan(settings: BunnyFallSettings) -> list[Part]:
     """A part for each orientation, all methods in one process; before them, what takes long to split."""
     here = {"mesh": str(find_mesh(settings)), "size": settings.size}
+    # V-HACD's parts fall in any case: without it the fall says what to install.
+    splits = find_decomposers(settings)
+    if RECIPES["vhacd"].version is not None:
+        splits = ["vhacd", *splits]
     # With the libraries' versions, so that what was missing is run once it is installed.
     libraries = {key: RECIPES[key].identity for key in find_decomposers(settings)}
     return [
@@ -97,10 +101,10 @@ def plan(settings: BunnyFallSettings) -> list[Part]:
             Part(
                 f"split-{key}",
                 split_mesh,
-                {**here, "decomposer": key, "library": library},
-                cost={"hacd": 10.0, "coacd": 160.0}[key],
+                {**here, "decomposer": key, "library": RECIPES[key].identity},
+                cost={"vhacd": 9.0, "hacd": 10.0, "coacd": 160.0}[key],
             )
-            for key, library in libraries.items()
+            for key in splits
         ),
         *(
             Part(
@@ -120,7 +124,7 @@ def find_decomposers(settings: BunnyFallSettings) -> list[Decomposer]:
     return [key for key in settings.decomposers if RECIPES[key].version is not None]
 
 
-def split_mesh(mesh: str, size: float, decomposer: Decomposer, library: str) -> Tables:
+def split_mesh(mesh: str, size: float, decomposer: str, library: str) -> Tables:
     """Leaves the convex parts in the cache, for the timed parts; says how many points each has.
 
     Args:
@@ -225,7 +229,11 @@ def build_all_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
 
 @cache
 def _build_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
-    return build_shapes(mesh, settings)
+    others = tuple(method for method in METHODS if method is not _DECOMPOSITION)
+    shapes = build_shapes(mesh, settings, others)
+    parts = split(shapes.mesh, RECIPES["vhacd"])
+    body = ConvexDecomposition(parts.hulls, margin=BULLET_MARGIN)
+    return replace(shapes, bodies=shapes.bodies | {_DECOMPOSITION.key: body})
 
 
 def find_mesh(settings: BunnyFallSettings) -> Path:

@@ -7,10 +7,11 @@ import pytest
 import trimesh
 from voxshell.experiments import bunny, convex_parts
 from voxshell.experiments.bunny import BunnyFallSettings
+from voxshell.experiments.hull_tables import read_hulls
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.bunny import BUNNY
 from voxshell.scenes.bunny import ORIENTATIONS_WXYZ
-from voxshell.scenes.drop import METHODS
+from voxshell.scenes.drop import METHODS, decompose
 
 
 @pytest.fixture(scope="module")
@@ -153,6 +154,17 @@ def test_split_parts_are_addressed_by_their_library(settings, monkeypatch):
     assert "split-coacd" not in without
     assert len({plan["orientation-0"] for plan in (without, old, new)}) == 3
     assert old["split-coacd"] != new["split-coacd"]
+
+
+def test_vhacd_splits_beforehand_as_the_drops_own(settings, results):
+    """The timed part finds in the cache what an untimed one on another core has made."""
+    mesh = bunny.read_scaled(bunny.find_mesh(settings), settings.size)
+    expected = decompose(mesh).hulls
+    found = read_hulls(results["orientation-0"]["hulls"], "decomposition")
+    assert results["split-vhacd"]["hulls"]["points"].tolist() == [len(h) for h in expected]
+    assert len(found) == len(expected)
+    for hull, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(hull, other)
 
 
 def test_pictures_animation_and_replay_are_made(settings, results, tmp_path):

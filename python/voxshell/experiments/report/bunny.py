@@ -121,9 +121,9 @@ def _rows_of_setup(settings: BunnyFallSettings, tables: Tables) -> list[Row]:
             f"{' x '.join(map(str, grid))}, published {' x '.join(map(str, PUBLISHED_GRID))}",
         ),
         *(
-            (f"set-up: points of {label}", float(PUBLISHED_POINTS[key]), shells[key], "", note)
-            for key, label, note in (
-                ("vps-fine", "VPS fine", "the section also says 34,892"),
+            (f"set-up: points of {label}", float(PUBLISHED_POINTS[key]), shells[key], "", f"{shells[key]:,}, published {PUBLISHED_POINTS[key]:,}{more}")
+            for key, label, more in (
+                ("vps-fine", "VPS fine", "; the section also says 34,892"),
                 ("vps-coarse", "VPS coarse", ""),
             )
         ),
