@@ -28,7 +28,7 @@ class Part:
 
 
 PITCH = 6 * MM
-_THREAD = {"radius": 10 * MM, "depth": 1.5 * MM, "pitch": PITCH, "segments": 32}
+_THREAD = {"radius": 10 * MM, "depth": 1.5 * MM, "pitch": PITCH, "segments": 32, "sections": 12}
 GEAR_TEETH, PINION_TEETH, GEAR_MODULE = 24, 12, 3 * MM
 
 
