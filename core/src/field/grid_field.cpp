@@ -44,7 +44,7 @@ simd::GridView GridField::view() const {
     const int cells = kBrickCells * data_.bricks[static_cast<std::size_t>(axis)];
     view.origin[axis] = static_cast<float>(data_.origin[axis]);
     view.cells[axis] = static_cast<float>(cells);
-    view.last_cell[axis] = cells - 1;
+    view.last_brick[axis] = data_.bricks[static_cast<std::size_t>(axis)] - 1;
   }
   view.bricks_x = data_.bricks[0];
   view.bricks_xy = data_.bricks[0] * data_.bricks[1];

@@ -5,45 +5,42 @@
 
 namespace voxshell::simd::VOXSHELL_ISA {
 
-/// Where points fall: the nearest point of the grid, its brick and cell.
+/// Where points fall: the nearest point of the grid and its brick.
 template <class F>
 struct GridPlace {
-  using I = Integer<F>;
-  Triple<F> outside;  ///< from the nearest point of the grid to the point, metres
+  Triple<F> outside;  ///< from the nearest point of the grid to the point, voxels
   Triple<F> within;   ///< position in the brick, voxels, 0 to kBrickCells
-  I x, y, z;          ///< cell in the brick, 0 to kBrickCells - 1
-  I brick;
+  Integer<F> brick;
 };
 
 /// In this order, not-a-number becomes 0 here and stays what it is in `outside`.
 template <class F>
-VOXSHELL_INLINE F clamp_to_axis(const GridView& grid, int axis, F p, F& outside, Integer<F>& cell) {
+VOXSHELL_INLINE Integer<F> clamp_to_axis(const GridView& grid, int axis, F p, F& outside,
+                                         F& within) {
   const F unclamped = (p - grid.origin[axis]) * grid.inverse_voxel_size;
   const F clamped = minimum(maximum(unclamped, splat<F>(0.0f)), splat<F>(grid.cells[axis]));
-  outside = (unclamped - clamped) * grid.voxel_size;
-  cell = to_int(clamped);
-  cell = select(cell > grid.last_cell[axis], Integer<F>{} + grid.last_cell[axis], cell);
-  return clamped;
+  outside = unclamped - clamped;
+  const Integer<F> last = Integer<F>{} + grid.last_brick[axis];
+  const Integer<F> brick = minimum(to_int(clamped) >> kBrickShift, last);
+  within = clamped - to_float(brick << kBrickShift);
+  return brick;
 }
 
 template <class F>
 VOXSHELL_INLINE GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
-  using I = Integer<F>;
   GridPlace<F> place;
-  I x, y, z;
-  const F u = clamp_to_axis(grid, 0, p.x, place.outside.x, x);
-  const F v = clamp_to_axis(grid, 1, p.y, place.outside.y, y);
-  const F w = clamp_to_axis(grid, 2, p.z, place.outside.z, z);
-  const I bx = x >> kBrickShift;
-  const I by = y >> kBrickShift;
-  const I bz = z >> kBrickShift;
-  place.brick = bx + grid.bricks_x * by + grid.bricks_xy * bz;
-  place.x = x & (kBrickCells - 1);
-  place.y = y & (kBrickCells - 1);
-  place.z = z & (kBrickCells - 1);
-  place.within = {u - to_float(bx << kBrickShift), v - to_float(by << kBrickShift),
-                  w - to_float(bz << kBrickShift)};
+  const auto x = clamp_to_axis(grid, 0, p.x, place.outside.x, place.within.x);
+  const auto y = clamp_to_axis(grid, 1, p.y, place.outside.y, place.within.y);
+  const auto z = clamp_to_axis(grid, 2, p.z, place.outside.z, place.within.z);
+  place.brick = x + grid.bricks_x * y + grid.bricks_xy * z;
   return place;
+}
+
+/// From the nearest point of the grid, metres.
+template <class F>
+VOXSHELL_INLINE Triple<F> measure_outside(const GridView& grid, const GridPlace<F>& place) {
+  return {place.outside.x * grid.voxel_size, place.outside.y * grid.voxel_size,
+          place.outside.z * grid.voxel_size};
 }
 
 /// The corners of the cell that a point falls in, in quanta: c[x + 2 y + 4 z], and where in it.
@@ -58,7 +55,14 @@ struct GridCell {
 /// What follows an entry's fields; entries are unsigned.
 template <class I>
 VOXSHELL_INLINE I as_payload(I entry) {
-  return (entry >> kPayloadShift) & ((1 << (32 - kPayloadShift)) - 1);
+  return shift_down(entry, kPayloadShift);
+}
+
+/// The lanes whose entries say that there is a plane.
+VOXSHELL_INLINE unsigned find_planes(int32_t entry) { return bits((entry & kPlaneBit) != 0); }
+VOXSHELL_INLINE unsigned find_planes(I8 entry) {
+  static_assert(kPlaneBit == 4);
+  return bits(entry << 29);
 }
 
 template <class F>
@@ -80,41 +84,47 @@ VOXSHELL_INLINE void load_corners(const GridView& grid, Integer<F> first, Intege
   }
 }
 
+/// What the lowest three bits of an entry say of its samples: how many cells there are to a side,
+/// less one; how many to a voxel; how large they are, voxels; and how far samples are apart along y
+/// and z, a pair. One path for all of them: branches on what lanes meet would be guessed wrong.
+struct CellTables {
+  static_assert(kSampleAlignment == 4);
+  static constexpr int32_t kPayload = INT32_MAX >> (kPayloadShift - 3) & ~3;
+  int32_t last_cell[8] = {0, 1, 3, 7, 0, 0, 0, 0};
+  float per_voxel[8] = {0.125f, 0.25f, 0.5f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  float size[8] = {8.0f, 4.0f, 2.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+  int32_t payload[8] = {kPayload, kPayload, kPayload, kPayload, 0, 0, 0, 0};
+  int32_t row[8] = {2, 3, 5, 9, 0, 0, 0, 0};
+  int32_t layer[8] = {4, 9, 25, 81, 0, 0, 0, 0};
+  int32_t strides[8] = {2 | 4 << 16, 3 | 9 << 16, 5 | 25 << 16, 9 | 81 << 16, 0, 0, 0, 0};
+};
+inline constexpr CellTables kCellTables;
+
 /// Lanes whose brick holds a plane get some cell or other.
 template <class F>
 VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place,
-                                      Integer<F> entry, MaskOf<F> is_plane) {
+                                      Integer<F> entry) {
   using I = Integer<F>;
-  const I zero = I{};
-  const auto find_cell = [&](F position, I per_side, F& t) {
-    I cell = to_int(position);
-    cell = select(cell < per_side, cell, per_side - 1);
+  const F per_voxel = look_up(kCellTables.per_voxel, entry);
+  const I last = look_up(kCellTables.last_cell, entry);
+  const auto find_cell = [&](F within, F& t) {
+    const F position = within * per_voxel;
+    const I cell = minimum(to_int(position), last);
     t = position - to_float(cell);
     return cell;
   };
   GridCell<F> cell;
-  cell.scale = grid.quantum * power_of_two((entry >> kFieldShift) & kFieldMask);
-  const I offset = as_payload(entry) * kSampleAlignment;
-  if (all((entry & (3 | kPlaneBit)) == 3)) {
-    constexpr int kRow = kBrickCells + 1;
-    cell.t = {place.within.x - to_float(place.x), place.within.y - to_float(place.y),
-              place.within.z - to_float(place.z)};
-    load_corners(grid, offset + place.x + kRow * (place.y + kRow * place.z), zero + kRow,
-                 zero + kRow * kRow, cell);
-    cell.size = splat<F>(1.0f);
-    return cell;
-  }
-  const I level = entry & 3;
-  const I coarse = 3 - level;  // log2 of a cell's size in voxels
-  const F per_voxel = power_of_two(zero - coarse);
-  const I per_side = (zero + 1) << level;
-  const I x = find_cell(place.within.x * per_voxel, per_side, cell.t.x);
-  const I y = find_cell(place.within.y * per_voxel, per_side, cell.t.y);
-  const I z = find_cell(place.within.z * per_voxel, per_side, cell.t.z);
-  const I row = per_side + 1;
-  const I layer = row * row;
-  load_corners(grid, select(is_plane, zero, offset + x + row * y + layer * z), row, layer, cell);
-  cell.size = power_of_two(coarse);
+  const I x = find_cell(place.within.x, cell.t.x);
+  const I y = find_cell(place.within.y, cell.t.y);
+  const I z = find_cell(place.within.z, cell.t.z);
+  const I brick = shift_down(entry, kPayloadShift - 2) & look_up(kCellTables.payload, entry);
+  const I first = brick + x + dot_pairs(make_pair(y, z), look_up(kCellTables.strides, entry));
+  load_corners(grid, first, look_up(kCellTables.row, entry), look_up(kCellTables.layer, entry),
+               cell);
+  // The exponent is added to that of the quantum: cheaper than a product, and the same.
+  cell.scale = as_float(as_int(splat<F>(grid.quantum)) +
+                        ((entry & (kFieldMask << kFieldShift)) << (23 - kFieldShift)));
+  cell.size = look_up(kCellTables.size, entry);
   return cell;
 }
 
@@ -156,20 +166,19 @@ VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple
   constexpr unsigned kAllLanes = sizeof(F) == sizeof(float) ? 1u : 255u;
   GridValue<F> value;
   value.entry = gather(grid.entries, place.brick);
-  const auto is_plane = (value.entry & kPlaneBit) != 0;
-  const unsigned planes = bits(is_plane);
+  const unsigned planes = find_planes(value.entry);
   value.cell_size = splat<F>(1.0f);
   if (planes != kAllLanes) {
-    const GridCell<F> cell = load_cell<F>(grid, place, value.entry, is_plane);
+    const GridCell<F> cell = load_cell<F>(grid, place, value.entry);
     value.distance = interpolate(cell);
-    value.cell_size = select(is_plane, value.cell_size, cell.size);
+    value.cell_size = cell.size;
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
       value.gradient = differentiate(cell, grid.inverse_voxel_size);
     }
   }
   if (planes == 0) return value;
-  const Triple<F>& beyond = place.outside;
-  const Triple<F> nearest{p.x - beyond.x, p.y - beyond.y, p.z - beyond.z};
+  const Triple<F> outside = measure_outside(grid, place);
+  const Triple<F> nearest{p.x - outside.x, p.y - outside.y, p.z - outside.z};
   if (is_uniform(value.entry)) {
     const float* plane = grid.planes + 4 * as_payload(first_lane(value.entry));
     value.distance = plane[0] * nearest.x + plane[1] * nearest.y + plane[2] * nearest.z - plane[3];
@@ -178,6 +187,7 @@ VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple
     }
     return value;
   }
+  const auto is_plane = (value.entry & kPlaneBit) != 0;
   const Integer<F> index = select(is_plane, as_payload(value.entry) * 4, Integer<F>{});
   const Triple<F> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
                          gather(grid.planes, index + 2)};
@@ -192,7 +202,7 @@ VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple
 
 template <class F>
 VOXSHELL_INLINE MaskOf<F> is_beyond(const Triple<F>& outside) {
-  return (outside.x != 0.0f) | (outside.y != 0.0f) | (outside.z != 0.0f);
+  return as_float(as_int(outside.x) | as_int(outside.y) | as_int(outside.z)) != 0.0f;
 }
 
 /// From outside the grid the surface is where its nearest point, q, sees it: at q minus the
@@ -217,9 +227,10 @@ VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p) {
   const auto beyond = is_beyond(place.outside);
   if (!any(beyond)) return value.distance;
   const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
-  const F outside = maximum(length(from_surface(place.outside, seen)),
-                            bound_outside(place.outside, value.distance));
-  return select(beyond, outside, value.distance);
+  const Triple<F> outside = measure_outside(grid, place);
+  const F distance =
+      maximum(length(from_surface(outside, seen)), bound_outside(outside, value.distance));
+  return select(beyond, distance, value.distance);
 }
 
 /// Outside the grid unit length, inside as long as the interpolant is steep.
@@ -229,7 +240,8 @@ VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F
   const auto value = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
   const auto beyond = is_beyond(place.outside);
   if (!any(beyond)) return value.gradient;
-  return select<F>(beyond, normalized(from_surface(place.outside, value)), value.gradient);
+  const Triple<F> outside = measure_outside(grid, place);
+  return select<F>(beyond, normalized(from_surface(outside, value)), value.gradient);
 }
 
 /// Lower bounds over a ball, metres.
@@ -262,8 +274,9 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
     // Nor is the surface nearer than the grid.
-    const F seen = bound_outside(place.outside, value.distance) - grid.fine_error * size;
-    const F d = maximum(seen, length(place.outside)) - radius - square_root(splat<F>(grid.gap));
+    const Triple<F> outside = measure_outside(grid, place);
+    const F seen = bound_outside(outside, value.distance) - grid.fine_error * size;
+    const F d = maximum(seen, length(outside)) - radius - square_root(splat<F>(grid.gap));
     bound.of_distance = select(beyond, d, bound.of_distance);
     bound.if_fine = select(beyond, d - grid.fine_error, bound.if_fine);
     bound.if_coarse = select(beyond, d - kCoarse * grid.fine_error, bound.if_coarse);

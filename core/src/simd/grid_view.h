@@ -33,7 +33,7 @@ struct GridView {
   const float* planes;      ///< normal x, y, z and offset of each
   float origin[3];          ///< of the first cell
   float cells[3];           ///< along each axis; a multiple of kBrickCells
-  int32_t last_cell[3];
+  int32_t last_brick[3];
   int32_t bricks_x;   ///< bricks in a row
   int32_t bricks_xy;  ///< bricks in a layer
   float voxel_size;

@@ -3,6 +3,8 @@
 // The kernels of simd/query_kernels.h, for whatever instruction set the including source is
 // compiled for.
 
+#include <type_traits>
+
 #include "simd/query_kernels.h"
 
 namespace voxshell::simd::VOXSHELL_ISA {
@@ -86,8 +88,8 @@ VOXSHELL_INLINE F8 bound_extent(const PosedView<GridView>& posed, const Block& b
 /// Balls that lie, as float32 places their points, where nothing but one plane is within a margin.
 VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
                              const GridValue<F8>& value, F8 radii, float slack, float margin) {
+  if (find_planes(value.entry) == 0 || margin + slack > grid.plane_margin) return I8{};
   const I8 is_plane = (value.entry & kPlaneBit) != 0;
-  if (!any(is_plane) || margin + slack > grid.plane_margin) return I8{};
   constexpr float kHalf = 0.5f * kBrickCells;
   const Triple<F8>& w = place.within;
   const F8 off_centre =
@@ -151,7 +153,6 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
     const Block block = load_block(tree, level, nodes.index[i], growth);
     const Balls balls = test_balls(posed, block, nodes.tag[i], margin);
     const unsigned lanes = balls.lanes;
-    if (lanes == 0) continue;
     const I8 children = kLaneIndex + static_cast<int32_t>(nodes.index[i] * kLanes);
     compress(out.index + count, children, lanes);
     compress(out.tag + count, balls.tags, lanes);
@@ -172,7 +173,7 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
           load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
       const F8 distance = tagged_distance(posed, p, slots.tag[i]);
       const unsigned lanes = bits(distance < margin);
-      if (lanes == 0) continue;
+      if (lanes == 0 && (std::is_same_v<V, PlaneView> || slots.tag[i] != 0)) continue;
       compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
       const I8 tags = I8{} + static_cast<int32_t>(slots.tag[i]);
       memcpy(out.tag + count, &tags, sizeof tags);
@@ -217,30 +218,51 @@ void differentiate(const PosedView<V>& posed, const PointList& points, float ste
   }
 }
 
-/// Of points below the margin that their tags were found for: they lie in bricks of that plane.
+/// Normals of points below the margin, eight at a time. Where eight see one plane, by the field or
+/// by their tags, there is one normal for as long as it is the same plane.
 template <class V>
-VOXSHELL_INLINE Triple<F8> tagged_normal(const PosedView<V>& posed, const Triple<F8>& p,
-                                         const uint32_t* /*tags*/) {
-  return posed_normal(posed, p);
-}
-VOXSHELL_INLINE Triple<F8> tagged_normal(const PosedView<GridView>& posed, const Triple<F8>& p,
-                                         const uint32_t* tags) {
-  I8 eight;
-  memcpy(&eight, tags, sizeof eight);
-  if (tags[0] == 0 || !is_uniform(eight)) return posed_normal(posed, p);
-  const float* plane = plane_of(posed.field, tags[0]);
-  return normalized(
-      to_shell(posed, Triple<F8>{splat<F8>(plane[0]), splat<F8>(plane[1]), splat<F8>(plane[2])}));
-}
+struct Normals {
+  explicit Normals(const PosedView<V>&) {}
+  Triple<F8> find(const PosedView<V>& posed, const Triple<F8>& p, const uint32_t*) {
+    return posed_normal(posed, p);
+  }
+};
+template <>
+struct Normals<PlaneView> {
+  explicit Normals(const PosedView<PlaneView>& posed) : normal(posed_normal(posed, Triple<F8>{})) {}
+  Triple<F8> find(const PosedView<PlaneView>&, const Triple<F8>&, const uint32_t*) const {
+    return normal;
+  }
+  Triple<F8> normal;
+};
+template <>
+struct Normals<GridView> {
+  explicit Normals(const PosedView<GridView>&) {}
+  Triple<F8> find(const PosedView<GridView>& posed, const Triple<F8>& p, const uint32_t* tags) {
+    I8 eight;
+    memcpy(&eight, tags, sizeof eight);
+    if (tags[0] == 0 || !is_uniform(eight)) return posed_normal(posed, p);
+    if (tags[0] != tag) {
+      tag = tags[0];
+      const float* plane = plane_of(posed.field, tag);
+      normal = normalized(to_shell(
+          posed, Triple<F8>{splat<F8>(plane[0]), splat<F8>(plane[1]), splat<F8>(plane[2])}));
+    }
+    return normal;
+  }
+  uint32_t tag = 0;
+  Triple<F8> normal{};
+};
 
 template <class V>
 void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& points,
               void* contacts) {
   fill_up(points);
   char* to = static_cast<char*>(contacts);
+  Normals<V> normals(posed);
   for (uint32_t i = 0; i < points.count; i += kLanes) {
     const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
-    Triple<F8> normal = tagged_normal(posed, p, points.tag + i);
+    Triple<F8> normal = normals.find(posed, p, points.tag + i);
     const I8 is_zero = (normal.x == 0.0f) & (normal.y == 0.0f) & (normal.z == 0.0f);
     // Where the field has no gradient (a ridge inside it), the shell's own normal says which way
     // is out.

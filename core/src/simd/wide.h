@@ -92,6 +92,24 @@ VOXSHELL_INLINE F maximum(F a, F b) {
   return select(a > b, a, b);
 }
 
+#ifdef __AVX2__
+template <>
+VOXSHELL_INLINE F8 minimum<F8>(F8 a, F8 b) {
+  return reinterpret_cast<F8>(
+      _mm256_min_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+template <>
+VOXSHELL_INLINE F8 maximum<F8>(F8 a, F8 b) {
+  return reinterpret_cast<F8>(
+      _mm256_max_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+template <>
+VOXSHELL_INLINE I8 minimum<I8>(I8 a, I8 b) {
+  return reinterpret_cast<I8>(
+      _mm256_min_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+}
+#endif
+
 VOXSHELL_INLINE int32_t as_int(float value) {
   int32_t bits;
   memcpy(&bits, &value, sizeof bits);
@@ -121,6 +139,15 @@ VOXSHELL_INLINE int32_t to_int(float value) { return static_cast<int32_t>(value)
 VOXSHELL_INLINE I8 to_int(F8 value) { return __builtin_convertvector(value, I8); }
 VOXSHELL_INLINE float to_float(int32_t value) { return static_cast<float>(value); }
 VOXSHELL_INLINE F8 to_float(I8 value) { return __builtin_convertvector(value, F8); }
+
+/// Zeros come in from above.
+VOXSHELL_INLINE int32_t shift_down(int32_t value, int by) {
+  return static_cast<int32_t>(static_cast<uint32_t>(value) >> by);
+}
+VOXSHELL_INLINE I8 shift_down(I8 value, int by) {
+  using U8 = uint32_t __attribute__((vector_size(32)));
+  return reinterpret_cast<I8>(reinterpret_cast<U8>(value) >> static_cast<uint32_t>(by));
+}
 
 /// 2^exponent, for exponents from -126 to 127.
 template <class I>
@@ -183,6 +210,52 @@ VOXSHELL_INLINE F8 gather(const float* base, I8 index) {
   F8 result;
   for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
   return result;
+#endif
+}
+
+/// The entry of a table of eight that the lowest three bits of `index` say.
+VOXSHELL_INLINE int32_t look_up(const int32_t (&table)[8], int32_t index) {
+  return table[index & 7];
+}
+VOXSHELL_INLINE I8 look_up(const int32_t (&table)[8], I8 index) {
+#ifdef __AVX2__
+  __m256i entries;
+  memcpy(&entries, table, sizeof entries);
+  return reinterpret_cast<I8>(
+      _mm256_permutevar8x32_epi32(entries, reinterpret_cast<__m256i>(index)));
+#else
+  I8 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = table[index[i] & 7];
+  return result;
+#endif
+}
+VOXSHELL_INLINE float look_up(const float (&table)[8], int32_t index) { return table[index & 7]; }
+VOXSHELL_INLINE F8 look_up(const float (&table)[8], I8 index) {
+#ifdef __AVX2__
+  return reinterpret_cast<F8>(
+      _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), reinterpret_cast<__m256i>(index)));
+#else
+  F8 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = table[index[i] & 7];
+  return result;
+#endif
+}
+
+/// Two numbers up to 32767 in one.
+template <class I>
+VOXSHELL_INLINE I make_pair(I low, I high) {
+  return low | (high << 16);
+}
+/// The sum of the products of two such pairs.
+VOXSHELL_INLINE int32_t dot_pairs(int32_t a, int32_t b) {
+  return (a & 0x7fff) * (b & 0x7fff) + (a >> 16) * (b >> 16);
+}
+VOXSHELL_INLINE I8 dot_pairs(I8 a, I8 b) {
+#ifdef __AVX2__
+  return reinterpret_cast<I8>(
+      _mm256_madd_epi16(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+#else
+  return (a & 0x7fff) * (b & 0x7fff) + (a >> 16) * (b >> 16);
 #endif
 }
 
