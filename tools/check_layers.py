@@ -33,6 +33,7 @@ CORE_MAY_INCLUDE: dict[str, set[str]] = {
 # (voxshell/contacts.h: query, because of core/src/query/contacts.cpp). These have no such source.
 HEADER_ONLY: dict[str, str] = {
     "bounds.h": "base",
+    "cache_lines.h": "base",
     "progress.h": "base",
     "result.h": "base",
     "vector.h": "base",

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "voxshell/cache_lines.h"
 #include "voxshell/progress.h"
 #include "voxshell/result.h"
 #include "voxshell/vector.h"
@@ -114,10 +115,11 @@ class PointSphereTree {
   std::uint32_t point_count_ = 0;
   std::uint32_t bucket_count_ = 0;
   int level_count_ = 0;
-  int depth_ = 0;                     ///< the walk ends at 2^depth_ clusters of at most two buckets
-  std::vector<Sphere> spheres_;       ///< level by level
-  std::vector<float> blocks_;         ///< the walk's spheres; see simd/tree_view.h
-  std::vector<float> bucket_points_;  ///< the points, bucket by bucket
+  int depth_ = 0;  ///< the walk ends at 2^depth_ clusters of at most two buckets
+  using Floats = std::vector<float, LineAllocator<float>>;
+  std::vector<Sphere> spheres_;  ///< level by level
+  Floats blocks_;                ///< the walk's spheres; see simd/tree_view.h
+  Floats bucket_points_;         ///< the points, bucket by bucket
 };
 
 }  // namespace voxshell

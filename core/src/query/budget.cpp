@@ -55,8 +55,8 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
     const simd::NodeList& nodes = frontier.nodes;
     // The other of the two buffers is free again.
     QueryScratch::State::NodeBuffer& other =
-        state.nodes[nodes.index == state.nodes[0].index.get() ? 1 : 0];
-    std::uint32_t* places = rank(nodes, other.index.get());
+        state.nodes[nodes.index == state.nodes[0].empty_list().index ? 1 : 0];
+    std::uint32_t* places = rank(nodes, other.empty_list().index);
     std::uint32_t taken = 0;
     for (; taken < nodes.count; ++taken) {
       std::uint32_t& slot = nodes.index[places[taken]];

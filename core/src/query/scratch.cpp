@@ -17,23 +17,14 @@ void QueryScratch::State::reserve(const PointShell& shell) {
   const std::size_t points = shell.size() + kSpare;
   if (points > point_capacity) {
     point_capacity = points;
-    point_id = std::make_unique_for_overwrite<std::uint32_t[]>(points);
-    point_tag = std::make_unique_for_overwrite<std::uint32_t[]>(points);
-    point_distance = std::make_unique_for_overwrite<float[]>(points);
-    point_x = std::make_unique_for_overwrite<float[]>(points);
-    point_y = std::make_unique_for_overwrite<float[]>(points);
-    point_z = std::make_unique_for_overwrite<float[]>(points);
-    contact_bytes = std::make_unique_for_overwrite<std::byte[]>(points * sizeof(Contact));
+    constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);
+    point_lists.resize(kPointLists + kContactLists, points * sizeof(float));
     contact_count = 0;
   }
   const std::size_t slots = (std::size_t{1} << shell.tree().view().depth) + kSpare;
   if (slots > node_capacity) {
     node_capacity = slots;
-    for (NodeBuffer& buffer : nodes) {
-      buffer.index = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
-      buffer.tag = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
-      buffer.bound = std::make_unique_for_overwrite<float[]>(slots);
-    }
+    for (NodeBuffer& buffer : nodes) buffer.lists.resize(3, slots * sizeof(float));
     survivors = {};
   }
 }

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <new>
 #include <utility>
 #include <variant>
 
 #include "simd/query_kernels.h"
+#include "voxshell/cache_lines.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell {
@@ -20,23 +22,50 @@ struct ViewOf<std::variant<Fields...>> {
   using Any = std::variant<std::monostate, decltype(std::declval<const Fields&>().view())...>;
 };
 
+/// Memory for lists that are used side by side. Each begins with a cache line, at another place in
+/// a page than the others: by their lowest 12 bits processors take what is written to one list for
+/// what they read from the next.
+class ListMemory {
+ public:
+  void resize(std::size_t lists, std::size_t bytes_each) {
+    constexpr std::size_t kPage = 4096;
+    constexpr auto kLine = static_cast<std::size_t>(kCacheLine);
+    const auto round_up = [&](std::size_t unit) { return (bytes_each + unit - 1) / unit * unit; };
+    stride_ = bytes_each < kPage ? round_up(kLine) : round_up(kPage) + 11 * kLine;
+    memory_.reset(static_cast<std::byte*>(::operator new(lists * stride_, kCacheLine)));
+  }
+  template <class T>
+  T* list(std::size_t index) const {
+    return reinterpret_cast<T*>(memory_.get() + index * stride_);
+  }
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const { ::operator delete(memory, kCacheLine); }
+  };
+  std::unique_ptr<std::byte, Free> memory_;
+  std::size_t stride_ = 0;
+};
+
 /// Arrays that grow to the largest shell asked about and are never filled in advance.
 struct QueryScratch::State {
   template <class T>
   using Buffer = std::unique_ptr<T[]>;
 
   struct NodeBuffer {
-    Buffer<std::uint32_t> index;
-    Buffer<std::uint32_t> tag;
-    Buffer<float> bound;
+    ListMemory lists;
 
-    simd::NodeList empty_list() const { return {index.get(), tag.get(), bound.get(), 0}; }
+    simd::NodeList empty_list() const {
+      return {lists.list<std::uint32_t>(0), lists.list<std::uint32_t>(1), lists.list<float>(2), 0};
+    }
     /// The root alone.
     simd::NodeList start_list() const {
-      index[0] = 0;
-      tag[0] = 0;
-      bound[0] = -std::numeric_limits<float>::infinity();
-      return {index.get(), tag.get(), bound.get(), 1};
+      simd::NodeList root = empty_list();
+      root.index[0] = 0;
+      root.tag[0] = 0;
+      root.bound[0] = -std::numeric_limits<float>::infinity();
+      root.count = 1;
+      return root;
     }
   };
 
@@ -50,22 +79,21 @@ struct QueryScratch::State {
   void reserve_gradients();
 
   simd::PointList empty_points() const {
-    return {point_id.get(),
-            point_tag.get(),
-            point_distance.get(),
-            point_x.get(),
-            point_y.get(),
-            point_z.get(),
+    return {point_lists.list<std::uint32_t>(0),
+            point_lists.list<std::uint32_t>(1),
+            point_lists.list<float>(2),
+            point_lists.list<float>(3),
+            point_lists.list<float>(4),
+            point_lists.list<float>(5),
             0};
   }
-  Contact* contact_data() const { return reinterpret_cast<Contact*>(contact_bytes.get()); }
+  Contact* contact_data() const { return point_lists.list<Contact>(kPointLists); }
 
   std::size_t point_capacity = 0;
   std::size_t node_capacity = 0;
   NodeBuffer nodes[2];
-  Buffer<std::uint32_t> point_id, point_tag;
-  Buffer<float> point_distance, point_x, point_y, point_z;
-  Buffer<std::byte> contact_bytes;
+  static constexpr std::size_t kPointLists = 6;
+  ListMemory point_lists;  ///< and the contacts
   std::size_t contact_count = 0;
   Buffer<simd::FoundPoint> found;  ///< one a segment
   std::size_t found_capacity = 0;

@@ -75,7 +75,7 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
                     tree.block_count() * simd::kClusterBlockFloats, spheres.size(), blocks.size()));
   }
   tree.spheres_ = std::move(spheres);
-  tree.blocks_ = std::move(blocks);
+  tree.blocks_.assign(blocks.begin(), blocks.end());
   const auto points_in = [&](int depth, std::uint64_t index) {
     const PointRange range = tree.points_between(depth, index);
     return points.subspan(range.begin, range.size());
