@@ -57,10 +57,10 @@ class Gallery(SphinxDirective):
             f'<p><img class="gallery-picture" src="{relative}/{kind}.png" alt="{title} ({kind})"></p>'
             for kind in ("picture", "plot")
         )
-        if (out / "replay.html").is_file():
-            pictures += (
-                f'<p><a href="{relative}/replay.html">Replay, to look at from all sides</a></p>'
-            )
+        replays = sorted(out.glob("*.html"), key=lambda page: page.stem != "replay")
+        if replays:
+            links = (f'<a href="{relative}/{page.name}">{page.stem}</a>' for page in replays)
+            pictures += f"<p>To look at from all sides: {', '.join(links)}</p>"
         section += nodes.raw("", pictures, format="html")
         command = f"$ .venv/bin/python examples/python/{path.name} --quick\n{printed}"
         section += nodes.literal_block(command, command, language="text")

@@ -21,7 +21,14 @@ _POLICY = (
 
 
 def add_heading(
-    page: str, *, title: str, caption: str, rate: str, deepest: float | None, grid: float | None
+    page: str,
+    *,
+    title: str,
+    caption: str,
+    rate: str,
+    deepest: float | None,
+    grid: float | None,
+    plots: str = "",
 ) -> str:
     """Adds a heading with a legend to the player's page, and forbids it to fetch anything.
 
@@ -33,6 +40,7 @@ def add_heading(
         deepest: Depth, metres, of the darkest colour, 0 if contacts do not overlap; None if there
             are no contacts.
         grid: Metres between grid lines; None if there is no grid.
+        plots: HTML, of :func:`~voxshell.viewer.time_plots.draw_time_plots`.
 
     Raises:
         RecordingError: If the page has no head and body to add to (another player than expected).
@@ -58,6 +66,9 @@ def add_heading(
         "caption": f"<p>{escape(caption)}</p>" if caption else "",
         "rate": escape(rate),
         "legend": "".join(legend),
+        "hint": "Drag to turn, right-drag to move, wheel to zoom"
+        + (", space to pause." if rate else "."),
+        "plots": plots,
         "colors": colors,
         "aspect": f"{VIEW_ASPECT:g}",
     }

@@ -19,6 +19,7 @@ from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import full_depth
 from voxshell.viewer.server import silent_server
 from voxshell.viewer.stage import find_slabs, place_camera, plan_stage
+from voxshell.viewer.time_plots import draw_time_plots
 from voxshell.viewer.timeline import Timeline, plan_timeline
 
 
@@ -40,7 +41,7 @@ def save_replay(
     grounds: they are drawn as thin plates with a grid, cut to the stage. Contacts are pins, the
     ball at the point, the stem along the normal, the colour by depth. Steps that no picture shows
     still show their contacts, if the next picture has none. The number under a lane counts all
-    contacts of the step shown.
+    contacts of the step shown; plots show that number, and the deepest, over time.
 
     Args:
         path: The file to write, ending in .html by custom; replaced whole or not at all.
@@ -94,6 +95,7 @@ def save_replay(
         rate=_describe_rate(script.timeline, lanes),
         deepest=script.deepest if script.counted else None,
         grid=stage.cell if grounded else None,
+        plots=draw_time_plots(lanes, script.timeline),
     )
     return write_whole(Path(path), page)
 

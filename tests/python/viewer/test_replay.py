@@ -85,6 +85,10 @@ def test_the_page_plays_offline(play: Callable[[Path], Player], replay: Path):
     player.wait(lambda p: warm(p) < 0.7 * through, "bodies do not hide contacts when told to")
     player.seek(0.1)
     player.wait(lambda p: blue(p) > 200 and warm(p) == 0, "contacts stay when seeking back")
+    # Of plots 240 wide, over the 0.995 s of the recording.
+    marks = player.page.locator("#voxshell-plots .now").all()
+    places = [float(mark.get_attribute("x1") or "nan") for mark in marks]
+    assert places == pytest.approx([240 * 0.1 / 0.995] * 2, abs=1.0)
     assert player.page.title() == "A ball & a block"
     assert "Plays in real time" in player.page.inner_text("#voxshell-heading")
     assert player.complaints == []
