@@ -13,7 +13,7 @@ from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
 from voxshell.model import Model
 from voxshell.viewer.inspector import Inspector, Layer
-from voxshell.viewer.server import silent_server
+from voxshell.viewer.server import import_viser, silent_server
 
 if TYPE_CHECKING:
     from voxshell.queries import Collidable
@@ -51,6 +51,7 @@ def view(
     """
     if not show:
         raise SettingsError("show must name what is seen, as in --show slice points")
+    import_viser()  # before meshes are made into models, which may take long
     bodies: dict[str, Collidable] = {}
     with open_progress(Console(stderr=True)) as progress:
         # A body that meets itself is read once.

@@ -100,7 +100,7 @@ def load_urdf(
         ...     _ = path.write_text(text)
         ...     robot = vx.load_urdf(world, path)
         >>> robot
-        Robot('pendulum', 2 links, 1 joints that move)
+        Robot('pendulum', 2 links, 1 joint that moves)
         >>> robot.set_targets({"pivot": 0.5}, max_force=10.0)
         >>> world.step(200)
         >>> round(robot.positions["pivot"], 2)

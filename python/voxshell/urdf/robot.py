@@ -165,4 +165,6 @@ class Robot:
         return math.inf if speed is None else speed
 
     def __repr__(self) -> str:
-        return f"Robot({self.name!r}, {len(self.links)} links, {len(self.joints)} joints that move)"
+        links, moving = len(self.links), len(self.joints)
+        joints = "1 joint that moves" if moving == 1 else f"{moving} joints that move"
+        return f"Robot({self.name!r}, {links} link{'' if links == 1 else 's'}, {joints})"

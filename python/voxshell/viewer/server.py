@@ -9,7 +9,25 @@ from typing import TYPE_CHECKING
 from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     import viser
+
+
+def import_viser() -> ModuleType:
+    """The package that makes scenes and pages.
+
+    Raises:
+        MissingExtraError: It is not installed.
+    """
+    try:
+        import viser
+    except ImportError as error:
+        raise MissingExtraError(
+            f"the viewer needs viser, which cannot be imported ({error}); "
+            "run: pip install 'voxshell[viewer]'"
+        ) from error
+    return viser
 
 
 @contextmanager
@@ -24,13 +42,7 @@ def silent_server(port: int = 0) -> Iterator[viser.ViserServer]:
     Raises:
         MissingExtraError: If viser is not installed.
     """
-    try:
-        import viser
-    except ImportError as error:
-        raise MissingExtraError(
-            f"the viewer needs viser, which cannot be imported ({error}); "
-            "run: pip install 'voxshell[viewer]'"
-        ) from error
+    viser = import_viser()
     with _silence():
         server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
     try:

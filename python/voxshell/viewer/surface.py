@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SHARP_COSINE = 0.82  # 35 degrees between neighbouring faces
-_SHARP_SHARE = 0.05
+_SHARP_SHARE = 0.2
+"""Of the area, in faces with a sharp edge: a few long ones count, however fine all else is cut."""
 
 
 def is_faceted(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bool:
@@ -23,13 +24,14 @@ def is_faceted(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bool:
     """
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    areas = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(areas[:, None], 1e-300)
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(faces)), 3)
     order = np.lexsort(edges.T)
     edges, owner = edges[order], owner[order]
     shared = (edges[1:] == edges[:-1]).all(axis=1)
-    if not shared.any():
-        return False
-    cosine = np.einsum("ij,ij->i", normals[owner[1:][shared]], normals[owner[:-1][shared]])
-    return bool(np.mean(cosine < _SHARP_COSINE) > _SHARP_SHARE)
+    first, second = owner[1:][shared], owner[:-1][shared]
+    sharp = np.einsum("ij,ij->i", normals[first], normals[second]) < _SHARP_COSINE
+    edged = np.unique([first[sharp], second[sharp]])
+    return bool(areas[edged].sum() > _SHARP_SHARE * areas.sum())

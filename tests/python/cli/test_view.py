@@ -29,6 +29,13 @@ def test_a_page_is_served_until_ctrl_c(cone_model_path):
     served.communicate()
 
 
+def test_without_viser_no_mesh_is_read(voxshell, monkeypatch):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    ended = voxshell("view", "missing.stl")
+    assert ended.code == 1
+    assert "pip install 'voxshell[viewer]'" in " ".join(ended.err.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [(["sphere:0.1"], "has no field and no points"), (["missing.stl"], "does not exist")],

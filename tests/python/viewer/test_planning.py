@@ -265,6 +265,11 @@ class TestSurface:
         assert is_faceted(BLOCK.vertices, BLOCK.faces)
         assert not is_faceted(BALL.vertices, BALL.faces)
 
+    def test_long_edges_count_beside_many_small_faces(self):
+        fine = trimesh.creation.icosphere(subdivisions=6, radius=0.2)
+        both = trimesh.util.concatenate([BLOCK, fine])
+        assert is_faceted(both.vertices, both.faces)
+
 
 class TestPage:
     PLAYER = "<html><head><title>Viser</title></head><body><div></div></body></html>"
