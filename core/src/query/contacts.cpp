@@ -66,8 +66,11 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
   const V* known = std::get_if<V>(&survivors.field);
   if (known != nullptr && *known == field && survivors.tree == tree.serial &&
       survivors.margin == margin) {
-    const double motion = bound_motion(survivors.field_from_shell, field_from_shell, root);
     const double last_motion = bound_motion(survivors.last_asked, field_from_shell, root);
+    // Those that were not grown have been asked for at one pose only.
+    const double motion = survivors.growth == 0.0
+                              ? last_motion
+                              : bound_motion(survivors.field_from_shell, field_from_shell, root);
     survivors.last_asked = field_from_shell;
     if (motion <= survivors.growth) return survivors.slots;
     growth = choose_growth(last_motion, shell);

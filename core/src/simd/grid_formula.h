@@ -284,6 +284,12 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
   return bound;
 }
 
+/// Whether the bound for fine cells decides alone which balls hold a value below `limit`: values in
+/// larger cells are beyond the floor, above or below.
+VOXSHELL_INLINE bool is_fine_enough(const GridView& grid, float limit) {
+  return -grid.coarse_floor < limit && limit < grid.coarse_floor;
+}
+
 /// Of the value over the ball.
 template <class F>
 VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {

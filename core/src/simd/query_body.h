@@ -103,6 +103,11 @@ VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
   return fits & (as_payload(value.entry) + 1);
 }
 
+/// What is asked of spheres: which may hold a point below the margin, or bounds to rank them by,
+/// too.
+enum class Test { kAgainstMargin, kWithBounds };
+
+template <Test kTest = Test::kWithBounds>
 VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& block, uint32_t tag,
                                  float margin) {
   const GridView& grid = posed.field;
@@ -114,7 +119,8 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
   }
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  F8 bound = combine(grid, bound_ball(grid, place, value, block.radii)) - posed.slack;
+  const auto bounds = bound_ball(grid, place, value, block.radii);
+  F8 bound = (kTest == Test::kAgainstMargin ? bounds.if_fine : combine(grid, bounds)) - posed.slack;
   const unsigned lanes = lanes_below(bound, margin) & block.lanes;
   const I8 tags = find_tags(grid, place, value, block.radii, posed.slack, margin);
   if (const unsigned tagged = bits(tags != 0) & lanes; tagged != 0) {
@@ -145,13 +151,13 @@ VOXSHELL_INLINE int depth_of(const TreeView& tree, int level) {
   return tree.depth - 3 * (tree.level_count - 1 - level);
 }
 
-template <class V>
-void expand(const PosedView<V>& posed, const TreeView& tree, int level, const NodeList& nodes,
-            NodeList& out, float margin, float growth) {
+template <class V, class TestBalls>
+VOXSHELL_INLINE void expand_by(const TreeView& tree, int level, const NodeList& nodes,
+                               NodeList& out, float growth, const TestBalls& test) {
   uint32_t count = out.count;
   for (uint32_t i = 0; i < nodes.count; ++i) {
     const Block block = load_block(tree, level, nodes.index[i], growth);
-    const Balls balls = test_balls(posed, block, nodes.tag[i], margin);
+    const Balls balls = test(block, nodes.tag[i]);
     const unsigned lanes = balls.lanes;
     const I8 children = kLaneIndex + static_cast<int32_t>(nodes.index[i] * kLanes);
     compress(out.index + count, children, lanes);
@@ -160,6 +166,22 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
     count += static_cast<uint32_t>(__builtin_popcount(lanes));
   }
   out.count = count;
+}
+
+template <class V>
+void expand(const PosedView<V>& posed, const TreeView& tree, int level, const NodeList& nodes,
+            NodeList& out, float margin, float growth) {
+  if constexpr (std::is_same_v<V, GridView>) {
+    if (out.bound == nullptr && is_fine_enough(posed.field, margin + posed.slack)) {
+      expand_by<V>(tree, level, nodes, out, growth, [&](const Block& block, uint32_t tag) {
+        return test_balls<Test::kAgainstMargin>(posed, block, tag, margin);
+      });
+      return;
+    }
+  }
+  expand_by<V>(tree, level, nodes, out, growth, [&](const Block& block, uint32_t tag) {
+    return test_balls(posed, block, tag, margin);
+  });
 }
 
 template <class V>
