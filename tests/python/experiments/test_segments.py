@@ -39,6 +39,10 @@ def test_every_level_has_its_times_in_own_falls_and_equal_poses(results):
 def test_rows_follow_the_data(results):
     rows = {row.quantity: row for row in SEGMENTS.reduce(SETTINGS, results)}
     assert rows["mean time, high, L = 3"].holds
+    told = rows["max/min over L, high, whole narrow phase, equal poses"].note
+    same = results["orientation-0-fine"]["same_poses"]
+    five, one = (same["manifold"][same["level"] == level].mean() for level in (5, 1))
+    assert f"manifold {1e6 * (five - one):+.2f} " in told
     slow = {}
     timed = {name: tables for name, tables in results.items() if name.startswith("orientation")}
     for name, tables in timed.items():

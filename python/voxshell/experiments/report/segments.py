@@ -14,6 +14,7 @@ from voxshell.experiments.motion import restore
 from voxshell.experiments.report.figures import OURS, OURS_COARSE, as_rgb, open_figure
 from voxshell.experiments.report.paint import thin_out
 from voxshell.experiments.segments import LEVELS, SegmentsSettings
+from voxshell.experiments.timing import STAGES
 from voxshell.experiments.verdict import Row, at_most
 from voxshell.shapes import Box
 
@@ -71,10 +72,11 @@ def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
                 )
             )
         published_flatness = max(PUBLISHED_TIMES[shell]) / min(PUBLISHED_TIMES[shell])
+        traverse = "traverse alone, equal poses"
         for name, table, figure in (
             ("whole narrow phase, own falls", "steps", "narrow_phase"),
             ("whole narrow phase, equal poses", "same_poses", "narrow_phase"),
-            ("traverse alone, equal poses", "same_poses", "query"),
+            (traverse, "same_poses", "query"),
         ):
             values = _means(settings, results, shell, table, figure) * 1e6
             flatness = float(values.max() / values.min())
@@ -88,7 +90,12 @@ def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
                     bar=f"<= {FLATNESS:g}",
                     holds=at_most(flatness, FLATNESS),
                     note=f"{', '.join(f'{v:.2f}' for v in values)} \N{MICRO SIGN}s; the spread is "
-                    f"{np.ptp(values) / min(PUBLISHED_TIMES[shell]):.2%} of the published time",
+                    f"{np.ptp(values) / min(PUBLISHED_TIMES[shell]):.2%} of the published time"
+                    + (
+                        f"; {_tell_growth(settings, results, shell, table)}"
+                        if name != traverse
+                        else ""
+                    ),
                 )
             )
         filling = _means(settings, results, shell, "same_poses", "manifold") * 1e6
@@ -103,6 +110,20 @@ def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
             )
         )
     return rows
+
+
+def _tell_growth(settings: SegmentsSettings, results: Results, shell: str, table: str) -> str:
+    """How much longer each stage takes at the highest level than at the lowest."""
+    growth = {
+        stage: 1e6 * float(means[-1] - means[0])
+        for stage in STAGES
+        for means in [_means(settings, results, shell, table, stage)]
+    }
+    return (
+        "from L = 1 to 5 "
+        + ", ".join(f"{stage} {value:+.2f}" for stage, value in growth.items())
+        + " \N{MICRO SIGN}s"
+    )
 
 
 def draw(settings: SegmentsSettings, results: Results, folder: Path) -> list[Picture]:
