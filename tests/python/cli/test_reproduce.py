@@ -145,21 +145,32 @@ def report(tmp_path_factory, settings):
 
 # What the section reports, experiment by experiment: each needs a verdict from data.
 PUBLISHED = {
-    "ball": ("contacts in a step with contact", "first apex", "maximum penetration"),
+    "ball": (
+        *("contacts in a step with contact", "first apex", "maximum penetration"),
+        "farthest off Bullet's sphere",
+    ),
     "stack": ("time to collapse", "growth of that time"),
     "bunny": (
         *("GImpact / VPS fine", "VPS fine / GJK on the hull", "decomposition / VPS coarse"),
         *("picture of the convex hull", "picture of the decomposition", "frames of the drop"),
+        *("picture of the segments", "video of the drop"),
+        *("set-up: voxels", "set-up: points of", "set-up: moment of inertia"),
     ),
     "segments": ("max/min over L, low", "max/min over L, high"),
-    "rates": ("lowest rate that holds, L = 4", "lowest rate that holds, L = 5"),
+    "rates": (
+        *(f"lowest rate that holds, L = {level}" for level in (1, 4, 5)),
+        "penetration at rest of L = 5",
+    ),
 }
 DEMANDED = {
     "ball": ("rebound off c2", "energy gained", "deepest the ball is in the ground"),
     "stack": ("5 fine spheres stand", "5 bunnies stand"),
     "bunny": ("GImpact / VPS fine on the analytic plane", "VPS fine / GJK", "decomposition /"),
     "segments": ("mean time, low", "mean time, high", "max/min over L"),
-    "rates": ("lowest rate that holds, auto, our rule", "deepest after the first contact"),
+    "rates": (
+        *("lowest rate that holds, auto, our rule", "deepest after the first contact"),
+        "deepest at rest",
+    ),
     "pair": ("GImpact / VPS fine", "decomposition / VPS fine"),
     "pour": ("left the bin",),
     "rest": ("angular speed", "drift", "fall asleep"),
