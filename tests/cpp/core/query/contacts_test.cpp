@@ -58,6 +58,33 @@ void expect_sound(const std::vector<Contact>& contacts, const PointShell& shell,
   }
 }
 
+TEST(Contacts, AmongLargeCellsAreThoseOfTheFlatLoop) {
+  const TriangleMesh blob = make_blob(0.35, 3).mesh();
+  const auto built = GridField::build(blob, {.voxel_size = 0.01, .padding = 0.4});
+  ASSERT_TRUE(built);
+  const Field field = *built;
+  const auto floor = static_cast<float>(built->data().coarse_floor);
+  ASSERT_LT(floor, 0.2f) << "there are no large cells";
+  const PointShell shell = make_shell(make_torus(0.1, 0.04, 40, 20), 0.006);
+  Random random(104);
+  QueryScratch scratch;
+  int listed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Pose pose{random.rotation(), random.uniform(0.0, 0.8) * random.direction()};
+    const auto all =
+        find_contacts_flat(field, shell, pose, {.margin = std::numeric_limits<float>::max()});
+    // As far as the nearest, the farthest and one between, and around where large cells begin.
+    for (const std::size_t at : {std::size_t{0}, all.size() / 2, all.size() - 1}) {
+      const float own = -all[at].depth;
+      for (const float margin : {own, std::nextafter(own, 1000.0f), floor, -floor}) {
+        expect_equal_to_flat(field, shell, pose, margin, scratch);
+        if (margin == own && std::abs(own) > floor) ++listed;
+      }
+    }
+  }
+  EXPECT_GT(listed, 200);
+}
+
 TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
   Random random(100);
   QueryScratch scratch;
