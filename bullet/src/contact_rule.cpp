@@ -74,6 +74,7 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
     const WorldContact world = pair_.to_world(contact);
     const Impact impact = impact_of(world);
     Contact judged = contact;
+    double time = impact.time();
     if (!(impact.gap < 0.0) && !is_resting(impact)) {
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
@@ -81,13 +82,14 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
         const auto swept = sweep(contact, world);
         if (!swept) continue;
         judged = *swept;
+        time = impact_of(pair_.to_world(judged)).time();
         touches = true;
       }
     } else {
       touches = true;
     }
     contacts[kept++] = judged;
-    first_touch_ = std::min(first_touch_, impact_of(pair_.to_world(judged)).time());
+    first_touch_ = std::min(first_touch_, time);
   }
   contacts.resize(touches ? kept : 0);
   if (is_still_ && touches) {
@@ -98,6 +100,7 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
   }
   hold(contacts);
   memory_.owed = 0.0;
+  if (first_touch_ == kNever) return;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(pair_.to_world(contact));
     if (!is_first(impact)) continue;

@@ -82,8 +82,7 @@ ManifoldPoints points_before(std::span<const Contact> contacts,
 /// rocking: those of the step before stay as long as none is deeper by more than `band`.
 ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
                       const btPersistentManifold& manifold, float band) {
-  ManifoldPoints chosen = select_manifold(contacts);
-  chosen.count = std::min(chosen.count, most);  // the deepest first
+  const ManifoldPoints chosen = select_manifold(contacts, most);
   const ManifoldPoints before = points_before(contacts, manifold);
   constexpr std::size_t kCarrying = 3;
   const bool carries_on = before.count >= std::min(kCarrying, chosen.count) &&
@@ -261,33 +260,38 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
 
 void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
   assign_manifolds(pair, is_regular);
+  choose_points(static_cast<float>(rule.rest_margin()), is_regular);
+  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
+  chosen_.clear();
+  const Contact* group = contacts_.data();
+  for (const SegmentManifold& entry : active_) {
+    std::array<WorldContact, kManifoldSize> world;
+    for (std::size_t i = 0; i < entry.chosen.count; ++i) {
+      const Contact& contact = group[entry.chosen.indices[i]];
+      world[i] = rule.to_world(contact, entry.patch);
+      chosen_.push_back(contact);
+    }
+    fill_manifold(*entry.manifold, std::span(world).first(entry.chosen.count), pair.a.wrap(),
+                  pair.b.wrap());
+    group += entry.contact_count;
+  }
+  memory_.patch.keep(chosen_);
+}
+
+/// Those of its contacts that each of active_ is to hold.
+void ModelAlgorithm::choose_points(float rest_margin, bool is_regular) {
+  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
   // On a few segments a body may rest on more points than one of some of them.
   constexpr std::size_t kFew = 4;
   const bool is_few = is_regular || active_.size() <= kFew;
-  chosen_.clear();
   std::span<const Contact> left(contacts_);
-  for (const SegmentManifold& entry : active_) {
+  for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    ManifoldPoints chosen;
-    double patch = std::numeric_limits<double>::infinity();
-    {
-      const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-      if (is_few) patch = radius_of(group);
-      chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold,
-                      kCarriesOn * static_cast<float>(rule.rest_margin()));
-    }
-    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
-    std::array<WorldContact, kManifoldSize> world;
-    for (std::size_t i = 0; i < chosen.count; ++i) {
-      const Contact& contact = group[chosen.indices[i]];
-      world[i] = rule.to_world(contact, patch);
-      chosen_.push_back(contact);
-    }
-    fill_manifold(*entry.manifold, std::span(world).first(chosen.count), pair.a.wrap(),
-                  pair.b.wrap());
+    entry.patch = is_few ? radius_of(group) : std::numeric_limits<double>::infinity();
+    entry.chosen =
+        choose(group, is_few ? kManifoldSize : 1, *entry.manifold, kCarriesOn * rest_margin);
   }
-  memory_.patch.keep(chosen_);
 }
 
 btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {
