@@ -96,7 +96,7 @@ def compare_fits(settings: BoltSettings) -> Tables:
         found = world.contacts()
         rows.append((len(found), max(float(found["depth"].max(initial=0.0)), 0.0)))
     contacts, depths = np.array(rows).T
-    gap = distance(bolt, nut, None, pose).distance
+    gap = distance(bolt, nut, None, pose, shell="both").distance
     return {
         "methods": {
             "method": np.array(settings.fit_methods),

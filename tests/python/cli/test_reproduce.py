@@ -175,7 +175,7 @@ DEMANDED = {
     "pour": ("left the bin",),
     "rest": ("angular speed", "drift", "fall asleep"),
     "slope": ("angle of sliding",),
-    "nut": ("creep of the nut", "off its thread"),
+    "nut": ("creep of the nut", "off its thread", "distance of the threads"),
     "gears": ("turns of the driven gear", "deepest true overlap"),
     "accuracy": ("depth off the truth",),
 }

@@ -112,6 +112,21 @@ def test_nut_stays_on_its_thread(tmp_path):
     draw(NUT, settings, results, tmp_path)
 
 
+def test_coarse_cuts_take_the_nuts_clearance():
+    """As it was once: twelve cuts a pitch left a quarter of the clearance that the description told."""
+    holds = {}
+    for sections in (12, NUT.settings.sections):
+        settings = replace(NUT.settings, sections=sections, fit_methods=("voxshell",))
+        assert f"{sections} cuts a pitch" in NUT.describe(settings)
+        fit = next(part for part in NUT.plan(settings) if part.name == "fit")
+        still = {"steps": {name: np.zeros(9) for name in ("height", "turns", "depth")}}
+        results = {part.name: still for part in NUT.plan(settings)}
+        results["fit"] = compute_part(fit).tables
+        rows = {row.quantity: row for row in NUT.reduce(settings, results)}
+        holds[sections] = rows["distance of the threads in the middle of their play"].holds
+    assert holds == {12: False, NUT.settings.sections: True}
+
+
 @pytest.fixture(scope="module")
 def gear_results():
     settings = GearsSettings(

@@ -13,7 +13,7 @@ from voxshell.experiments.files import replacing
 from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import OURS, OURS_PLANE, as_rgb, open_figure
 from voxshell.experiments.report.paint import Camera, Canvas, Solid
-from voxshell.experiments.verdict import Row, at_most
+from voxshell.experiments.verdict import Row, at_least, at_most
 from voxshell.scenes.bolt import BoltSettings
 
 if TYPE_CHECKING:
@@ -26,6 +26,9 @@ SETTLED = 0.3
 
 MOST_CREEP = 1e-4
 """Metres."""
+
+LEAST_CLEARANCE = 0.9
+"""Of what is meant: edges cut into threads, and models round them off."""
 
 HEAD_ROOM = 0.001
 """Metres over the bolt's head, from where on the nut is no longer on the thread alone."""
@@ -42,10 +45,11 @@ def describe(settings: BoltSettings) -> str:
     """The set-up in words."""
     return (
         f"A nut of M{settings.radius * 2e3:g} size with a clearance of {settings.clearance * 1e3:g} mm "
-        f"along the radius is let go {nut.START_TURNS:g} turns up the thread of an upright bolt, at "
-        f"{settings.rate:g} Hz for {settings.seconds:g} s: with friction it has to hold, without it "
-        "may turn down along its thread and never through it. Both are meshes with exact clearance, "
-        f"made with manifold3d; voxels of {settings.voxel_size * 1e3:g} mm."
+        f"along the radius, {settings.compute_clearance() * 1e3:.2f} mm across the flanks, is let go "
+        f"{nut.START_TURNS:g} turns up the thread of an upright bolt, at {settings.rate:g} Hz for "
+        f"{settings.seconds:g} s: with friction it has to hold, without it may turn down along its thread "
+        f"and never through it. Both are meshes made with manifold3d, of {settings.segments} edges a turn "
+        f"and {settings.sections} cuts a pitch; voxels of {settings.voxel_size * 1e3:g} mm."
     )
 
 
@@ -86,6 +90,18 @@ def reduce(settings: BoltSettings, results: Results) -> list[Row]:
         ]
     table = results["fit"]["methods"]
     gap = float(results["fit"]["gap"]["distance"][0])
+    meant = settings.compute_clearance()
+    rows.append(
+        Row(
+            "distance of the threads in the middle of their play",
+            None,
+            gap * 1e3,
+            "mm",
+            bar=f">= {LEAST_CLEARANCE * meant * 1e3:.3g} ({LEAST_CLEARANCE * 100:g} % of what is meant)",
+            holds=at_least(gap, LEAST_CLEARANCE * meant),
+            note=f"{meant * 1e3:.3f} mm are meant",
+        )
+    )
     for method, contacts, depth in zip(
         *(table[name] for name in ("method", "contacts", "depth")), strict=True
     ):
