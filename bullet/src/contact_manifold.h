@@ -31,8 +31,8 @@ struct WorldContact {
 };
 
 /// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
-/// it held before are carried over, so that the solver starts warm. Other material properties are those of the two objects, and Bullet's contact callbacks are
-/// honoured.
+/// it held before are carried over, so that the solver starts warm. Other material properties are
+/// those of the two objects, and Bullet's contact callbacks are honoured.
 void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
                    const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 
