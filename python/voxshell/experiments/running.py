@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
-import threading
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -13,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell.errors import MissingExtraError, SettingsError, VoxshellError
 from voxshell.experiments.part import Outcome, Part, compute_fingerprint, compute_part
+from voxshell.experiments.workers import begin_worker, starting_workers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -79,7 +78,8 @@ def run_each(
         yield from map(function, items)
         return
     with _open_pool(count) as pool:
-        futures = [pool.submit(function, item) for item in items]
+        with starting_workers():
+            futures = [pool.submit(function, item) for item in items]
         try:
             for future in futures:
                 yield future.result()
@@ -108,7 +108,8 @@ def _compute_here(
     work: list[tuple[Store, Part]], jobs: int
 ) -> Iterator[tuple[Store, Part, Outcome]]:
     with _open_pool(jobs) as pool:
-        futures = {pool.submit(compute_part, part): (store, part) for store, part in work}
+        with starting_workers():
+            futures = {pool.submit(compute_part, part): (store, part) for store, part in work}
         for future in as_completed(futures):
             store, part = futures.pop(future)
             try:
@@ -126,7 +127,7 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     before = set(multiprocessing.active_children())
     # Forking would copy the threads of Bullet's and our builds in whatever state they are.
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_worker)
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=begin_worker)
     try:
         yield pool
     except BaseException:
@@ -136,19 +137,6 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown(cancel_futures=True)
         raise
     pool.shutdown()
-
-
-def _begin_worker() -> None:
-    """Leaves interrupts to the parent, and ends with it however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
 
 
 def _compute_on_cluster(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -27,6 +28,39 @@ elif WHEN == "exit":
     atexit.register(interrupt)
 else:
     sys.addaudithook(lambda event, args: event == "import" and args[0] == WHEN and interrupt())
+"""
+
+# Sent to program and workers, as a terminal does, at a moment of the first worker's start.
+INTERRUPT_ALL = """
+import os, signal, sys
+
+WHEN = os.environ["INTERRUPT_AT"]
+WORKER = "--multiprocessing-fork" in sys.orig_argv
+
+def interrupt_all():
+    try:
+        os.close(os.open(os.environ["INTERRUPTED"], os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        return
+    os.killpg(0, signal.SIGINT)
+
+def imports(event, args):
+    return event == "import" and args[0] == WHEN
+
+def start(path, args, *others):
+    worker = spawn(path, args, *others)
+    if "--multiprocessing-fork" in args:
+        interrupt_all()
+    return worker
+
+if WHEN == "has not been told what to do" and not WORKER:
+    from multiprocessing import util
+
+    spawn, util.spawnv_passfds = util.spawnv_passfds, start
+elif WHEN == "begins" and WORKER:
+    interrupt_all()
+elif WORKER:
+    sys.addaudithook(lambda event, args: imports(event, args) and interrupt_all())
 """
 
 
@@ -88,6 +122,35 @@ def test_a_program_in_the_background_goes_on_ignoring_interrupts(interrupted):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
     )
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "command", ["reproduce rates --quick --jobs 2", "reproduce peers --quick --only coal"]
+)
+@pytest.mark.parametrize(
+    "when",
+    ["has not been told what to do", "begins", "multiprocessing.spawn", "numpy", "voxshell"],
+)
+def test_workers_say_nothing_of_an_interrupt_while_they_start(when, command, tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPT_ALL)
+    told = tmp_path / "interrupted"
+    changes = {"PYTHONPATH": str(tmp_path), "INTERRUPT_AT": when, "INTERRUPTED": str(told)}
+    process = subprocess.Popen(
+        [PROGRAM, *command.split(), "--out", tmp_path / "out"],
+        env={**os.environ, **changes},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A group of its own; in the background, tests may be started with interrupts ignored.
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    # Also until the last worker, which has the same standard error, is gone.
+    output, errors = process.communicate()
+    assert told.exists()
+    *progress, last = errors.splitlines()
+    assert (process.returncode, output, last) == (130, "", "stopped"), errors
+    assert all(" left " in line for line in progress if line), errors
 
 
 def test_interrupts_of_the_caller_stay_as_they_were(voxshell):

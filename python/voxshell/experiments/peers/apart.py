@@ -7,13 +7,13 @@ import multiprocessing
 import os
 import signal
 import sys
-import threading
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from voxshell.errors import MissingExtraError
 from voxshell.experiments.peers.measure import describe
+from voxshell.experiments.workers import begin_worker, starting_workers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -65,9 +65,10 @@ def run_apart(
         target=_run, args=(work, arguments, sender, log.absolute()), daemon=True, name="peer"
     )
     end = time.monotonic() + limit
-    process.start()
-    sender.close()
     try:
+        with starting_workers():
+            process.start()
+        sender.close()
         while (remaining := end - time.monotonic()) > 0.0:
             if not receiver.poll(min(remaining, 1.0)):
                 continue
@@ -83,8 +84,9 @@ def run_apart(
         return Ending("timed out", f"killed after {limit:g} s")
     finally:
         # Also work that has told its ending, but hangs in a library's clean-up.
-        process.kill()
-        process.join()
+        if process.pid is not None:
+            process.kill()
+            process.join()
         receiver.close()
 
 
@@ -94,8 +96,7 @@ def _run(
     sender: Connection,
     log: Path,
 ) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _follow_parent()
+    begin_worker()
     # Libraries write to the descriptors, past Python's streams.
     descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
     os.dup2(descriptor, 1)
@@ -111,18 +112,6 @@ def _run(
         sender.send(Ending("missing", str(error)))
     except Exception as error:
         sender.send(Ending("failed", describe(error)))
-
-
-def _follow_parent() -> None:
-    """Ends this process when its parent ends, however that ends."""
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
 
 
 def _describe_exit(code: int | None, log: Path) -> str:
