@@ -83,7 +83,7 @@ def _run(path: Path, out: Path) -> str:
     )
     if done.returncode != 0:
         raise ExtensionError(f"{path.name} failed:\n{done.stderr}")
-    for made in ("picture.png", "plot.png"):
+    for made in ("picture.png", "plot.png", "replay.html"):
         if not (out / made).is_file():
             raise ExtensionError(f"{path.name} made no {made}")
     log.write_text(done.stdout, encoding="utf-8")

@@ -46,3 +46,10 @@ plot(
     x_label="lowered by, mm",
     y_label="mm, negative: overlap",
 )
+
+world = vx.World()  # the same two, with gravity: one falls until it hangs in the other
+world.add(ring, mass=0, name="flat ring")
+world.add(ring, mass=0.1, pose=hang(0.0), name="hanging ring")
+recorder = world.record(every=2)
+world.step(300)
+recorder.save_html(options.out / "replay.html", title="A ring falls into another")

@@ -61,3 +61,12 @@ axes.contour(1e3 * x, 1e3 * z, distances, [0.0], colors="black")
 axes.set(aspect="equal", xlabel="x, mm", ylabel="z, mm")
 figure.colorbar(shades, label="signed distance, mm")
 figure.savefig(options.out / "plot.png", dpi=110)
+
+world = vx.World()  # and how it falls
+world.add(vx.Plane(), mass=0, name="ground")
+pose = trimesh.transformations.rotation_matrix(0.5, (1, 0.3, 0))
+pose[2, 3] = 1.5 * np.linalg.norm(high - low)
+world.add(model, mass=1.0, pose=pose, name="part")
+recorder = world.record(every=2)
+world.step(400)
+recorder.save_html(options.out / "replay.html", title="The part falls")

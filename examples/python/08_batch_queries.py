@@ -11,6 +11,7 @@ import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plt
+from replaying import replay
 
 options = parse_command(__doc__)
 side, turns = (48, 6) if options.quick else (160, 12)
@@ -51,3 +52,5 @@ axes.set(aspect="equal", xlabel="x, mm", ylabel="y, mm")
 figure.colorbar(shades, label="share of turns that are free")
 figure.savefig(options.out / "plot.png", dpi=110)
 draw(options.out / "picture.png", [(ring, np.eye(4)), (hook, np.eye(4))], elevation=30)
+line = poses.reshape(turns, side, side, 4, 4)[0, side // 2]  # straight across the ring
+replay(options.out / "replay.html", ring, hook, line, seconds=4.0, title="A hook across a ring")

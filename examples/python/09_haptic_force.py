@@ -11,6 +11,7 @@ import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
+from replaying import replay
 
 options = parse_command(__doc__)
 steps = 1000 if options.quick else 5000
@@ -19,7 +20,7 @@ wall.vertices *= (1.0 + 0.03 * np.sin(0.25e3 * wall.vertices).prod(axis=1))[:, N
 rough = vx.Model.from_mesh(wall, voxel_size=0.001, point_spacing=0.004)
 probe = vx.Model.from_mesh(trimesh.creation.capsule(0.04, 0.006), voxel_size=0.0005)
 
-scratch, forces, times, depths = vx.QueryScratch(), [], [], []
+scratch, forces, times, poses = vx.QueryScratch(), [], [], []
 for angle in np.linspace(-0.5, 0.5, steps):
     pose = np.eye(4)
     pose[:3, 3] = 0.1 * np.sin(angle), 0.0, 0.1 * np.cos(angle) + 0.0255
@@ -27,6 +28,7 @@ for angle in np.linspace(-0.5, 0.5, steps):
     push = vx.wrench(probe, rough, pose, None, stiffness=2e8, shell="a", scratch=scratch)
     times.append(time.perf_counter() - begin)
     forces.append(push.force)
+    poses.append(pose)
 forces = np.array(forces)
 jumps = np.linalg.norm(np.diff(forces, axis=0), axis=1)
 tell(
@@ -43,3 +45,5 @@ draw(options.out / "picture.png", [(rough, np.eye(4)), (probe, pose)], elevation
 lines = {axis: forces[:, number] for number, axis in enumerate("xyz")}
 milliseconds = np.arange(steps)
 plot(options.out / "plot.png", milliseconds, lines, x_label="ms", y_label="force on the probe, N")
+way = poses[:: steps // 100]
+replay(options.out / "replay.html", rough, probe, way, seconds=4.0, title="A probe along a wall")

@@ -9,6 +9,7 @@ import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
+from replaying import replay
 from trimesh.transformations import rotation_matrix
 
 RADIUS = 0.01
@@ -64,3 +65,7 @@ if __name__ == "__main__":
         x_label="clearance, mm",
         y_label="degrees",
     )
+    # To and fro, a tenth of a degree further than the peg of the widest clearance can go.
+    swing = np.radians(tilts[-1] + 0.1) * np.sin(np.linspace(0.0, 2.0 * np.pi, 120))
+    way = [rotation_matrix(angle, (0, 1, 0)) for angle in swing]
+    replay(options.out / "replay.html", tube, peg, way, seconds=4.0, title="How far a peg tilts")
