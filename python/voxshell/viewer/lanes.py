@@ -15,6 +15,8 @@ from voxshell.recording import BodyTrack, Recording
 # A body that falls through its ground or is shot away would push everything else to the horizon.
 # What lies further from a body's start than this many of its own diameters is not framed.
 _REACH_IN_DIAMETERS = 12.0
+# How much longer the diagonal of the box that is framed may become for a fixed body to be seen whole.
+_MOST_GROWTH = 1.5
 _DIRECTIONS = 100
 _LONGEST_ROW = 6
 
@@ -127,7 +129,8 @@ def view_axes(up: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArra
 def activity_bounds(recording: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The box in which the moving bodies move (all bodies, if none moves).
 
-    Stray frames, in which a body is far from where it started, do not count.
+    Stray frames, in which a body is far from where it started, do not count. A fixed body that
+    makes the box at most half as long again is in it as a whole, as a bolt under its nut is.
 
     Returns:
         low (3,) and high (3,), metres, world frame.
@@ -141,7 +144,16 @@ def activity_bounds(recording: Recording) -> tuple[NDArray[np.float64], NDArray[
         near = path[np.linalg.norm(path[:, 0] - start, axis=1) <= reach]
         low = np.minimum(low, near.min(axis=(0, 1)))
         high = np.maximum(high, near.max(axis=(0, 1)))
-    return low, high
+    longest = _MOST_GROWTH * np.linalg.norm(high - low)
+    boxes = [(low, high)]
+    for body in recording.bodies:
+        corners = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
+        with_low = np.minimum(low, corners.min(axis=0))
+        with_high = np.maximum(high, corners.max(axis=0))
+        if body.fixed and np.linalg.norm(with_high - with_low) <= longest:
+            boxes.append((with_low, with_high))
+    lows, highs = zip(*boxes, strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
 def moving_bodies(recording: Recording) -> tuple[BodyTrack, ...]:

@@ -103,6 +103,15 @@ class TestLanes:
         np.testing.assert_allclose(low, [-0.1, -0.1, 0.0], atol=2e-3)
         np.testing.assert_allclose(high, [0.1, 0.1, 0.5], atol=2e-3)
 
+    @pytest.mark.parametrize(("bottom", "low_end"), [(-0.2, -0.2), (-20.0, 0.0)])
+    def test_a_fixed_body_not_much_larger_is_seen_whole(self, bottom, low_end):
+        still = fall()
+        post = trimesh.creation.box(bounds=[(-0.05, -0.05, bottom), (0.05, 0.05, 0.3)])
+        poses = np.tile(np.eye(4), (still.frame_count, 1, 1))
+        track = BodyTrack("post", post.vertices, post.faces, None, poses)
+        seen = Recording(still.time_step, (*still.bodies, track), still.contacts)
+        assert activity_bounds(seen)[0][2] == pytest.approx(low_end, abs=2e-3)
+
     def test_a_body_shot_away_does_not_stretch_the_stage(self):
         _, high = activity_bounds(fall(end=-500.0))
         assert np.linalg.norm(high) < 5.0
