@@ -148,13 +148,13 @@ class Inspector:
             )
 
         def show_slice(_: Any = None) -> None:
-            with self._lock:
+            with self._lock, self._server.atomic():
                 self._drop("slice")
                 if shown.value:
                     self._nodes["slice"] = self._draw_slice(axis.value, place.value)
 
         def show_level(_: Any = None) -> None:
-            with self._lock:
+            with self._lock, self._server.atomic():
                 self._drop("level")
                 if not level_shown.value:
                     return
@@ -198,7 +198,7 @@ class Inspector:
             level = gui.add_slider("tree level", 1, tree.levels, 1, min(3, tree.levels))
 
         def show(_: Any = None) -> None:
-            with self._lock:
+            with self._lock, self._server.atomic():
                 for name in ("points", "normals", "spheres"):
                     self._drop(name)
                 number = int(level.value)
