@@ -50,9 +50,6 @@ _MOST_ITERATIONS = 1_000_000
 class World:
     """A world of stock Bullet (double precision) in which models collide.
 
-    Friction acts along two fixed directions of each contact. Bullet's default, the direction of sliding
-    alone, lets gripped bodies creep.
-
     Args:
         gravity: (3,), m/s2, world frame.
         time_step: Seconds a step.
@@ -79,6 +76,9 @@ class World:
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
             bodies; stacks and machines want 50, pybullet's default. By default 50, and in longer steps
             as many for each 30th of a second. "dantzig" does without.
+        friction_directions: Along which each contact resists sliding: 2 fixed ones, or 1, that in which
+            it slides, as is Bullet's default. With 1, gripped bodies creep; convex hulls of few
+            vertices rest sooner.
 
     Raises:
         SettingsError: A setting is out of range.
@@ -115,6 +115,7 @@ class World:
             "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
         ] = "sequential_impulse",
         iterations: int | None = None,
+        friction_directions: Literal[1, 2] = 2,
     ) -> None:
         if solver not in _SOLVERS:
             raise SettingsError(
@@ -126,6 +127,8 @@ class World:
             )
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
+        if friction_directions not in (1, 2):
+            raise SettingsError(f"friction_directions must be 1 or 2, not {friction_directions!r}")
         self.time_step: float = as_positive(time_step, "time_step")
         if iterations is None:
             iterations = max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
@@ -140,6 +143,7 @@ class World:
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
             solver=_SOLVERS[solver],
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
+            two_friction_directions=friction_directions == 2,
             mode=_CONTACT_MODES[contact],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
             margin=-1.0 if margin is None else as_margin(margin),

@@ -329,6 +329,7 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
         ({"solver": "none"}, "'sequential_impulse', 'nncg', 'dantzig'"),
         ({"iterations": 0}, "iterations"),
         ({"iterations": 2.5}, "iterations"),
+        ({"friction_directions": 3}, "friction_directions"),
     ],
 )
 def test_wrong_settings_of_a_world(settings, part):

@@ -114,7 +114,8 @@ void bind_simulation(nb::module_& module) {
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
-             bullet::ContactMode mode, int level, double margin, double sweep_beyond) {
+             bool two_friction_directions, bullet::ContactMode mode, int level, double margin,
+             double sweep_beyond) {
             new (self)
                 Simulation({.gravity = to_vec3(gravity),
                             .time_step = time_step,
@@ -122,6 +123,7 @@ void bind_simulation(nb::module_& module) {
                             .split_impulse_threshold = split_impulse_threshold,
                             .solver = solver,
                             .iterations = iterations,
+                            .two_friction_directions = two_friction_directions,
                             .contact = {.mode = mode,
                                         .level = level,
                                         .margin = margin,
@@ -130,7 +132,8 @@ void bind_simulation(nb::module_& module) {
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
-          nb::arg("mode"), nb::arg("level"), nb::arg("margin"), nb::arg("sweep_beyond"))
+          nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"),
+          nb::arg("sweep_beyond"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,

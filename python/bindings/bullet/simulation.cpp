@@ -87,10 +87,10 @@ void Simulation::make_world() {
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   world_->getSolverInfo().m_splitImpulse = 1;
   world_->getSolverInfo().m_splitImpulsePenetrationThreshold = settings_.split_impulse_threshold;
-  // Two fixed directions: along the direction of sliding alone, a body that lies still falls freely
-  // for a step before friction knows where to.
-  world_->getSolverInfo().m_solverMode |=
-      SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+  if (settings_.two_friction_directions) {
+    world_->getSolverInfo().m_solverMode |=
+        SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+  }
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
 }
 

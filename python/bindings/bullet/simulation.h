@@ -31,6 +31,9 @@ struct SimulationSettings {
   double split_impulse_threshold = 0.0;
   ConstraintSolver solver = ConstraintSolver::kSequentialImpulse;
   int iterations = 10;  ///< of the solver; Dantzig's has none
+  /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
+  /// that lies still falls freely for a step before friction knows where to.
+  bool two_friction_directions = true;
   bullet::ContactSettings contact;
 };
 

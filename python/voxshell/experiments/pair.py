@@ -17,7 +17,7 @@ from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.model import Model
 from voxshell.queries import collide
 from voxshell.scenes.bunny import find_bunny
-from voxshell.scenes.drop import BULLET_SPLIT_IMPULSE_THRESHOLD, METHODS, DropSettings
+from voxshell.scenes.drop import BULLET_SOLVER, METHODS, DropSettings
 from voxshell.world import World
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def _build_world(settings: PairSettings, shapes: DropShapes, method: Method, pos
         gravity=(0.0, 0.0, 0.0),
         time_step=1.0 / settings.rate,
         sleeping=False,
-        split_impulse_threshold=0.0 if method.is_model else BULLET_SPLIT_IMPULSE_THRESHOLD,
+        **({} if method.is_model else BULLET_SOLVER),
     )
     shape = shapes.bodies[method.key]
     world.add(shape, mass=0.0)

@@ -12,7 +12,7 @@ from voxshell.body import Body
 from voxshell.comparison_shapes import ConvexHull
 from voxshell.experiments.part import Part
 from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose
-from voxshell.scenes.drop import BULLET_MARGIN
+from voxshell.scenes.drop import BULLET_MARGIN, BULLET_SOLVER
 from voxshell.shapes import Plane
 from voxshell.world import World
 
@@ -120,7 +120,12 @@ def _build_world(
     *,
     sleeping: bool,
 ) -> tuple[World, Body]:
-    world = World(time_step=1.0 / settings.rate, contact=mode, sleeping=sleeping)
+    world = World(
+        time_step=1.0 / settings.rate,
+        contact=mode,
+        sleeping=sleeping,
+        **(BULLET_SOLVER if shell == "hull" else {}),
+    )
     if ground == "plane":
         world.add(Plane(), mass=0.0)
     else:

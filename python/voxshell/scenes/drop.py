@@ -7,7 +7,7 @@ compared. World frame: z up, the ground's surface at z = 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -35,8 +35,8 @@ Ground = Literal["voxels", "box", "plane"]
 GROUND_HALF_EXTENTS = (0.3, 0.3, 0.05)
 """Of the block, metres: thicker than the way of a step at the speed of the drop, 16 mm."""
 
-BULLET_SPLIT_IMPULSE_THRESHOLD = -0.04
-"""Bullet's default, which its own shapes are simulated with, metres."""
+BULLET_SOLVER: dict[str, Any] = {"split_impulse_threshold": -0.04, "friction_directions": 1}
+"""Bullet's defaults, as arguments of World, which its own shapes are simulated with."""
 
 BULLET_MARGIN = 0.005
 """Collision margin of Bullet's own shapes, metres: the least of 1, 5, 10 and 20 mm with which all of
@@ -243,7 +243,7 @@ def build_world(
         gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
-        split_impulse_threshold=0.0 if method.is_model else BULLET_SPLIT_IMPULSE_THRESHOLD,
+        **({} if method.is_model else BULLET_SOLVER),
     )
     ground = shapes.grounds[method.ground]
     pose = np.eye(4)

@@ -10,7 +10,7 @@ from voxshell import Box, ConvexDecomposition, ConvexHull, GImpact, Plane, World
 from voxshell.body_shapes import mesh_of
 from voxshell.errors import SettingsError
 from voxshell.experiments.peers import ours
-from voxshell.scenes.drop import BULLET_MARGIN, BULLET_SPLIT_IMPULSE_THRESHOLD
+from voxshell.scenes.drop import BULLET_MARGIN, BULLET_SOLVER
 from voxshell.world import BULLET_VERSION
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class Worlds:
             gravity=(0.0, 0.0, -9.81 if gravity else 0.0),
             time_step=time_step,
             sleeping=False,
-            split_impulse_threshold=0.0 if self._is_model else BULLET_SPLIT_IMPULSE_THRESHOLD,
+            **({} if self._is_model else BULLET_SOLVER),
         )
 
 
