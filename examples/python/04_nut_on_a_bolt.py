@@ -15,7 +15,7 @@ TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most
 RATE, MASS = 1000.0, 0.05
 
 options = parse_command(__doc__)
-thread = BoltSettings(sections=64, voxel_size=0.0004 if options.quick else 0.0002)
+thread = BoltSettings(voxel_size=0.0004 if options.quick else 0.0002)
 bolt, nut_model = thread.build_bolt(), thread.build_nut()
 start = thread.compute_fit(5.3)
 start[2, 3] -= thread.clearance  # on the flanks below, which slope by 45 degrees

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from voxshell.body import Body
     from voxshell.experiments.part import Columns, Tables
+    from voxshell.meshes import Mesh
 
 Rule = Literal["published", "voxshell"]
 RULES: tuple[Rule, ...] = ("published", "voxshell")
@@ -164,7 +165,9 @@ def _tabulate(
 ) -> Tables:
     rows = []
     for rate, speed, orientation in cases:
-        lowest, middle, sideways = _land(settings, rule, ground, mode, rate, speed, orientation)
+        world, body = _build_world(settings, rule, ground, mode, rate, speed, orientation)
+        steps = _count_steps(settings, rate)
+        lowest, middle, sideways = _land(world, body, settings.build_mesh(), steps)
         rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
         over = lowest
         if ground == "slab" and sideways[-1] > SLAB_HALF_EXTENTS[0] and not middle[-1] > 0.0:
@@ -179,19 +182,15 @@ def _tabulate(
     return {"runs": dict(zip(names, np.array(rows).T, strict=True))}
 
 
+def _count_steps(settings: RatesSettings, rate: float) -> int:
+    """Of a run, long enough to come to rest."""
+    return max(round(settings.seconds * rate), LEAST_STEPS)
+
+
 def _land(
-    settings: RatesSettings,
-    rule: Rule,
-    ground: Ground,
-    mode: str,
-    rate: float,
-    speed: float,
-    orientation: int,
+    world: World, body: Body, mesh: Mesh, steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Heights of the lowest vertex and of the centre of mass, and its way sideways, each step."""
-    mesh = settings.build_mesh()
-    world, body = _build_world(settings, rule, ground, mode, rate, speed, orientation)
-    steps = max(round(settings.seconds * rate), LEAST_STEPS)
     lowest, middle, sideways = np.zeros((3, steps))
     for step in range(steps):
         world.step()

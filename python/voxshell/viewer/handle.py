@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from trimesh.transformations import quaternion_matrix
 
-from voxshell.viewer.quaternions import rotation_from_wxyz, rotations_as_wxyz
+from voxshell.viewer.quaternions import rotations_as_wxyz
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,8 +48,7 @@ class Handle:
     @property
     def pose(self) -> NDArray[np.float64]:
         """``world_from_body`` as it stands, (4, 4); settable."""
-        pose = np.eye(4)
-        pose[:3, :3] = rotation_from_wxyz(np.asarray(self._controls.wxyz))
+        pose = np.array(quaternion_matrix(self._controls.wxyz))
         pose[:3, 3] = np.asarray(self._controls.position) / self._scale - pose[:3, :3] @ self._grip
         return pose
 

@@ -50,22 +50,3 @@ def normals_as_wxyz(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     # Straight down every half turn will do; nearly so, the sum above has lost its digits.
     turns[turns[:, 0] < 1e-6] = (0.0, 1.0, 0.0, 0.0)
     return turns / np.linalg.norm(turns, axis=1, keepdims=True)
-
-
-def rotation_from_wxyz(wxyz: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 3) the rotation matrix of a quaternion, w first, of any length but zero.
-
-    Example:
-        >>> rotation_from_wxyz(np.array([1.0, 0.0, 0.0, 1.0])).round(4)
-        array([[ 0., -1.,  0.],
-               [ 1.,  0.,  0.],
-               [ 0.,  0.,  1.]])
-    """
-    w, x, y, z = wxyz / np.linalg.norm(wxyz)
-    return np.array(
-        (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
-            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
-            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
-        )
-    )

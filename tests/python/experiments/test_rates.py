@@ -75,10 +75,8 @@ def test_beside_the_slab_is_not_carried():
 
 
 def test_low_rates_run_long_enough_to_come_to_rest():
-    lowest, *_ = rates._land(SETTINGS, "voxshell", "plane", "auto", 2.0, 0.0, 0)
-    assert len(lowest) == rates.LEAST_STEPS
-    lowest, *_ = rates._land(SETTINGS, "voxshell", "plane", "auto", 50.0, 0.0, 0)
-    assert len(lowest) == 75
+    assert rates._count_steps(SETTINGS, 2.0) == rates.LEAST_STEPS
+    assert rates._count_steps(SETTINGS, 50.0) == 75
 
 
 def test_shown_falls_are_those_of_their_rule(results):
