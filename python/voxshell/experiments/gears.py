@@ -187,7 +187,12 @@ def turn_gears(settings: GearsSettings, method: GearMethod, library: str) -> Tab
         return {"steps": {name: np.empty(0) for name in STEP_COLUMNS}}
     models = settings.build_models()
     shapes, hulls = _build_shapes(settings, method, models)
-    world = World(gravity=(0.0, 0.0, 0.0), time_step=1.0 / settings.rate, sleeping=False)
+    world = World(
+        gravity=(0.0, 0.0, 0.0),
+        time_step=1.0 / settings.rate,
+        sleeping=False,
+        friction_directions=2 if method == "voxshell" else 1,
+    )
     bodies = [
         world.add(
             shape,

@@ -94,6 +94,7 @@ def _slide(
         time_step=1.0 / settings.rate,
         contact="auto" if kind == "bullet" else kind,
         sleeping=False,
+        friction_directions=1 if kind == "bullet" else 2,
     )
     world.add(Plane(), mass=0.0, friction=1.0)
     box = Box(settings.half_extents)

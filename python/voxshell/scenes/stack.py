@@ -85,6 +85,7 @@ def build_world(
     world = World(
         time_step=1.0 / settings.rate,
         sleeping=False,
+        friction_directions=1 if points is None else 2,
         **(PUBLISHED_RULE if rule == "published" else {}),
     )
     world.add(Plane(), mass=0.0, name="ground")
