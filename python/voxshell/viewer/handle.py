@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from trimesh.transformations import quaternion_matrix
 
 from voxshell.viewer.quaternions import rotations_as_wxyz
 
@@ -48,6 +47,8 @@ class Handle:
     @property
     def pose(self) -> NDArray[np.float64]:
         """``world_from_body`` as it stands, (4, 4); settable."""
+        from trimesh.transformations import quaternion_matrix
+
         pose = np.array(quaternion_matrix(self._controls.wxyz))
         pose[:3, 3] = np.asarray(self._controls.position) / self._scale - pose[:3, :3] @ self._grip
         return pose
