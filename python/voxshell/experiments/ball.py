@@ -11,8 +11,8 @@ from voxshell.experiments.part import Part
 from voxshell.scenes.ball import BallSettings, build_world
 
 if TYPE_CHECKING:
-    from voxshell.experiments.part import Tables
-    from voxshell.scenes.ball import Ground, Rule
+    from voxshell.experiments.part import Columns, Tables
+    from voxshell.scenes.ball import Ground, Landing, Rule
 
 METHODS = ("bullet", "low", "high")
 """Bullet's sphere on its box, and the two shells."""
@@ -22,8 +22,12 @@ GROUNDS: tuple[Ground, ...] = ("voxels", "plane")
 
 
 def plan(settings: BallSettings) -> list[Part]:
-    """One fall a method and restitution; then many start heights on both grounds."""
+    """One fall a method and restitution; then many start heights on both grounds.
+
+    The coarse ball falls once more so that it lands beside its centre.
+    """
     common = {"settings": settings}
+    seconds = 0.005 * settings.phases * len(settings.phase_restitutions)
     falls = [
         Part(f"fall-{rule}-{method}", run_falls, {**common, "method": method, "rule": rule})
         for rule in RULES
@@ -35,29 +39,55 @@ def plan(settings: BallSettings) -> list[Part]:
             f"phases-{rule}-{method}-{ground}",
             run_phases,
             {**common, "method": method, "rule": rule, "ground": ground},
-            cost=0.005 * settings.phases * len(settings.phase_restitutions),
+            cost=seconds,
         )
         for rule in RULES
         for method in METHODS
         for ground in GROUNDS
         if method != "bullet" or (rule, ground) == ("published", "voxels")
     ]
-    return falls + phases
+    beside = [
+        *(
+            Part(
+                f"fall-{rule}-low-beside",
+                run_falls,
+                {**common, "method": "low", "rule": rule, "landing": "beside"},
+            )
+            for rule in RULES
+        ),
+        Part(
+            "phases-voxshell-low-beside-voxels",
+            run_phases,
+            {
+                **common,
+                "method": "low",
+                "rule": "voxshell",
+                "ground": "voxels",
+                "landing": "beside",
+            },
+            cost=seconds,
+        ),
+    ]
+    return falls + phases + beside
 
 
-def run_falls(settings: BallSettings, method: str, rule: Rule) -> Tables:
+def run_falls(settings: BallSettings, method: str, rule: Rule, landing: Landing = "pole") -> Tables:
     """Every step of the fall from the published height, for each restitution."""
     tables: dict[str, Any] = {"steps": {}}
     parts = []
     for index, restitution in enumerate(settings.restitutions):
-        steps, motion = _fall(settings, method, "voxels", rule, restitution, settings.height)
+        steps, motion = _fall(
+            settings, method, "voxels", rule, landing, restitution, settings.height
+        )
         parts.append({"restitution": np.full(len(steps["step"]), restitution), **steps})
         tables |= {f"{name}_{index}": table for name, table in motion.items()}
     tables["steps"] = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
     return tables
 
 
-def run_phases(settings: BallSettings, method: str, rule: Rule, ground: Ground) -> Tables:
+def run_phases(
+    settings: BallSettings, method: str, rule: Rule, ground: Ground, landing: Landing = "pole"
+) -> Tables:
     """What came of each start height: rebound, penetration, energy."""
     heights = settings.height + np.linspace(
         -settings.phase_reach, settings.phase_reach, settings.phases
@@ -65,7 +95,7 @@ def run_phases(settings: BallSettings, method: str, rule: Rule, ground: Ground) 
     rows = []
     for restitution in settings.phase_restitutions:
         for height in heights:
-            steps, _ = _fall(settings, method, ground, rule, restitution, float(height))
+            steps, _ = _fall(settings, method, ground, rule, landing, restitution, float(height))
             rows.append((restitution, height, *measure(settings, steps)))
     names = ("restitution", "height", "rebound", "depth", "reported_depth", "energy", "spin")
     return {"runs": dict(zip(names, np.array(rows).T, strict=True))}
@@ -95,7 +125,7 @@ def measure(settings: BallSettings, steps: dict[str, Any]) -> tuple[float, ...]:
     )
 
 
-def find_apex(steps: dict[str, Any]) -> int | None:
+def find_apex(steps: Columns) -> int | None:
     """The last step that rises after the first contact; None if none does."""
     touched = np.flatnonzero(steps["contacts"] > 0)
     if len(touched) == 0:
@@ -109,7 +139,7 @@ def find_apex(steps: dict[str, Any]) -> int | None:
     return int(touched[0]) + first + length - 1
 
 
-def compute_energy(settings: BallSettings, steps: dict[str, Any]) -> np.ndarray:
+def compute_energy(settings: BallSettings, steps: Columns) -> np.ndarray:
     """Over the ball at rest on the ground, as parts of what it has at the start, (steps,).
 
     Bullet's integration keeps v^2/2 + g x - g dt v/2 in free flight: that is what counts, and the
@@ -130,6 +160,7 @@ def _fall(
     method: str,
     ground: Ground,
     rule: Rule,
+    landing: Landing,
     restitution: float,
     height: float,
 ) -> tuple[dict[str, Any], Tables]:
@@ -141,6 +172,7 @@ def _fall(
         rule=rule,
         restitution=restitution,
         height=height,
+        landing=landing,
     )
     recorder = world.record()
     steps = settings.steps

@@ -7,7 +7,7 @@ import pytest
 from voxshell.experiments import ball
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.ball import BALL
-from voxshell.scenes.ball import BallSettings
+from voxshell.scenes.ball import BallSettings, build_ball, turn_pole_down
 
 SETTINGS = replace(BallSettings(), phases=4, steps=200)
 
@@ -51,15 +51,46 @@ def test_a_ball_that_sinks_or_gains_fails_its_bars(results):
     assert all("25,880 points, analytic plane" in quantity for quantity in failed - kept)
 
 
-def test_coarse_ball_turns_and_the_report_says_how_much(results):
+@pytest.mark.parametrize("points", [60, 275, 2_700, 25_880])
+def test_every_ball_has_its_lowest_point_below_its_centre(points):
+    model = build_ball(0.5, 0.005, points)
+    turned = model.shell.points @ turn_pole_down(model).T
+    lowest = turned[turned[:, 2].argmin()]
+    np.testing.assert_allclose(lowest[:2], 0.0, atol=1e-9)
+    assert lowest[2] == pytest.approx(-0.5, abs=1e-4)
+    np.testing.assert_array_equal(turn_pole_down(model), turn_pole_down(model))
+
+
+def test_coarse_ball_on_its_pole_rebounds_truly(results):
     rows = {row.quantity: row for row in BALL.reduce(SETTINGS, results)}
     for ground in ("block of voxels", "analytic plane"):
-        row = rows[f"rebound off c2 at most, VPS, 275 points, {ground}, 4 start heights"]
-        assert row.holds is False
-        assert "turning takes up to" in row.note
+        assert rows[f"rebound off c2 at most, VPS, 275 points, {ground}, 4 start heights"].holds
     apex = rows["first apex, c 0.9, VPS, 275 points, published rule"]
+    assert apex.here == pytest.approx(0.905, abs=0.001)
+    assert apex.reproduced
+    assert rows["first contact beside the centre, VPS, 275 points, published rule"].here < 0.001
+
+
+def test_coarse_ball_that_lands_beside_its_centre_turns_and_the_report_says_so(results):
+    rows = {row.quantity: row for row in BALL.reduce(SETTINGS, results)}
+    who = "VPS, 275 points as its mesh lies"
+    assert rows[f"first contact beside the centre, {who}, published rule"].here > 20.0
+    apex = rows[f"first apex, c 0.9, {who}, published rule"]
     assert apex.here < 0.9
-    assert apex.reproduced is False
+    assert "turning has the energy of 2.6 mm more" in apex.note
+    rebound = rows[f"rebound off c2 at most, {who}, block of voxels, 4 start heights"]
+    assert rebound.here > 2.0
+    assert all(row.verdict == "for information" for name, row in rows.items() if who in name)
+
+
+def test_a_coarse_ball_that_turns_is_not_reproduced(results):
+    beside = {
+        name.removesuffix("-beside"): tables
+        for name, tables in results.items()
+        if name.startswith("fall") and name.endswith("-beside")
+    }
+    rows = {row.quantity: row for row in BALL.reduce(SETTINGS, {**results, **beside})}
+    assert rows["first apex, c 0.9, VPS, 275 points, published rule"].reproduced is False
 
 
 def test_shells_follow_bullets_sphere_roughly_or_not(results):
@@ -72,7 +103,8 @@ def test_shells_follow_bullets_sphere_roughly_or_not(results):
     assert find(results).reproduced
     steps = {key: v.copy() for key, v in results["fall-published-high"]["steps"].items()}
     steps["height"][steps["step"] == 50] += 0.026
-    off = find({**results, "fall-published-high": {"steps": steps}})
+    fall = {**results["fall-published-high"], "steps": steps}
+    off = find({**results, "fall-published-high": fall})
     assert off.here == pytest.approx(26.0, abs=0.1)
     assert off.reproduced is False
 

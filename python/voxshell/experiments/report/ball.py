@@ -11,7 +11,7 @@ import numpy as np
 
 from voxshell.experiments import ball
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.motion import restore
+from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import FAINT, OURS, OURS_COARSE, PEERS, as_rgb, open_figure
 from voxshell.experiments.report.rules import RULE_NAMES
 from voxshell.experiments.verdict import Row, at_most
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.experiments.experiment import Results
-    from voxshell.experiments.part import Columns
+    from voxshell.experiments.part import Columns, Tables
 
 PUBLISHED_DEPTHS = {
     "bullet": (42.5, 42.5, 42.5),
@@ -58,8 +58,11 @@ def describe(settings: BallSettings) -> str:
         f"{settings.height:g} m at {settings.rate:g} Hz, g {settings.gravity:g} m/s2, on a block of "
         f"voxels of {settings.voxel_size * 1e3:g} mm; shells of {settings.low_points} and "
         f"{settings.high_points:,} points; restitution "
-        f"{', '.join(f'{c:g}' for c in settings.restitutions)}. The published rule makes a contact of "
-        "the point that penetrates deepest; ours adds points that will touch within the step. Then "
+        f"{', '.join(f'{c:g}' for c in settings.restitutions)}. Each ball is turned so that the lowest "
+        "point of its shell is straight below its centre: a coarse one that lands on a point beside that "
+        "turns and misses the published apex, as the last rows tell, for information. The published rule "
+        "makes a contact of the point that penetrates deepest; ours adds points that will touch within "
+        "the step. Then "
         f"{settings.phases} start heights within {settings.phase_reach * 1e3:g} mm, on the block and "
         "on an analytic plane. The peer is Bullet's own sphere on its box, in the same world."
     )
@@ -73,6 +76,7 @@ def reduce(settings: BallSettings, results: Results) -> list[Row]:
         *_rows_of_following(settings, results),
         *_rows_of_depths(settings, results),
         *_rows_of_phases(settings, results),
+        *_rows_beside(settings, results),
     ]
 
 
@@ -98,12 +102,10 @@ def _rows_of_contacts(settings: BallSettings, results: Results) -> list[Row]:
 def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
     rows = []
     for restitution in settings.restitutions:
-        ideal = settings.radius + restitution**2 * (settings.height - settings.radius)
+        ideal = _compute_ideal_apex(settings, restitution)
         for method, rule in product(("low", "high"), ball.RULES):
             fall = _select(results[f"fall-{rule}-{method}"]["steps"], restitution)
-            apex = ball.find_apex(fall)
-            here = float("nan") if apex is None else float(fall["height"][apex])
-            turning = 0.0 if apex is None else float(fall["turning"][apex] / settings.gravity)
+            here, turning = _measure_apex(settings, fall)
             published = rule == "published"
             rows.append(
                 Row(
@@ -117,6 +119,19 @@ def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
                 )
             )
     return rows
+
+
+def _compute_ideal_apex(settings: BallSettings, restitution: float) -> float:
+    """Of the centre after the first rebound, metres."""
+    return settings.radius + restitution**2 * (settings.height - settings.radius)
+
+
+def _measure_apex(settings: BallSettings, fall: Columns) -> tuple[float, float]:
+    """Height of the first apex, NaN without one, and the height that its turning is worth, metres."""
+    apex = ball.find_apex(fall)
+    if apex is None:
+        return float("nan"), 0.0
+    return float(fall["height"][apex]), float(fall["turning"][apex] / settings.gravity)
 
 
 def _rows_of_following(settings: BallSettings, results: Results) -> list[Row]:
@@ -211,70 +226,109 @@ def _explain_depth(settings: BallSettings, method: str) -> str:
 
 
 def _rows_of_phases(settings: BallSettings, results: Results) -> list[Row]:
-    limit = (settings.way_a_step + settings.voxel_size) * 1e3
     rows = []
     for ground in ball.GROUNDS:
         where = {"voxels": "block of voxels", "plane": "analytic plane"}[ground]
         for method in ("low", "high"):
             runs = results[f"phases-voxshell-{method}-{ground}"]["runs"]
             who = f"{_label(settings, method)}, {where}, {settings.phases} start heights"
-            ideal = runs["restitution"] ** 2
-            bounces = ideal > 0.0
-            offs = np.abs(runs["rebound"][bounces] / ideal[bounces] - 1.0) * 100
-            off, worst = float(offs.max()), int(offs.argmax())
-            way = float(abs(runs["rebound"] - ideal)[bounces][worst]) * (
-                settings.height - settings.radius
-            )
-            dead = float(np.abs(runs["rebound"][~bounces]).max(initial=0.0))
-            lossy = runs["restitution"] < 1.0
-            gain = float(runs["energy"][lossy].max() - 1.0) * 100
-            elastic = float(runs["energy"].max() - 1.0) * 100
-            depth = float(runs["depth"].max()) * 1e3
-            rows += [
-                Row(
-                    f"rebound off c2 at most, {who}",
-                    None,
-                    off,
-                    "%",
-                    bar="<= 2",
-                    holds=at_most(off, 2.0),
-                    note=f"worst for c = {runs['restitution'][bounces][worst]:g}, where the apex is "
-                    f"{way * 1e3:.2g} mm off; for c = 0 it rebounds to {dead:.2g} of the height"
-                    + (
-                        ""
-                        if at_most(off, 2.0)
-                        else "; the shell is a polyhedron that lands on a corner: turning takes up to "
-                        f"{runs['spin'].max() * 100:.2g} % of the start's energy"
-                    ),
-                ),
-                Row(
-                    f"energy gained at most, c < 1, {who}",
-                    None,
-                    gain if gain > ROUNDING else 0.0,
-                    "%",
-                    bar="0",
-                    holds=at_most(gain, ROUNDING),
-                    note=f"turning takes up to {runs['spin'].max() * 100:.2g} % of the start's energy",
-                ),
-                Row(
-                    f"energy gained at most, c = 1 and less, {who}",
-                    None,
-                    elastic if elastic > ROUNDING else 0.0,
-                    "%",
-                    bar=f"<= {ELASTIC_GAIN:g}",
-                    holds=at_most(elastic, ELASTIC_GAIN),
-                ),
-                Row(
-                    f"deepest the ball is in the ground, {who}",
-                    None,
-                    depth,
-                    "mm",
-                    bar=f"<= {limit:.1f} (v dt + a voxel)",
-                    holds=at_most(depth, limit),
-                    note=f"from {runs['depth'].min() * 1e3:.2f} mm",
-                ),
-            ]
+            rows += _judge_runs(settings, runs, who)
     return rows
+
+
+def _judge_runs(settings: BallSettings, runs: Columns, who: str) -> list[Row]:
+    """Rebound, energy and depth over start heights, and the bars for them."""
+    limit = (settings.way_a_step + settings.voxel_size) * 1e3
+    ideal = runs["restitution"] ** 2
+    bounces = ideal > 0.0
+    offs = np.abs(runs["rebound"][bounces] / ideal[bounces] - 1.0) * 100
+    off, worst = float(offs.max()), int(offs.argmax())
+    way = float(abs(runs["rebound"] - ideal)[bounces][worst]) * (settings.height - settings.radius)
+    dead = float(np.abs(runs["rebound"][~bounces]).max(initial=0.0))
+    lossy = runs["restitution"] < 1.0
+    gain = float(runs["energy"][lossy].max() - 1.0) * 100
+    elastic = float(runs["energy"].max() - 1.0) * 100
+    turning = f"turning takes up to {runs['spin'].max() * 100:.2g} % of the start's energy"
+    return [
+        Row(
+            f"rebound off c2 at most, {who}",
+            None,
+            off,
+            "%",
+            bar="<= 2",
+            holds=at_most(off, 2.0),
+            note=f"worst for c = {runs['restitution'][bounces][worst]:g}, where the apex is "
+            f"{way * 1e3:.2g} mm off; for c = 0 it rebounds to {dead:.2g} of the height; {turning}",
+        ),
+        Row(
+            f"energy gained at most, c < 1, {who}",
+            None,
+            gain if gain > ROUNDING else 0.0,
+            "%",
+            bar="0",
+            holds=at_most(gain, ROUNDING),
+        ),
+        Row(
+            f"energy gained at most, c = 1 and less, {who}",
+            None,
+            elastic if elastic > ROUNDING else 0.0,
+            "%",
+            bar=f"<= {ELASTIC_GAIN:g}",
+            holds=at_most(elastic, ELASTIC_GAIN),
+        ),
+        Row(
+            f"deepest the ball is in the ground, {who}",
+            None,
+            float(runs["depth"].max()) * 1e3,
+            "mm",
+            bar=f"<= {limit:.1f} (v dt + a voxel)",
+            holds=at_most(float(runs["depth"].max()) * 1e3, limit),
+            note=f"from {runs['depth'].min() * 1e3:.2f} mm",
+        ),
+    ]
+
+
+def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
+    """What the coarse ball does when it lands on a point beside its centre: it turns."""
+    who = f"{_label(settings, 'low')} as its mesh lies"
+    rows = [
+        Row(
+            f"first contact beside the centre, {name}, published rule",
+            None,
+            round(_measure_first_contact(results[part]) * 1e3, 3),
+            "mm",
+            note=note,
+        )
+        for name, part, note in (
+            (_label(settings, "low"), "fall-published-low", ""),
+            (_label(settings, "high"), "fall-published-high", ""),
+            (who, "fall-published-low-beside", "a polyhedron that lands beside its centre turns"),
+        )
+    ]
+    for restitution, rule in product(settings.restitutions, ball.RULES):
+        fall = _select(results[f"fall-{rule}-low-beside"]["steps"], restitution)
+        here, turning = _measure_apex(settings, fall)
+        rows.append(
+            Row(
+                f"first apex, c {restitution:g}, {who}, {RULE_NAMES[rule]}",
+                None,
+                here,
+                "m",
+                note=f"ideal {_compute_ideal_apex(settings, restitution):.3f}; turning has the energy of "
+                f"{turning * 1e3:.1f} mm more; deepest contact {fall['depth'].max() * 1e3:.1f} mm",
+            )
+        )
+    runs = results["phases-voxshell-low-beside-voxels"]["runs"]
+    judged = _judge_runs(settings, runs, f"{who}, block of voxels, {settings.phases} start heights")
+    return rows + [replace(row, bar="", holds=None) for row in judged]
+
+
+def _measure_first_contact(fall: Tables) -> float:
+    """How far the first contact of the first restitution's fall is beside the ball's centre, metres."""
+    contacts = fall["contacts_0"]
+    first = int(contacts["frame"].argmin())
+    centre = read_poses({"poses": fall["poses_0"]}, "ball")[contacts["frame"][first], :2, 3]
+    return float(np.hypot(contacts["x"][first] - centre[0], contacts["y"][first] - centre[1]))
 
 
 def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture]:
@@ -285,7 +339,7 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
     _draw_energy(settings, results, folder / "energy.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("heights-published.png", "Height of the centre over steps, as published: the shells under the published rule, Bullet's sphere, and the ideal first apex (dashed)."),
+        Picture("heights-published.png", "Height of the centre over steps, as published: the shells under the published rule, Bullet's sphere, and the ideal first apex (dashed); dotted: the coarse ball when it lands beside its centre, and turns."),
         Picture("heights-voxshell.png", "The same with this package's rule."),
         Picture("phases.png", "Deepest penetration against the start height: the published figures are single points of these saw-teeth."),
         Picture("energy.png", "Energy over steps, turning included, as part of that at the start, with our rule."),
@@ -321,11 +375,19 @@ def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: st
                 axes.plot(
                     *(fall["step"], fall["height"]),
                     color=COLORS[method],
-                    lw=2.6 if method == "bullet" else 1.2,
+                    lw={"bullet": 4.0, "low": 2.2, "high": 1.0}[method],
                     alpha=0.45 if method == "bullet" else 1.0,
                     label=_label(settings, method),
                 )
-            ideal = settings.radius + restitution**2 * (settings.height - settings.radius)
+            beside = _select(results[f"fall-{rule}-low-beside"]["steps"], restitution)
+            axes.plot(
+                *(beside["step"], beside["height"]),
+                color=COLORS["low"],
+                lw=1.2,
+                ls=":",
+                label=f"{settings.low_points} points, landing beside its centre",
+            )
+            ideal = _compute_ideal_apex(settings, restitution)
             axes.axhline(ideal, color=FAINT, ls="--", lw=1, label="ideal first apex")
 
 
@@ -345,7 +407,7 @@ def _draw_phases(settings: BallSettings, results: Results, path: Path) -> None:
                     runs["depth" if rule == "voxshell" else "reported_depth"] * 1e3,
                     *(style,),
                     color=COLORS[method],
-                    lw=1.4,
+                    lw=2.4 if method == "low" else 1.2,
                     label=_label(settings, method) + (", our rule" if rule == "voxshell" else ""),
                 )
 
