@@ -39,6 +39,7 @@ HEADER_ONLY: dict[str, str] = {
     "vector.h": "base",
     "version.h": "base",
     "field.h": "field",
+    "bucket_points.h": "shell",
 }
 
 # Part of the Python package -> the parts that it may import, itself apart. "api" is every module

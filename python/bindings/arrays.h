@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -60,13 +61,13 @@ Rows<T, Columns> view_rows(std::span<const Item> items) {
                           {items.size(), std::size_t{Columns}});
 }
 
-/// A new array that owns `values`.
+/// A new array that owns `values`; read-only where T is const.
 template <class T, class... Shape>
-nanobind::ndarray<nanobind::numpy, T, Shape...> release(std::vector<T> values,
+nanobind::ndarray<nanobind::numpy, T, Shape...> release(std::vector<std::remove_const_t<T>> values,
                                                         std::initializer_list<std::size_t> shape) {
-  auto* owned = new std::vector<T>(std::move(values));
-  const nanobind::capsule owner(owned,
-                                [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  using Values = std::vector<std::remove_const_t<T>>;
+  auto* owned = new Values(std::move(values));
+  const nanobind::capsule owner(owned, [](void* p) noexcept { delete static_cast<Values*>(p); });
   return nanobind::ndarray<nanobind::numpy, T, Shape...>(owned->data(), shape, owner);
 }
 

@@ -20,12 +20,21 @@ auto compute_segments(const PointSphereTree& tree, int level) {
   return release<std::int64_t, nb::ndim<1>>(std::move(segments), {tree.point_count()});
 }
 
+/// The tree holds them coordinate by coordinate.
+auto copy_points(const PointShell& shell) {
+  const BucketPoints points = shell.points();
+  std::vector<float> rows;
+  rows.reserve(3 * points.size());
+  for (const Vec3f& p : points) rows.insert(rows.end(), {p.x, p.y, p.z});
+  return release<const float, nb::shape<-1, 3>>(std::move(rows), {points.size(), 3});
+}
+
 }  // namespace
 
 void bind_shell(nb::module_& module) {
   nb::class_<PointShell>(module, "PointShell", "Points on a surface, in the order of their tree.")
       .def("__len__", &PointShell::size)
-      .def_prop_ro("points", [](const PointShell& s) { return view_rows<float, 3>(s.points()); })
+      .def_prop_ro("points", &copy_points, nb::rv_policy::automatic)
       .def_prop_ro("normals", [](const PointShell& s) { return view_rows<float, 3>(s.normals()); })
       .def_prop_ro("areas", [](const PointShell& s) { return view(s.areas()); })
       .def_prop_ro("spacing", &PointShell::spacing)

@@ -40,7 +40,10 @@ class PointShell:
 
     @property
     def points(self) -> NDArray[np.float32]:
-        """Positions, (n, 3) float32, metres, body frame."""
+        """Positions, (n, 3) float32, metres, body frame; a new array each time.
+
+        Queries hold them coordinate by coordinate, and nothing holds them twice: keep the array while you use it.
+        """
         return self._core.points
 
     @property

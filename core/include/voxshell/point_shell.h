@@ -47,18 +47,17 @@ class PointShell {
 
   /// What the functions below return.
   struct Parts {
-    std::vector<Vec3f> points;
+    PointSphereTree tree;  ///< which holds the points
     std::vector<Vec3f> normals;
     std::vector<float> areas;
     double spacing = 0.0;
-    PointSphereTree tree;
   };
 
   /// Checked: as many of each, finite, of unit length, no area below zero.
   static Result<PointShell> from_parts(Parts parts);
 
-  std::size_t size() const { return points_.size(); }
-  std::span<const Vec3f> points() const { return points_; }
+  std::size_t size() const { return tree_.point_count(); }
+  BucketPoints points() const { return tree_.points(); }
   std::span<const Vec3f> normals() const { return normals_; }
   std::span<const float> areas() const { return areas_; }  ///< m2; they sum to the mesh's area
   double spacing() const { return spacing_; }              ///< edge of the sampling voxels, metres
@@ -67,11 +66,10 @@ class PointShell {
  private:
   PointShell() = default;
 
-  std::vector<Vec3f> points_;
+  PointSphereTree tree_;
   std::vector<Vec3f> normals_;
   std::vector<float> areas_;
   double spacing_ = 0.0;
-  PointSphereTree tree_;
 };
 
 }  // namespace voxshell

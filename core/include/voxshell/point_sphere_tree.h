@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "voxshell/bucket_points.h"
 #include "voxshell/cache_lines.h"
 #include "voxshell/progress.h"
 #include "voxshell/result.h"
@@ -59,6 +60,7 @@ class PointSphereTree {
 
   std::uint32_t point_count() const { return point_count_; }
   std::uint32_t bucket_count() const { return bucket_count_; }
+  BucketPoints points() const { return {bucket_points_.data(), point_count_}; }
 
   /// Levels with spheres: as many as have a bucket for each cluster.
   int level_count() const { return level_count_; }

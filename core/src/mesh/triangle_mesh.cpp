@@ -103,6 +103,8 @@ Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
     }
     mesh.triangles_.push_back(merged);
   }
+  mesh.vertices_.shrink_to_fit();  // models keep them
+  mesh.triangles_.shrink_to_fit();
   if (!mesh.triangles_.empty()) {
     if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
   }

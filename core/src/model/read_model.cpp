@@ -217,11 +217,10 @@ Result<PointShell> make_shell(const Record& record, Sections<Array>& sections) {
   auto tree = PointSphereTree::from_parts(sections.points, std::move(sections.spheres),
                                           std::move(sections.blocks));
   if (!tree) return in_file("tree", tree.error());
-  auto shell = PointShell::from_parts({.points = std::move(sections.points),
+  auto shell = PointShell::from_parts({.tree = *std::move(tree),
                                        .normals = std::move(sections.normals),
                                        .areas = std::move(sections.areas),
-                                       .spacing = record.shell_spacing,
-                                       .tree = *std::move(tree)});
+                                       .spacing = record.shell_spacing});
   if (!shell) return in_file("shell", shell.error());
   return shell;
 }

@@ -46,7 +46,8 @@ Record make_record(const Model& model) {
           .shell_spacing = shell.spacing()};
 }
 
-Sections<View> view_sections(const Model& model, const Record& record) {
+/// `points` are the shell's.
+Sections<View> view_sections(const Model& model, const Record& record, View<Vec3f> points) {
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
   return {.record = View<Record>(&record, 1),
@@ -55,7 +56,7 @@ Sections<View> view_sections(const Model& model, const Record& record) {
           .brick_entries = grid.entries,
           .samples = grid.samples,
           .planes = grid.planes,
-          .points = shell.points(),
+          .points = points,
           .normals = shell.normals(),
           .areas = shell.areas(),
           .spheres = shell.tree().spheres(),
@@ -104,7 +105,9 @@ Result<std::monostate> append_sections(const Sections<View>& sections, const App
 
 Result<std::monostate> write_model(const Model& model, const Append& append) {
   const Record record = make_record(model);
-  const Sections<View> sections = view_sections(model, record);
+  const BucketPoints in_buckets = model.shell().points();
+  const std::vector<Vec3f> points(in_buckets.begin(), in_buckets.end());
+  const Sections<View> sections = view_sections(model, record, points);
   std::vector<std::byte> front = make_front(sections);
 
   Checksum checksum;

@@ -303,11 +303,9 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   shell.spacing_ = sampling.spacing;
   shell.tree_ = PointSphereTree::build(points, order, progress, settings.threads, normals);
   if (shell.tree_.point_count() == 0) return stopped();
-  shell.points_.resize(order.size());
   shell.normals_.resize(order.size());
   shell.areas_.resize(order.size());
   for_points([&](std::size_t i) {
-    shell.points_[i] = points[order[i]];
     shell.normals_[i] = normals[order[i]];
     shell.areas_[i] = static_cast<float>(sampling.points[order[i]].area);
   });

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <utility>
 
-#include "base/finite.h"
 #include "base/text.h"
 #include "voxshell/point_shell.h"
 
@@ -13,6 +12,11 @@ constexpr float kLargestArea = 1e20f;           // m2
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
+bool is_place(const Vec3f& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;
+}
+
 /// Zero where a surface faces nowhere.
 bool is_direction(const Vec3f& normal) {
   constexpr float kTolerance = 1e-3f;
@@ -22,20 +26,19 @@ bool is_direction(const Vec3f& normal) {
 }  // namespace
 
 Result<PointShell> PointShell::from_parts(Parts parts) {
-  const std::size_t count = parts.points.size();
-  if (count == 0 || parts.normals.size() != count || parts.areas.size() != count ||
-      parts.tree.point_count() != count) {
-    return invalid(
-        format_text("there are %zu points, %zu normals, %zu areas and a tree of %u points", count,
-                    parts.normals.size(), parts.areas.size(), parts.tree.point_count()));
+  const BucketPoints points = parts.tree.points();
+  const std::size_t count = points.size();
+  if (count == 0 || parts.normals.size() != count || parts.areas.size() != count) {
+    return invalid(format_text("there are %zu points, %zu normals and %zu areas", count,
+                               parts.normals.size(), parts.areas.size()));
   }
   if (!(parts.spacing > 0.0) || !std::isfinite(parts.spacing)) {
     return invalid(format_text("the spacing is %g m", parts.spacing));
   }
-  if (!are_within(coordinates(std::span<const Vec3f>(parts.points)), kLargestCoordinate)) {
-    return invalid("a point is not finite, or too far away");
-  }
   for (std::size_t i = 0; i < count; ++i) {
+    if (!is_place(points[i])) {
+      return invalid(format_text("point %zu is not finite, or too far away", i));
+    }
     if (!is_direction(parts.normals[i])) {
       return invalid(format_text("the normal of point %zu is not of unit length", i));
     }
@@ -45,7 +48,6 @@ Result<PointShell> PointShell::from_parts(Parts parts) {
     }
   }
   PointShell shell;
-  shell.points_ = std::move(parts.points);
   shell.normals_ = std::move(parts.normals);
   shell.areas_ = std::move(parts.areas);
   shell.spacing_ = parts.spacing;
