@@ -68,21 +68,24 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
 }
 
 void ContactRule::apply(std::vector<Contact>& contacts) {
+  motion_ = RelativeMotion::of(pair_.shell_is_a ? motion_a_ : motion_b_,
+                               pair_.shell_is_a ? motion_b_ : motion_a_,
+                               pair_.shell_side().world_from_geometry());
+  field_from_shell_ = pair_.field_from_shell();
   std::size_t kept = 0;
   bool touches = false;
   for (const Contact& contact : contacts) {
-    const WorldContact world = pair_.to_world(contact);
-    const Impact impact = impact_of(world);
+    const Impact impact = impact_of(contact);
     Contact judged = contact;
     double time = impact.time();
     if (!(impact.gap < 0.0) && !is_resting(impact)) {
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
       if (closing >= impact.gap) {
-        const auto swept = sweep(contact, world);
+        const auto swept = sweep(contact);
         if (!swept) continue;
         judged = *swept;
-        time = impact_of(pair_.to_world(judged)).time();
+        time = impact_of(judged).time();
         touches = true;
       }
     } else {
@@ -102,7 +105,7 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
   memory_.owed = 0.0;
   if (first_touch_ == kNever) return;
   for (const Contact& contact : contacts) {
-    const Impact impact = impact_of(pair_.to_world(contact));
+    const Impact impact = impact_of(contact);
     if (!is_first(impact)) continue;
     ++first_count_;
     memory_.owed = std::max(memory_.owed, rebound_of(impact).owed);
@@ -111,11 +114,11 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
 
 double ContactRule::Impact::time() const { return approach > 0.0 ? gap / approach : kNever; }
 
-ContactRule::Impact ContactRule::impact_of(const WorldContact& world) const {
-  const Vec3 velocity = motion_a_.velocity_at(world.point_a) - motion_b_.velocity_at(world.point_b);
-  const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
-  return {-world.depth, -dot(velocity, world.normal), -dot(of_forces, world.normal),
-          length(velocity)};
+ContactRule::Impact ContactRule::impact_of(const Contact& contact) const {
+  const Vec3 velocity = motion_.velocity_at(static_cast<Vec3>(contact.point));
+  const auto normal = static_cast<Vec3>(contact.normal);
+  return {-static_cast<double>(contact.depth) - pair_.thickness(), -dot(velocity, normal),
+          -dot(motion_.velocity_of_forces, normal), length(velocity)};
 }
 
 /// Whether a contact is among those that touch first. Those that come later would not come at all
@@ -143,16 +146,20 @@ bool ContactRule::holds(const Impact& impact) const {
 /// Bodies of which no point is where it took hold do so anew. One pose for all points: remembered
 /// point by point, slips that no motion undoes would pull for ever.
 void ContactRule::hold(std::span<const Contact> contacts) {
+  if (memory_.hold) {
+    shell_from_held_ =
+        field_from_shell_.inverse() * (pair_.shell_is_a ? *memory_.hold : memory_.hold->inverse());
+  }
   bool any = false;
   for (const Contact& contact : contacts) {
-    const WorldContact world = pair_.to_world(contact);
-    if (!holds(impact_of(world))) continue;
+    if (!holds(impact_of(contact))) continue;
     any = true;
-    if (length(slip_of(world)) <= slip_limit()) return;
+    if (memory_.hold && length(slip_of(contact)) <= slip_limit()) return;
   }
   memory_.hold.reset();
   if (any) {
-    memory_.hold = pair_.b.world_from_geometry().inverse() * pair_.a.world_from_geometry();
+    memory_.hold = pair_.shell_is_a ? field_from_shell_ : field_from_shell_.inverse();
+    shell_from_held_ = Pose{};
   }
 }
 
@@ -162,14 +169,13 @@ double ContactRule::slip_limit() const {
   return kOfMargin * rest_margin_;
 }
 
-/// Along the surface, metres; of bodies that hold on to nothing, farther than any limit.
-Vec3 ContactRule::slip_of(const WorldContact& world) const {
-  if (!memory_.hold) return {kNever, kNever, kNever};
-  const Vec3 on_a = pair_.a.world_from_geometry().inverse().transform_point(world.point_a);
-  const Vec3 held =
-      pair_.b.world_from_geometry().transform_point(memory_.hold->transform_point(on_a));
-  const Vec3 slip = world.point_a - held;
-  return slip - dot(slip, world.normal) * world.normal;
+/// How far a point of the shell has slipped along the surface since the bodies took hold of each
+/// other. Metres, in the shell's frame.
+Vec3 ContactRule::slip_of(const Contact& contact) const {
+  const auto point = static_cast<Vec3>(contact.point);
+  const auto normal = static_cast<Vec3>(contact.normal);
+  const Vec3 slip = point - shell_from_held_.transform_point(point);
+  return slip - dot(slip, normal) * normal;
 }
 
 /// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
@@ -187,19 +193,39 @@ ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
   return {speed, 0.0};
 }
 
-WorldContact ContactRule::to_world(const Contact& contact, double patch) const {
+/// Of points all around one, their distance from it; of points in a long row, its width.
+double ContactRule::lever_of(std::span<const Contact> contacts) const {
+  constexpr double kSmall = 0.1;
+  if (!rolling_at_rest_ || !is_still_) return 0.0;
+  const Vec3f deepest = std::ranges::max_element(contacts, {}, &Contact::depth)->point;
+  Vec3f farthest{};
+  for (const Contact& contact : contacts) {
+    const Vec3f arm = contact.point - deepest;
+    if (dot(arm, arm) > dot(farthest, farthest)) farthest = arm;
+  }
+  const float radius = length(farthest);
+  const double small = kSmall * radius_;
+  if (static_cast<double>(radius) < small) return static_cast<double>(radius);
+  float width = 0.0f;
+  for (const Contact& contact : contacts) {
+    width = std::max(width, length(cross(farthest, contact.point - deepest)) / radius);
+  }
+  return static_cast<double>(width) < small ? static_cast<double>(width) : 0.0;
+}
+
+WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
   WorldContact world = pair_.to_world(contact);
-  const Impact impact = impact_of(world);
+  const Impact impact = impact_of(contact);
   const double inverse_mass = motion_a_.inverse_mass + motion_b_.inverse_mass;
   world.is_resting = holds(impact);
   world.carries_on = is_still_ || world.is_resting;
   if (world.is_resting) {
-    const Vec3 slip = slip_of(world);
-    if (length(slip) <= slip_limit()) world.slip = slip;  // else it slides
-    // Bullet's solver hardly feels the lever between points that are near each other: it is told of
-    // the torque that they withstand.
-    constexpr double kSmall = 0.1;
-    if (rolling_at_rest_ && is_still_ && patch < kSmall * radius_) world.rolling_friction = patch;
+    const Vec3 slip = slip_of(contact);
+    if (length(slip) <= slip_limit()) {  // else it slides
+      const Vec3 of_shell = pair_.shell_side().world_from_geometry().rotate(slip);
+      world.slip = pair_.shell_is_a ? of_shell : -of_shell;
+    }
+    world.rolling_friction = lever;
   }
   world.restitution = restitution_;
   if (!(impact.approach > 0.0)) return world;
@@ -230,15 +256,12 @@ WorldContact ContactRule::to_world(const Contact& contact, double patch) const {
 
 /// Follows the point by conservative advancement, its velocity constant, until it touches or the
 /// step ends.
-std::optional<Contact> ContactRule::sweep(const Contact& contact, const WorldContact& world) const {
-  const Vec3 in_world = (motion_a_.velocity_at(world.point_a) + motion_a_.velocity_of_forces -
-                         motion_b_.velocity_at(world.point_b) - motion_b_.velocity_of_forces) *
-                        time_step_;
-  const Pose field_from_world = pair_.field_side().world_from_geometry().inverse();
-  const Vec3 way = field_from_world.rotate(pair_.shell_is_a ? in_world : -in_world);
+std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
+  const auto point = static_cast<Vec3>(contact.point);
+  const Vec3 way = field_from_shell_.rotate(
+      time_step_ * (motion_.velocity_at(point) + motion_.velocity_of_forces));
   const double length_of_way = length(way);
-  const Pose field_from_shell = pair_.field_from_shell();
-  const Vec3 start = field_from_shell.transform_point(static_cast<Vec3>(contact.point));
+  const Vec3 start = field_from_shell_.transform_point(point);
   return std::visit(
       [&](const auto& field) -> std::optional<Contact> {
         constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
@@ -246,7 +269,7 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact, const WorldCon
         constexpr int kMostSteps = 64;
         double share = 0.0;
         Vec3f place = static_cast<Vec3f>(start);
-        double gap = -world.depth;
+        double gap = -static_cast<double>(contact.depth) - pair_.thickness();
         for (int i = 0; gap > kTouching * voxel_ && i < kMostSteps; ++i) {
           share += kOfDistance * gap / length_of_way;
           if (!(share <= 1.0)) return std::nullopt;
@@ -257,7 +280,7 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact, const WorldCon
         const double approach = -dot(way, normal);
         if (!(approach > 0.0)) return std::nullopt;
         Contact touching = contact;
-        touching.normal = static_cast<Vec3f>(field_from_shell.inverse().rotate(normal));
+        touching.normal = static_cast<Vec3f>(field_from_shell_.inverse().rotate(normal));
         touching.depth =
             static_cast<float>(-(share * approach + std::max(gap, 0.0)) - pair_.thickness());
         return touching;

@@ -47,9 +47,12 @@ class ContactRule {
   /// going to touch has the normal of the place where it will.
   void apply(std::vector<Contact>& contacts);
 
-  /// One of those that apply() left, for the manifold; `patch` is how far
-  /// those of its manifold are from the deepest of them, metres.
-  WorldContact to_world(const Contact& contact, double patch) const;
+  /// The lever of the torque that `contacts` of a still body withstand where it is so short that
+  /// the solver would hardly feel it, metres; 0 for others. Not empty.
+  double lever_of(std::span<const Contact> contacts) const;
+
+  /// One of those that apply() left, for the manifold of contacts that have this lever.
+  WorldContact to_world(const Contact& contact, double lever) const;
 
  private:
   /// How the bodies meet at a contact, along its normal.
@@ -67,16 +70,16 @@ class ContactRule {
     double owed;  ///< see Memory
   };
 
-  Impact impact_of(const WorldContact& world) const;
+  Impact impact_of(const Contact& contact) const;
   Rebound rebound_of(const Impact& impact) const;
   bool is_slow(const Impact& impact) const;
   bool is_resting(const Impact& impact) const;
   bool holds(const Impact& impact) const;
   void hold(std::span<const Contact> contacts);
   double slip_limit() const;
-  Vec3 slip_of(const WorldContact& world) const;
+  Vec3 slip_of(const Contact& contact) const;
   bool is_first(const Impact& impact) const;
-  std::optional<Contact> sweep(const Contact& contact, const WorldContact& world) const;
+  std::optional<Contact> sweep(const Contact& contact) const;
 
   const PosedPair& pair_;
   double time_step_;
@@ -91,6 +94,9 @@ class ContactRule {
   bool rolling_at_rest_;
   double margin_ = 0.0;
   double voxel_ = 0.0;
+  RelativeMotion motion_{};  ///< of the shell as the field sees it, in the shell's frame
+  Pose field_from_shell_;
+  Pose shell_from_held_;     ///< takes a point to where it would be had it not slipped
   double owed_;              ///< by the step before
   double first_touch_;       ///< of the contacts, seconds from the start of the step on
   std::size_t first_count_;  ///< how many of them touch then

@@ -55,16 +55,6 @@ float depth_of(const ManifoldPoints& points, std::span<const Contact> contacts) 
   return depth;
 }
 
-/// How far `contacts` are from the deepest of them, metres.
-double radius_of(std::span<const Contact> contacts) {
-  const Contact& deepest = *std::ranges::max_element(contacts, {}, &Contact::depth);
-  double radius = 0.0;
-  for (const Contact& contact : contacts) {
-    radius = std::max(radius, static_cast<double>(length(contact.point - deepest.point)));
-  }
-  return radius;
-}
-
 /// Those of `contacts`, ascending by id, that are in `manifold`, if all in it are among them.
 ManifoldPoints points_before(std::span<const Contact> contacts,
                              const btPersistentManifold& manifold) {
@@ -260,7 +250,7 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
 
 void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
   assign_manifolds(pair, is_regular);
-  choose_points(static_cast<float>(rule.rest_margin()), is_regular);
+  choose_points(rule, is_regular);
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   chosen_.clear();
   const Contact* group = contacts_.data();
@@ -268,7 +258,7 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
     std::array<WorldContact, kManifoldSize> world;
     for (std::size_t i = 0; i < entry.chosen.count; ++i) {
       const Contact& contact = group[entry.chosen.indices[i]];
-      world[i] = rule.to_world(contact, entry.patch);
+      world[i] = rule.to_world(contact, entry.lever);
       chosen_.push_back(contact);
     }
     fill_manifold(*entry.manifold, std::span(world).first(entry.chosen.count), pair.a.wrap(),
@@ -279,18 +269,18 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
 }
 
 /// Those of its contacts that each of active_ is to hold.
-void ModelAlgorithm::choose_points(float rest_margin, bool is_regular) {
+void ModelAlgorithm::choose_points(const ContactRule& rule, bool is_regular) {
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
   // On a few segments a body may rest on more points than one of some of them.
   constexpr std::size_t kFew = 4;
   const bool is_few = is_regular || active_.size() <= kFew;
+  const float band = kCarriesOn * static_cast<float>(rule.rest_margin());
   std::span<const Contact> left(contacts_);
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    entry.patch = is_few ? radius_of(group) : std::numeric_limits<double>::infinity();
-    entry.chosen =
-        choose(group, is_few ? kManifoldSize : 1, *entry.manifold, kCarriesOn * rest_margin);
+    entry.lever = is_few ? rule.lever_of(group) : 0.0;
+    entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
 }
 

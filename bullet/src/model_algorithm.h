@@ -43,7 +43,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
     btPersistentManifold* manifold;
     std::size_t contact_count;
     ManifoldPoints chosen{};
-    double patch = 0.0;  ///< see ContactRule::to_world()
+    double lever = 0.0;  ///< see ContactRule::to_world()
   };
   enum class Wanted { kAll, kOneASegment };
 
@@ -54,7 +54,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void release_manifolds();
   void drop_idle_points(float band);
   void assign_manifolds(const PosedPair& pair, bool is_regular);
-  void choose_points(float rest_margin, bool is_regular);
+  void choose_points(const ContactRule& rule, bool is_regular);
   void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 

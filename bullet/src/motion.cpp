@@ -50,4 +50,13 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
           time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass};
 }
 
+RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
+                                  const Pose& world_from_frame) {
+  const Vec3& origin = world_from_frame.translation;
+  const Matrix3 frame_from_world = world_from_frame.rotation.transposed();
+  return {frame_from_world * (body.velocity_at(origin) - seen_from.velocity_at(origin)),
+          frame_from_world * (body.angular_velocity - seen_from.angular_velocity),
+          frame_from_world * (body.velocity_of_forces - seen_from.velocity_of_forces)};
+}
+
 }  // namespace voxshell::bullet

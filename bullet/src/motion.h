@@ -2,7 +2,7 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
-#include "voxshell/vector.h"
+#include "voxshell/pose.h"
 
 namespace voxshell::bullet {
 
@@ -21,6 +21,18 @@ struct Motion {
   Vec3 velocity_at(const Vec3& world_point) const {
     return velocity + cross(angular_velocity, world_point - centre);
   }
+};
+
+/// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
+struct RelativeMotion {
+  Vec3 velocity;            ///< at the frame's origin, m/s
+  Vec3 angular_velocity;    ///< rad/s
+  Vec3 velocity_of_forces;  ///< as of Motion
+
+  static RelativeMotion of(const Motion& body, const Motion& seen_from,
+                           const Pose& world_from_frame);
+
+  Vec3 velocity_at(const Vec3& point) const { return velocity + cross(angular_velocity, point); }
 };
 
 }  // namespace voxshell::bullet

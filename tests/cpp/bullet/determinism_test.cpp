@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x1964329c72a860ff, 0x11d9b6b1a6e05067, 0x188d2878bf25725f, 0x7ca4c6a5d97264ba,
-        0x1916a679694fec7b}},
+       {0x3e49d277ff4066fe, 0xfa3d947fad98c590, 0xece18333308309db, 0xddd65b32dea1224c,
+        0xcc93814bcfe37830}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x26062ebce3aa6974, 0x6a92737926db563b, 0xe1e53ca420271563, 0xb09a931872ae1ed8,
-        0xa0b155e7e34c478a}},
+       {0xbf430724f4a04cc6, 0x46e5b985e416b949, 0x265a5ea9203c709d, 0x7ee5a4dbd1150e4e,
+        0x95447865f7bb1fe9}},
   };
   return hashes;
 }

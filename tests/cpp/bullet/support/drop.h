@@ -64,19 +64,35 @@ void expect_true_landing(World& world, const Body& body, int steps) {
 /// rad/s. In single precision, four points leave a body rocking.
 inline constexpr double kCalm = kIsDouble ? 0.02 : 0.4;
 
-/// The same for 15 s, after which it is to lie still for 2 s, turning at less than `calm`, rad/s.
+/// How a body lies, over 2 s.
+struct Lying {
+  double fastest_turn = 0.0;  ///< rad/s
+  double drift = 0.0;         ///< metres
+
+  bool is_calm(double calm = kCalm) const { return fastest_turn < calm && drift < 1e-3; }
+};
+
+/// The same for 15 s, and how the body lies after them.
 template <class World, class Body>
-void expect_calm_landing(World& world, const Body& body, double calm = kCalm) {
+Lying expect_true_landing_and_lie(World& world, const Body& body) {
   expect_true_landing(world, body, 3000);
   EXPECT_FALSE(world.points().empty());
+  Lying lying;
   const btVector3 start = place_of(body);
-  double fastest_turn = 0.0;
   for (int i = 0; i < 400; ++i) {
     world.step(1);
-    fastest_turn = std::max(fastest_turn, turn_of(body));
+    lying.fastest_turn = std::max(lying.fastest_turn, turn_of(body));
   }
-  EXPECT_LT(fastest_turn, calm);
-  EXPECT_LT((place_of(body) - start).length(), scalar(1e-3));
+  lying.drift = static_cast<double>((place_of(body) - start).length());
+  return lying;
+}
+
+/// The same, after which it is to lie still, turning at less than `calm`, rad/s.
+template <class World, class Body>
+void expect_calm_landing(World& world, const Body& body, double calm = kCalm) {
+  const Lying lying = expect_true_landing_and_lie(world, body);
+  EXPECT_TRUE(lying.is_calm(calm))
+      << "turns at " << lying.fastest_turn << " rad/s, has moved by " << lying.drift << " m";
 }
 
 }  // namespace voxshell::bullet::test_support
