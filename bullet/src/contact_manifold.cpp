@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <utility>
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
@@ -11,35 +12,78 @@
 namespace voxshell::bullet {
 namespace {
 
-void combine_materials(btManifoldPoint& point, const btCollisionObject* object0,
-                       const btCollisionObject* object1) {
-  // Through Bullet's pointers, which users may have set to rules of their own.
-  point.m_combinedFriction = gCalculateCombinedFrictionCallback(object0, object1);
-  point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(object0, object1);
-  point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(object0, object1);
-  const int flags = object0->getCollisionFlags() | object1->getCollisionFlags();
-  if (flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
-    point.m_combinedContactDamping1 = gCalculateCombinedContactDampingCallback(object0, object1);
-    point.m_combinedContactStiffness1 =
-        gCalculateCombinedContactStiffnessCallback(object0, object1);
-    point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
-  }
-  if (flags & btCollisionObject::CF_HAS_FRICTION_ANCHOR) {
-    point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-  }
-  btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
-}
+/// What all contacts of two objects have in common.
+struct Materials {
+  btScalar friction;
+  btScalar rolling_friction;
+  btScalar spinning_friction;
+  btScalar damping = 0;
+  btScalar stiffness = 0;
+  int flags = 0;
 
-void carry_over(btManifoldPoint& point, const btManifoldPoint& before, bool carries_on) {
-  point.m_appliedImpulse = before.m_appliedImpulse;
-  // What is left for ten iterations to find again in every step is what resting bodies rock by.
-  if (carries_on) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
-  point.m_prevRHS = before.m_prevRHS;
-  point.m_appliedImpulseLateral1 = before.m_appliedImpulseLateral1;
-  point.m_appliedImpulseLateral2 = before.m_appliedImpulseLateral2;
-  point.m_userPersistentData = before.m_userPersistentData;
-  point.m_lifeTime = before.m_lifeTime + 1;
-}
+  // Through Bullet's pointers, which users may have set to rules of their own.
+  Materials(const btCollisionObject* object0, const btCollisionObject* object1)
+      : friction(gCalculateCombinedFrictionCallback(object0, object1)),
+        rolling_friction(gCalculateCombinedRollingFrictionCallback(object0, object1)),
+        spinning_friction(gCalculateCombinedSpinningFrictionCallback(object0, object1)) {
+    const int of_objects = object0->getCollisionFlags() | object1->getCollisionFlags();
+    if (of_objects & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
+      damping = gCalculateCombinedContactDampingCallback(object0, object1);
+      stiffness = gCalculateCombinedContactStiffnessCallback(object0, object1);
+      flags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+    }
+    if (of_objects & btCollisionObject::CF_HAS_FRICTION_ANCHOR) {
+      flags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    }
+  }
+
+  void give_to(btManifoldPoint& point) const {
+    point.m_combinedFriction = friction;
+    point.m_combinedRollingFriction = rolling_friction;
+    point.m_combinedSpinningFriction = spinning_friction;
+    if (flags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) {
+      point.m_combinedContactDamping1 = damping;
+      point.m_combinedContactStiffness1 = stiffness;
+    }
+    point.m_contactPointFlags |= flags;
+  }
+};
+
+/// What a manifold's point leaves to that of the next step with its id.
+struct Heritage {
+  int id;
+  int life_time;
+  btScalar impulse;
+  btScalar impulse_lateral_1;
+  btScalar impulse_lateral_2;
+  btScalar right_hand_side;
+  void* user_data;
+  bool is_taken;
+
+  /// Takes the user's data out of the point.
+  static Heritage take_from(btManifoldPoint& point) {
+    return {point.m_index0,
+            point.m_lifeTime,
+            point.m_appliedImpulse,
+            point.m_appliedImpulseLateral1,
+            point.m_appliedImpulseLateral2,
+            point.m_prevRHS,
+            std::exchange(point.m_userPersistentData, nullptr),
+            false};
+  }
+
+  void give_to(btManifoldPoint& point, bool carries_on) {
+    point.m_appliedImpulse = impulse;
+    // What is left for ten iterations to find again in every step is what resting bodies rock by.
+    if (carries_on) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
+    point.m_prevRHS = right_hand_side;
+    point.m_appliedImpulseLateral1 = impulse_lateral_1;
+    point.m_appliedImpulseLateral2 = impulse_lateral_2;
+    point.m_userPersistentData = user_data;
+    point.m_lifeTime = life_time + 1;
+    is_taken = true;
+  }
+};
 
 }  // namespace
 
@@ -52,17 +96,16 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
   const btTransform& world_from_0 = wrap0.getCollisionObject()->getWorldTransform();
   const btTransform& world_from_1 = wrap1.getCollisionObject()->getWorldTransform();
 
-  std::array<btManifoldPoint, MANIFOLD_CACHE_SIZE> before;
+  std::array<Heritage, MANIFOLD_CACHE_SIZE> kept;
   const int before_count = manifold.getNumContacts();
   for (int i = 0; i < before_count; ++i) {
-    before[static_cast<std::size_t>(i)] = manifold.getContactPoint(i);
-    // The point that takes over its id takes over the data too.
-    manifold.getContactPoint(i).m_userPersistentData = nullptr;
+    kept[static_cast<std::size_t>(i)] = Heritage::take_from(manifold.getContactPoint(i));
   }
+  const std::span before(kept.data(), static_cast<std::size_t>(before_count));
   // Not clearManifold(), which would tell gContactEndedCallback that the bodies have parted.
   manifold.setNumContacts(0);
 
-  std::array<bool, MANIFOLD_CACHE_SIZE> carried{};
+  const Materials materials(wrap0.getCollisionObject(), wrap1.getCollisionObject());
   for (const WorldContact& contact : contacts) {
     const btVector3 on_0 = to_bullet(swapped ? contact.point_b : contact.point_a);
     const btVector3 on_1 = to_bullet(swapped ? contact.point_a : contact.point_b);
@@ -74,7 +117,8 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
     point.m_partId0 = wrap0.m_partId;
     point.m_partId1 = wrap1.m_partId;
     point.m_index0 = point.m_index1 = static_cast<int>(contact.id);
-    combine_materials(point, wrap0.getCollisionObject(), wrap1.getCollisionObject());
+    materials.give_to(point);
+    btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
     point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
     point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
     point.m_combinedRollingFriction =
@@ -85,14 +129,10 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
       point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
       point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));
     }
-    for (int i = 0; i < before_count; ++i) {
-      const auto slot = static_cast<std::size_t>(i);
-      if (!carried[slot] && before[slot].m_index0 == point.m_index0) {
-        carry_over(point, before[slot], contact.carries_on);
-        carried[slot] = true;
-        break;
-      }
-    }
+    const auto same = std::ranges::find_if(before, [&](const Heritage& heritage) {
+      return !heritage.is_taken && heritage.id == point.m_index0;
+    });
+    if (same != before.end()) same->give_to(point, contact.carries_on);
     // Points within the margin are predictive: Bullet asserts that others are in touch.
     const int index = manifold.addManifoldPoint(point, /*isPredictive=*/contact.depth <= 0.0);
     const int flags = wrap0.getCollisionObject()->getCollisionFlags() |
@@ -103,11 +143,10 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
                             point.m_index0, &wrap1, point.m_partId1, point.m_index1);
     }
   }
-  for (int i = 0; i < before_count; ++i) {
-    const auto slot = static_cast<std::size_t>(i);
-    if (!carried[slot] && before[slot].m_userPersistentData != nullptr &&
+  for (const Heritage& heritage : before) {
+    if (!heritage.is_taken && heritage.user_data != nullptr &&
         gContactDestroyedCallback != nullptr) {
-      gContactDestroyedCallback(before[slot].m_userPersistentData);
+      gContactDestroyedCallback(heritage.user_data);
     }
   }
   const int count = manifold.getNumContacts();

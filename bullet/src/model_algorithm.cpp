@@ -254,8 +254,8 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   chosen_.clear();
   const Contact* group = contacts_.data();
+  std::array<WorldContact, kManifoldSize> world;
   for (const SegmentManifold& entry : active_) {
-    std::array<WorldContact, kManifoldSize> world;
     for (std::size_t i = 0; i < entry.chosen.count; ++i) {
       const Contact& contact = group[entry.chosen.indices[i]];
       world[i] = rule.to_world(contact, entry.lever);
