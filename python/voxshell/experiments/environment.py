@@ -15,6 +15,7 @@ _LIBRARIES = (
     "coacd",
     "coal",
     "manifold3d",
+    "mujoco",
     "numpy",
     "trimesh",
     "vhacdx",

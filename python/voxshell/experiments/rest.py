@@ -1,8 +1,14 @@
-"""Rest: how calmly the bunny lies, in many orientations, with every way to make contacts."""
+"""Rest: how calmly the bunny lies, in many orientations, with every way to make contacts.
+
+Beside that, how long it rolls: a question of its shape as well as of contacts, and so also asked of two
+libraries that make contacts of their own, at ever higher rates.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -11,17 +17,24 @@ from voxshell._arguments import as_positive
 from voxshell.body import Body
 from voxshell.comparison_shapes import ConvexHull
 from voxshell.experiments.part import Part
+from voxshell.experiments.rest_mujoco import MuJoCoFall
 from voxshell.scenes.bunny import BunnySettings, build_block, compute_pose
 from voxshell.scenes.drop import BULLET_MARGIN, BULLET_SOLVER
+from voxshell.scenes.solids import as_mesh, import_manifold
 from voxshell.shapes import Plane
 from voxshell.world import World
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from voxshell.body_shapes import Shape
     from voxshell.experiments.part import Tables
 
 Ground = Literal["voxels", "plane"]
-Shell = Literal["fine", "coarse", "hull"]
-"""A shell of ours, or Bullet's own hull of the bunny, for comparison."""
+Shell = Literal["fine", "coarse", "hull", "whole-hull"]
+"""A shell of ours, or for comparison Bullet's own hull of the bunny, of 42 vertices or of all."""
 Mode = Literal["auto", "regular", "segmented"]
 
 GROUNDS: tuple[Ground, ...] = ("voxels", "plane")
@@ -30,6 +43,19 @@ SHELLS: tuple[Shell, ...] = ("fine", "coarse")
 MODES: tuple[Mode, ...] = ("auto", "regular", "segmented")
 BLOCK_HALF_EXTENTS = (0.5, 0.5, 0.05)
 """Of the ground of voxels, metres."""
+
+ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
+    "fine",
+    "coarse",
+    "hull",
+    "whole-hull",
+    "mujoco",
+)
+"""Of which is measured how long they roll. On a plane all but the hull of 42 vertices are the same body:
+nothing else of it than its convex hull can touch."""
+
+FRAME_SECONDS = 0.05
+"""Of which the largest angular speed is kept."""
 
 WINDOW_SECONDS = 0.25
 """In which angular speed and depth are looked at: at its end, "after 2 s" has passed."""
@@ -44,6 +70,7 @@ class RestSettings(BunnySettings):
         rate: Steps a second.
         settle_seconds: After the first contact, until rest is looked at.
         drift_seconds: After that, over which drift is measured.
+        roll_rates: Steps a second at which it is measured how long the bunny rolls.
     """
 
     orientations: int = 20
@@ -51,17 +78,26 @@ class RestSettings(BunnySettings):
     rate: float = 200.0
     settle_seconds: float = 2.0
     drift_seconds: float = 10.0
+    roll_rates: tuple[float, ...] = (200.0, 1000.0, 4000.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("height", "rate", "settle_seconds", "drift_seconds"):
             as_positive(getattr(self, name), name)
+        for rate in self.roll_rates:
+            as_positive(rate, "roll_rates")
+
+    @property
+    def fall_seconds(self) -> float:
+        """Until the first contact."""
+        return float(np.sqrt(2.0 * self.height / 9.81))
 
 
 def plan(settings: RestSettings) -> list[Part]:
-    """A part for each ground, shell and mode."""
-    steps = settings.rate * (settings.settle_seconds + settings.drift_seconds)
-    return [
+    """A part for each ground, shell and mode; and for each body and rate that rolls."""
+    seconds = settings.settle_seconds + settings.drift_seconds
+    steps = settings.rate * seconds
+    rests = [
         Part(
             f"{ground}-{shell}-{mode}",
             run_rests,
@@ -73,6 +109,18 @@ def plan(settings: RestSettings) -> list[Part]:
             ("plane", "hull", "auto"),
         ]
     ]
+    rolls = [
+        Part(
+            f"roll-{roller}-{rate:g}",
+            run_rolls,
+            {"settings": settings, "roller": roller, "rate": rate},
+            cost=1.5e-5 * rate * seconds * settings.orientations,
+        )
+        for roller in ROLLERS
+        for rate in settings.roll_rates
+        if roller != "mujoco" or find_spec("mujoco") is not None
+    ]
+    return rests + rolls
 
 
 def run_rests(settings: RestSettings, ground: Ground, shell: Shell, mode: Mode) -> Tables:
@@ -89,8 +137,7 @@ def _lie(
     settings: RestSettings, ground: Ground, shell: Shell, mode: Mode, orientation: int
 ) -> tuple[float, float, float, float, bool]:
     world, body = _build_world(settings, ground, shell, mode, orientation, sleeping=False)
-    # The fall takes sqrt(2 h / g) seconds.
-    settle = settings.settle_seconds + np.sqrt(2.0 * settings.height / 9.81)
+    settle = settings.settle_seconds + settings.fall_seconds
     window = round(WINDOW_SECONDS * settings.rate)
     world.step(round(settle * settings.rate) - window)
     turning = depth = 0.0
@@ -111,6 +158,50 @@ def _lie(
     return turning, depth, drift, end, body.sleeping
 
 
+def run_rolls(settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float) -> Tables:
+    """The largest angular speed of each frame of every orientation, on a plane, automatic contacts."""
+    frame = max(round(FRAME_SECONDS * rate), 1)
+    seconds = settings.fall_seconds + settings.settle_seconds + settings.drift_seconds
+    frames = round(seconds * rate) // frame
+    turning = np.empty((settings.orientations, frames))
+    for orientation in range(settings.orientations):
+        steps = _roll(settings, roller, rate, orientation)
+        for number in range(frames):
+            turning[orientation, number] = max(next(steps) for _ in range(frame))
+    times = (np.arange(frames) + 1) * frame / rate - settings.fall_seconds
+    return {
+        "turning": {
+            "orientation": np.repeat(np.arange(settings.orientations), frames),
+            "time": np.tile(times, settings.orientations),
+            "angular_speed": turning.ravel(),
+        }
+    }
+
+
+def _roll(
+    settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float, orientation: int
+) -> Iterator[float]:
+    """The angular speed after each step, rad/s, without end."""
+    if roller == "mujoco":
+        pose = compute_pose(settings.build_mesh(), orientation, settings.height)
+        fall = MuJoCoFall(find_hull(settings), settings.mass_properties, rate, pose)
+        while True:
+            yield fall.step()
+    world, body = _build_world(
+        settings, "plane", roller, "auto", orientation, rate=rate, sleeping=False
+    )
+    while True:
+        world.step()
+        yield float(np.linalg.norm(body.angular_velocity))
+
+
+@cache
+def find_hull(settings: RestSettings) -> NDArray[np.float64]:
+    """All vertices of the bunny's convex hull, (n, 3), metres, the model's frame."""
+    solid = import_manifold().Manifold.hull_points(np.array(settings.build_mesh().vertices))
+    return as_mesh(solid).vertices
+
+
 def _build_world(
     settings: RestSettings,
     ground: Ground,
@@ -119,12 +210,13 @@ def _build_world(
     orientation: int,
     *,
     sleeping: bool,
+    rate: float | None = None,
 ) -> tuple[World, Body]:
     world = World(
-        time_step=1.0 / settings.rate,
+        time_step=1.0 / (settings.rate if rate is None else rate),
         contact=mode,
         sleeping=sleeping,
-        **(BULLET_SOLVER if shell == "hull" else {}),
+        **(BULLET_SOLVER if shell in ("hull", "whole-hull") else {}),
     )
     if ground == "plane":
         world.add(Plane(), mass=0.0)
@@ -133,11 +225,20 @@ def _build_world(
         pose[2, 3] = -BLOCK_HALF_EXTENTS[2]
         world.add(build_block(BLOCK_HALF_EXTENTS, settings.voxel_size), mass=0.0, pose=pose)
     body = world.add(
-        ConvexHull.sampled(settings.build_mesh().vertices, margin=BULLET_MARGIN)
-        if shell == "hull"
-        else settings.build_model(shell),
+        _build_shape(settings, shell),
         mass=settings.mass,
         pose=compute_pose(settings.build_mesh(), orientation, settings.height),
         inertia=settings.mass_properties,
     )
     return world, body
+
+
+def _build_shape(settings: RestSettings, shell: Shell) -> Shape:
+    match shell:
+        case "hull":
+            return ConvexHull.sampled(settings.build_mesh().vertices, margin=BULLET_MARGIN)
+        case "whole-hull":
+            # A larger margin would round its facets off more.
+            return ConvexHull(find_hull(settings))
+        case _:
+            return settings.build_model(shell)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +19,12 @@ from voxshell.experiments.report.gears import GEARS
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.pour import POUR
-from voxshell.experiments.report.rest import REST
+from voxshell.experiments.report.rest import REST, count_below, find_stills
 from voxshell.experiments.report.scaling import SCALING
 from voxshell.experiments.report.slope import SLOPE
+from voxshell.experiments.rest_mujoco import MuJoCoFall
 from voxshell.experiments.scaling import ScalingSettings
+from voxshell.mass_properties import MassProperties
 from voxshell.scenes.bolt import BoltSettings, measure_turns
 from voxshell.scenes.pour import PourSettings
 
@@ -43,6 +46,7 @@ def rests():
         orientations=2,
         settle_seconds=1.0,
         drift_seconds=1.0,
+        roll_rates=(200.0, 500.0),
         fine_points=2_000,
         voxel_size=0.004,
     )
@@ -53,7 +57,10 @@ def test_rest_has_every_ground_shell_and_mode(rests, tmp_path):
     settings, results = rests
     rows = REST.reduce(settings, results)
     assert len([row for row in rows if row.holds is not None]) == 36
+    assert len([row for row in rows if "rad/s after 1 s, " in row.quantity]) == 10
     for name, tables in results.items():
+        if name.startswith("roll-"):
+            continue
         assert tables["runs"]["depth"].max() < 0.006, name
         assert (tables["runs"]["end_angular_speed"] < 20.0).all()
     draw(REST, settings, results, tmp_path)
@@ -71,6 +78,66 @@ def test_rest_bars_follow_the_data(rests):
         rows = REST.reduce(settings, {**results, name: {"runs": runs}})
         mine = [row for row in rows if row.quantity.endswith("fine, regular, analytic plane")]
         assert [row.holds for row in mine] == [holds] * 3
+
+
+def test_bodies_that_roll_are_told_from_those_that_lie_still(rests):
+    settings, results = rests
+    times = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0])
+    turning = {
+        "orientation": np.repeat([0, 1], 8),
+        "time": np.tile(times, 2),
+        # One is still from 0.5 s on; the other trembles at 1 s, and rolls at the end.
+        "angular_speed": np.array([1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0.01, 0, 0, 0, 0.3]),
+    }
+    tables = {"turning": turning}
+    np.testing.assert_array_equal(find_stills(tables), [0.5, np.inf])
+    assert [count_below(settings, tables, limit) for limit in (0.002, 0.1)] == [1, 2]
+    data = {**results, "roll-fine-500": tables, "roll-whole-hull-500": tables}
+    data = {name: each for name, each in data.items() if "mujoco" not in name}
+    rows = {row.quantity: row for row in REST.reduce(settings, data)}
+    row = rows["below 0.002 rad/s after 1 s, VPS fine, 500 Hz, analytic plane"]
+    assert row.here == 1
+    assert row.note == (
+        "0 roll at 0.1 rad/s or more; still to the end: half from 0.5 s on, "
+        "nine of ten not within 2 s, all not within 2 s"
+    )
+    missing = rows[
+        "below 0.002 rad/s after 1 s, MuJoCo's hull of all vertices, 500 Hz, analytic plane"
+    ]
+    assert np.isnan(missing.here)
+    assert "voxshell[peers]" in missing.note
+    ours = rows["angular speed after 1 s, worst, fine, auto, analytic plane"]
+    assert "(whole hull at 500 Hz: Bullet's 1)" in ours.note
+
+
+def test_what_rolls_is_let_go_at_its_height_and_has_the_whole_hull(rests):
+    settings, results = rests
+    directions = np.random.default_rng(0).normal(size=(50, 3))
+    mesh, hull = settings.build_mesh().vertices, rest.find_hull(settings)
+    assert len(hull) < len(mesh) / 10
+    np.testing.assert_allclose(
+        (hull @ directions.T).max(0), (mesh @ directions.T).max(0), atol=1e-7
+    )
+    for roller in ("fine", "hull", "whole-hull"):
+        turning = results[f"roll-{roller}-200"]["turning"]
+        # Hulls float by their margin, and touch so much earlier.
+        falls = turning["time"] < -0.01
+        assert falls.any()
+        assert (turning["angular_speed"][falls] == 0.0).all()
+        assert turning["angular_speed"].max() > 0.1
+
+
+def test_mujoco_lets_a_box_fall_and_lie():
+    pytest.importorskip("mujoco", reason="of voxshell[peers]")
+    corners = np.array(list(itertools.product((-0.1, 0.1), repeat=3)))
+    matter = MassProperties(1.0, np.zeros(3), np.eye(3) * 0.2**2 / 6.0)
+    pose = trimesh.transformations.rotation_matrix(0.3, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    pose[2, 3] = 0.2
+    fall = MuJoCoFall(corners, matter, 1000.0, pose)
+    turning = np.array([fall.step() for _ in range(2000)])
+    assert (turning[:50] < 1e-12).all()
+    assert turning.max() > 1.0
+    assert turning[-1] < 1e-3
 
 
 def test_box_slides_at_coulombs_angle(tmp_path):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,13 +18,34 @@ from voxshell.experiments.verdict import Row, at_most
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from voxshell.experiments.experiment import Results
+    from voxshell.experiments.part import Tables
 
 MOST_TURNING = 0.002
 """rad/s."""
 
+ROLLING = 0.1
+"""rad/s: more than any body here trembles by that lies on its contacts."""
+
 MOST_DRIFT = 1e-4
 """Metres in ten seconds."""
+
+ROLLER_NAMES = {
+    "fine": "VPS fine",
+    "coarse": "VPS coarse",
+    "hull": "Bullet's hull of 42 vertices",
+    "whole-hull": "Bullet's hull of all vertices",
+    "mujoco": "MuJoCo's hull of all vertices",
+}
+ROLLER_COLORS = {
+    "fine": OURS,
+    "coarse": OURS_COARSE,
+    "hull": PEERS[1],
+    "whole-hull": PEERS[0],
+    "mujoco": PEERS[2],
+}
 
 GROUND_NAMES = {"voxels": "block of voxels", "plane": "analytic plane"}
 
@@ -35,8 +58,12 @@ def describe(settings: RestSettings) -> str:
         "contacts, on a block of voxels and on an analytic plane. Its angular speed is the largest of "
         f"the last {rest.WINDOW_SECONDS:g} s before {settings.settle_seconds:g} s after touch-down, "
         f"its drift the farthest from there in the next {settings.drift_seconds:g} s, nothing sleeps. "
-        "Once more with sleeping on: does it fall asleep? Bullet's own hull of the bunny does the "
-        "same for comparison: a body that still rolls after that time is not a fault of contacts."
+        "Once more with sleeping on: does it fall asleep? Bullet's own hull of the bunny, of 42 "
+        "vertices, does the same for comparison. Whether a body that still rolls after that time is a "
+        "fault of contacts, others tell whose contacts are not ours: on the plane, the hull of all of the "
+        f"bunny's vertices in Bullet and in MuJoCo, at {', '.join(f'{r:g}' for r in settings.roll_rates)} "
+        "Hz, without rolling friction as all else here. A body lies still from when it turns slower than "
+        f"{MOST_TURNING:g} rad/s and does so to the end."
     )
 
 
@@ -44,6 +71,7 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
     """The verdicts."""
     rows = []
     hull = results["plane-hull-auto"]["runs"]
+    others = _tell_others(settings, results)
     for ground in rest.GROUNDS:
         for shell in rest.SHELLS:
             for mode in rest.MODES:
@@ -60,8 +88,7 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
                         bar=f"< {MOST_TURNING:g}",
                         holds=at_most(float(turning.max()), MOST_TURNING),
                         note=f"{int((turning < MOST_TURNING).sum())} of {count} orientations below "
-                        f"(Bullet's hull: {int((hull['angular_speed'] < MOST_TURNING).sum())}); "
-                        f"at the end worst {runs['end_angular_speed'].max():.2g} (Bullet's hull: "
+                        f"({others}); at the end worst {runs['end_angular_speed'].max():.2g} (Bullet's hull: "
                         f"{hull['end_angular_speed'].max():.2g})",
                     ),
                     Row(
@@ -83,11 +110,85 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
                         holds=asleep == count,
                     ),
                 ]
+    return rows + _rows_of_rolling(settings, results)
+
+
+def _tell_others(settings: RestSettings, results: Results) -> str:
+    """In how many orientations the hull of all vertices is calm in time, by library, the finest rate."""
+    rate = max(settings.roll_rates)
+    still = {
+        roller: count_below(settings, results[name], MOST_TURNING)
+        for roller in ("whole-hull", "mujoco")
+        if (name := f"roll-{roller}-{rate:g}") in results
+    }
+    names = {"whole-hull": "Bullet's", "mujoco": "MuJoCo's"}
+    return f"whole hull at {rate:g} Hz: " + ", ".join(
+        f"{names[each]} {count}" for each, count in still.items()
+    )
+
+
+def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
+    rows = []
+    for roller, rate in product(rest.ROLLERS, settings.roll_rates):
+        name = f"roll-{roller}-{rate:g}"
+        count, here, note = settings.orientations, float("nan"), "pip install voxshell[peers]"
+        if name in results:
+            stills = np.sort(find_stills(results[name]))
+            here = count_below(settings, results[name], MOST_TURNING)
+            rolling = count - count_below(settings, results[name], ROLLING)
+            note = f"{rolling} roll at {ROLLING:g} rad/s or more; still to the end: " + ", ".join(
+                f"{words} {_format_seconds(settings, stills[math.ceil(share * count) - 1])}"
+                for share, words in ((0.5, "half"), (0.9, "nine of ten"), (1.0, "all"))
+            )
+        rows.append(
+            Row(
+                f"below {MOST_TURNING:g} rad/s after {settings.settle_seconds:g} s, "
+                f"{ROLLER_NAMES[roller]}, {rate:g} Hz, analytic plane",
+                None,
+                here,
+                f"of {count}",
+                note=note,
+            )
+        )
     return rows
 
 
+def count_below(settings: RestSettings, tables: Tables, limit: float) -> int:
+    """In how many orientations no frame of the window before ``settle_seconds`` reaches a limit, rad/s."""
+    table = tables["turning"]
+    late = table["time"] > settings.settle_seconds - rest.WINDOW_SECONDS
+    window = late & (table["time"] <= settings.settle_seconds)
+    turning = table["orientation"][window & (table["angular_speed"] >= limit)]
+    return settings.orientations - len(np.unique(turning))
+
+
+def find_stills(tables: Tables) -> NDArray[np.float64]:
+    """From when on each orientation lies still, (orientations,), seconds after touch-down.
+
+    Infinite where it turns to the end.
+    """
+    table = tables["turning"]
+    stills = []
+    for orientation in np.unique(table["orientation"]):
+        mine = table["orientation"] == orientation
+        times, turns = table["time"][mine], table["angular_speed"][mine] >= MOST_TURNING
+        if turns[-1]:
+            stills.append(np.inf)
+        else:
+            # A frame's time is its end, from where the next one counts.
+            stills.append(times[np.flatnonzero(turns)[-1]] if turns.any() else 0.0)
+    return np.array(stills)
+
+
+def _format_seconds(settings: RestSettings, seconds: float) -> str:
+    if np.isfinite(seconds):
+        return f"from {seconds:.1f} s on"
+    return f"not within {settings.settle_seconds + settings.drift_seconds:g} s"
+
+
 def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture]:
-    """Angular speed and drift of every orientation."""
+    """Angular speed and drift of every orientation; and how many lie still, over time."""
+    _draw_rolling(settings, results, folder / "rolling.png")
     with open_figure(folder / "rest.png", width=9, height=7.2) as figure:
         turning, drift = figure.subplots(2, 1, sharex=True)
         cases = [
@@ -116,8 +217,39 @@ def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture
         Picture(
             "rest.png",
             "A dot an orientation; dashed: the bar; black: the worst angular speed at the very end.",
-        )
+        ),
+        Picture(
+            "rolling.png",
+            "In how many orientations the bunny lies still, and does so to the end, over the time since "
+            "touch-down, on the plane; the hulls are other contacts than ours. Dashed: the bar.",
+        ),
     ]
+
+
+def _draw_rolling(settings: RestSettings, results: Results, path: Path) -> None:
+    with open_figure(path, width=11, height=4) as figure:
+        panels = figure.subplots(1, len(settings.roll_rates), sharey=True, squeeze=False)[0]
+        for axes, rate in zip(panels, settings.roll_rates, strict=True):
+            for roller, label in ROLLER_NAMES.items():
+                if (name := f"roll-{roller}-{rate:g}") not in results:
+                    continue
+                stills = np.sort(find_stills(results[name]))
+                stills = stills[np.isfinite(stills)]
+                end = settings.settle_seconds + settings.drift_seconds
+                axes.step(
+                    [0.0, *stills, end],
+                    [*range(len(stills) + 1), len(stills)],
+                    where="post",
+                    color=ROLLER_COLORS[roller],
+                    label=label,
+                )
+            axes.axvline(settings.settle_seconds, color=FAINT, ls="--", lw=1)
+            axes.set_title(f"{rate:g} Hz", fontsize=10)
+            axes.yaxis.get_major_locator().set_params(integer=True)
+            axes.set(xlabel="time since touch-down, s", ylim=(0, settings.orientations + 0.5))
+        panels[0].set_ylabel(f"lie still, of {settings.orientations}")
+        lines, labels = panels[0].get_legend_handles_labels()
+        figure.legend(lines, labels, loc="outside upper center", ncols=3, fontsize=8, frameon=False)
 
 
 REST = Experiment(
@@ -126,7 +258,7 @@ REST = Experiment(
     question="Does the bunny come to rest, stay where it is, and fall asleep?",
     describe=describe,
     settings=RestSettings(),
-    quick=replace(RestSettings(), orientations=4),
+    quick=replace(RestSettings(), orientations=4, roll_rates=(200.0, 1000.0)),
     plan=rest.plan,
     reduce=reduce,
     draw=draw,
