@@ -55,10 +55,12 @@ class TrueDepth {
   double doubt_;  ///< how far the field may be off, metres
 };
 
-/// How far the deepest contact that is reported is from the true depth.
-void register_depth_error(Bodies& bodies) {
-  const auto run = [&bodies](benchmark::State& state) {
+/// How far the deepest contact that is reported is from the true depth, with the bunny's shell or
+/// one of so many points.
+void register_depth_error(Bodies& bodies, const char* name, std::size_t points = 0) {
+  const auto run = [&bodies, points](benchmark::State& state) {
     const Model& bunny = bodies.bunny();
+    const PointShell& shell = points == 0 ? bunny.shell() : bodies.bunny_shell(points);
     const std::size_t count = std::min<std::size_t>(bodies.settings().poses, 60);
     const auto poses =
         make_pair_poses(bodies, bunny.field(), bunny.shell(), kDeepest, DrawnFrom::kCore, count);
@@ -70,7 +72,7 @@ void register_depth_error(Bodies& bodies) {
     std::vector<double> errors;
     for (auto _ : state) {
       for (const Pose& pose : poses) {
-        const auto contacts = find_contacts_flat(bunny.field(), bunny.shell(), pose);
+        const auto contacts = find_contacts_flat(bunny.field(), shell, pose);
         const float deepest = std::ranges::max(contacts, {}, &Contact::depth).depth;
         errors.push_back(std::abs(static_cast<double>(deepest) - true_depth.at(pose)) /
                          bodies.settings().voxel_size());
@@ -80,8 +82,9 @@ void register_depth_error(Bodies& bodies) {
     std::ranges::sort(errors);
     state.counters["voxels"] = errors.back();
     state.counters["median_voxels"] = errors[errors.size() / 2];
+    state.counters["spacing_voxels"] = shell.spacing() / bodies.settings().voxel_size();
   };
-  benchmark::RegisterBenchmark("pair_deepest/depth_error", run)->Iterations(1)->UseManualTime();
+  benchmark::RegisterBenchmark(name, run)->Iterations(1)->UseManualTime();
 }
 
 }  // namespace
@@ -124,7 +127,11 @@ void register_query_cases(Bodies& bodies) {
   add("pair_shallow", [=] { return pair(kShallow); }, {kWarm, kRepeated, kCold});
   add("pair_deep", [=] { return pair(kDeep); }, {kWarm, kRepeated, kCold});
   add("pair_deepest", [=] { return pair(kDeepest, DrawnFrom::kCore); }, {kWarm, kCold});
-  if (!settings.quick) register_depth_error(bodies);
+  if (!settings.quick) {
+    register_depth_error(bodies, "pair_deepest/depth_error");
+    register_depth_error(bodies, "pair_deepest/depth_error_78000", 78'000);
+    register_depth_error(bodies, "pair_deepest/depth_error_313000", 313'000);
+  }
   add("near_miss", [=] { return pair(kNearMiss); }, {kWarm, kRepeated, kCold});
   add("coarse_voxelised_plane",
       [=, &bodies] {

@@ -93,7 +93,7 @@ BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, bool is_fi
                              Work& work) const {
   const auto corners = lattice_.corners_of(brick);
   work.nearest = tree_.find_nearest(centre_of(brick), work.nearest.guess);
-  BrickPlan plan{.at_centre = work.nearest.distance};
+  BrickPlan plan{.at_centre = work.nearest.distance, .guess = work.nearest.guess};
   const auto at_centre = static_cast<double>(plan.at_centre);
   if (are_affine(corners) && is_plane(brick, corners, at_centre, work.nearest.triangle, work)) {
     plan.region = flat_.region_of(work.nearest.triangle);

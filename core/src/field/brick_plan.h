@@ -45,6 +45,7 @@ struct BrickPlan {
   std::int32_t cells = 0;    ///< along each axis; 0: as a plane
   std::uint32_t region = 0;  ///< of the mesh, whose plane it is
   float at_centre = 0.0f;    ///< unsigned distance, voxels
+  std::int32_t guess = 0;    ///< what is nearest to the centre, for searches in the brick
 };
 
 /// The middle of a brick, voxels from the grid's origin.

@@ -16,6 +16,7 @@ namespace {
 using simd::kBrickCells;
 
 constexpr std::string_view kStage = "distance field";
+constexpr std::size_t kMostCoarseCells = 4;
 constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 /// A progress that is one part of another.
@@ -183,6 +184,8 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     DistanceTree::Scratch scratch;
     RowResult& result = results[row];
     std::array<float, cube(kBrickCells + 1)> distances;
+    std::array<float, cube(kMostCoarseCells + 1)> distances_before;
+    std::span<float> before;
     for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
       const BrickPlan& plan = plans_[brick];
       if (plan.cells == 0) continue;
@@ -192,11 +195,15 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
                                    cube(static_cast<std::size_t>(plan.cells) + 1));
       if (plan.cells == 1) {
         std::copy(corners.begin(), corners.end(), nodes.begin());
+      } else if (plan.cells == kBrickCells) {
+        tree_.measure_brick(centre_of(place), plan.at_centre, scratch, nodes);
+        sign_fine(place, nodes, result.overlap);
       } else {
-        measure(centre_of(place), plan, scratch, nodes);
-        if (plan.cells == kBrickCells) {
-          sign_fine(place, nodes, result.overlap);
-        } else if (corners[0] < 0.0) {
+        const bool follows = brick % nx > 0 && plans_[brick - 1].cells == plan.cells;
+        measure_coarse(place, plan, follows ? before : std::span<float>{}, nodes);
+        before = std::span(distances_before).first(nodes.size());
+        std::copy(nodes.begin(), nodes.end(), before.begin());
+        if (corners[0] < 0.0) {
           for (float& d : nodes) d = -d;
         }
       }
@@ -229,22 +236,32 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
   return true;
 }
 
-void FieldBuilder::measure(const Vec3& centre, const BrickPlan& plan,
-                           DistanceTree::Scratch& scratch, std::span<float> nodes) const {
-  if (plan.cells == kBrickCells) {
-    tree_.measure_brick(centre, plan.at_centre, scratch, nodes);
-    return;
-  }
+/// Unsigned. Those at the corners and the centre are known, and those on the side shared with the
+/// brick before this one are among that one's, `before`, if it has as many.
+void FieldBuilder::measure_coarse(const std::array<std::size_t, 3>& brick, const BrickPlan& plan,
+                                  std::span<const float> before, std::span<float> nodes) const {
+  const auto cells = static_cast<std::size_t>(plan.cells);
   const double spacing = static_cast<double>(kBrickCells) / plan.cells;
-  const Vec3 first = centre - Vec3{kHalfEdge, kHalfEdge, kHalfEdge};
+  const Vec3 first = centre_of(brick) - Vec3{kHalfEdge, kHalfEdge, kHalfEdge};
+  const auto corners = lattice_.corners_of(brick);
+  const auto is_end = [&](std::size_t i) { return i == 0 || i == cells; };
   DistanceTree::Nearest nearest{};
+  nearest.guess = plan.guess;
   std::size_t node = 0;
-  for (int k = 0; k <= plan.cells; ++k) {
-    for (int j = 0; j <= plan.cells; ++j) {
-      for (int i = 0; i <= plan.cells; ++i, ++node) {
-        nearest =
-            tree_.find_nearest(first + spacing * Vec3{1.0 * i, 1.0 * j, 1.0 * k}, nearest.guess);
-        nodes[node] = nearest.distance;
+  for (std::size_t k = 0; k <= cells; ++k) {
+    for (std::size_t j = 0; j <= cells; ++j) {
+      for (std::size_t i = 0; i <= cells; ++i, ++node) {
+        if (is_end(i) && is_end(j) && is_end(k)) {
+          nodes[node] = static_cast<float>(std::abs(corners[(i + 2 * j + 4 * k) / cells]));
+        } else if (2 * i == cells && 2 * j == cells && 2 * k == cells) {
+          nodes[node] = plan.at_centre;
+        } else if (i == 0 && !before.empty()) {
+          nodes[node] = before[node + cells];
+        } else {
+          const Vec3 offset{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+          nearest = tree_.find_nearest(first + spacing * offset, nearest.guess);
+          nodes[node] = nearest.distance;
+        }
       }
     }
   }

@@ -51,8 +51,8 @@ class FieldBuilder {
   bool plan_bricks();
   bool place_bricks(GridFieldData& data) const;
   bool fill_bricks(GridFieldData& data);
-  void measure(const Vec3& centre, const BrickPlan& plan, DistanceTree::Scratch& scratch,
-               std::span<float> nodes) const;
+  void measure_coarse(const std::array<std::size_t, 3>& brick, const BrickPlan& plan,
+                      std::span<const float> before, std::span<float> nodes) const;
   void sign_fine(const std::array<std::size_t, 3>& brick, std::span<float> nodes,
                  OverlapCount& overlap) const;
 

@@ -244,12 +244,15 @@ bool DistanceTree::find_within(const Vec3& p, double radius, std::size_t most,
 
 void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& scratch,
                                  std::span<float> distances) const {
-  if (scratch.floats.empty()) {
-    scratch.indices.resize(kMostBlocks * (1 + 2 * kLanes));
-    scratch.floats.resize(kMostBlocks * (2 * std::size_t{simd::kBlockFloats} + kLanes));
+  if (!scratch.floats) {
+    // A megabyte, of which most bricks need little.
+    scratch.indices =
+        std::make_unique_for_overwrite<std::int32_t[]>(kMostBlocks * (1 + 2 * kLanes));
+    scratch.floats = std::make_unique_for_overwrite<float[]>(
+        kMostBlocks * (2 * std::size_t{simd::kBlockFloats} + kLanes));
   }
-  std::int32_t* blocks = scratch.indices.data();
-  float* moved = scratch.floats.data();
+  std::int32_t* blocks = scratch.indices.get();
+  float* moved = scratch.floats.get();
   float* gathered = moved + kMostBlocks * simd::kBlockFloats;
   const simd::BrickScratch work{static_cast<std::int32_t>(kMostBlocks),
                                 blocks,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,8 @@ class DistanceTree {
 
   /// What one thread measures bricks with.
   struct Scratch {
-    std::vector<std::int32_t> indices;
-    std::vector<float> floats;
+    std::unique_ptr<std::int32_t[]> indices;
+    std::unique_ptr<float[]> floats;
   };
   /// Distances of 9^3 nodes a voxel apart, x fastest, with `centre` in the middle, whose own
   /// distance is `at_centre`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -57,11 +58,34 @@ struct HalfEdge {
   std::uint32_t high;  ///< larger vertex index
   bool forward;        ///< the triangle runs from low to high
 
-  friend bool operator<(const HalfEdge& a, const HalfEdge& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  }
   bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
 };
+
+/// By their smaller vertex, then by the larger one.
+std::vector<HalfEdge> sort_half_edges(std::span<const Triangle> triangles, std::size_t vertices) {
+  const auto visit = [&](const auto& take) {
+    for (const Triangle& t : triangles) {
+      for (std::size_t side = 0; side < 3; ++side) {
+        const std::uint32_t from = t[side];
+        const std::uint32_t to = t[(side + 1) % 3];
+        take(HalfEdge{std::min(from, to), std::max(from, to), from < to});
+      }
+    }
+  };
+  // Few have the same smaller vertex: once these are together, there is little left to sort.
+  std::vector<std::size_t> next(vertices + 1, 0);
+  visit([&](const HalfEdge& edge) { ++next[edge.low + 1]; });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<HalfEdge> sorted(3 * triangles.size());
+  visit([&](const HalfEdge& edge) { sorted[next[edge.low]++] = edge; });
+  auto begin = sorted.begin();
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(next[vertex]);
+    std::sort(begin, end, [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; });
+    begin = end;
+  }
+  return sorted;
+}
 
 }  // namespace
 
@@ -178,17 +202,7 @@ double TriangleMesh::compute_volume() const {
 }
 
 MeshDefects TriangleMesh::compute_defects() const {
-  std::vector<HalfEdge> half_edges;
-  half_edges.reserve(3 * triangles_.size());
-  for (const Triangle& t : triangles_) {
-    for (std::size_t side = 0; side < 3; ++side) {
-      const std::uint32_t from = t[side];
-      const std::uint32_t to = t[(side + 1) % 3];
-      half_edges.push_back({std::min(from, to), std::max(from, to), from < to});
-    }
-  }
-  std::sort(half_edges.begin(), half_edges.end());
-
+  const std::vector<HalfEdge> half_edges = sort_half_edges(triangles_, vertices_.size());
   MeshDefects defects;
   for (std::size_t begin = 0, end = 0; begin < half_edges.size(); begin = end) {
     while (end < half_edges.size() && half_edges[end].same_edge(half_edges[begin])) ++end;

@@ -1,9 +1,14 @@
 #include "voxshell/triangle_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -265,6 +270,42 @@ TEST(TriangleMesh, ATriangleGivenTwiceIsFound) {
   const MeshDefects defects = soup.mesh().compute_defects();
   EXPECT_EQ(defects.non_manifold_edges, 3u);
   expect_encloses_nothing(soup.mesh(), "3 non-manifold");
+}
+
+TEST(TriangleMesh, DefectsOfATangleAreThoseOfEachOfItsEdges) {
+  Random random(58);
+  Soup soup;
+  for (int i = 0; i < 40; ++i) soup.vertices.push_back(random.in_box({-1, -1, -1}, {1, 1, 1}));
+  while (soup.triangles.size() < 300) {
+    const auto vertex = [&] { return static_cast<std::uint32_t>(random.below(40)); };
+    soup.triangles.push_back({vertex(), vertex(), vertex()});
+  }
+  const TriangleMesh mesh = soup.mesh();
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<bool>> edges;
+  for (const Triangle& t : mesh.triangles()) {
+    for (std::size_t side = 0; side < 3; ++side) {
+      const auto [low, high] = std::minmax(t[side], t[(side + 1) % 3]);
+      edges[{low, high}].push_back(low == t[side]);
+    }
+  }
+  MeshDefects expected;
+  for (const auto& [ends, forward] : edges) {
+    const bool was_closed = expected.is_closed();
+    expected.open_edges += forward.size() == 1;
+    expected.non_manifold_edges += forward.size() > 2;
+    expected.flipped_edges += forward.size() == 2 && forward[0] == forward[1];
+    if (was_closed && !expected.is_closed()) {
+      expected.first_location = 0.5 * (mesh.vertices()[ends.first] + mesh.vertices()[ends.second]);
+    }
+  }
+  const MeshDefects defects = mesh.compute_defects();
+  EXPECT_GT(expected.open_edges, 10u);
+  EXPECT_GT(expected.non_manifold_edges, 10u);
+  EXPECT_GT(expected.flipped_edges, 10u);
+  EXPECT_EQ(defects.open_edges, expected.open_edges);
+  EXPECT_EQ(defects.non_manifold_edges, expected.non_manifold_edges);
+  EXPECT_EQ(defects.flipped_edges, expected.flipped_edges);
+  EXPECT_EQ(defects.first_location, expected.first_location);
 }
 
 TEST(TriangleMesh, RefusesToEncloseInsideOut) {
