@@ -71,21 +71,23 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
     const double motion = survivors.growth == 0.0
                               ? last_motion
                               : bound_motion(survivors.field_from_shell, field_from_shell, root);
-    survivors.last_asked = field_from_shell;
-    if (motion <= survivors.growth) return survivors.slots;
+    if (motion <= survivors.growth) {
+      survivors.last_asked = field_from_shell;
+      return survivors.slots;
+    }
     growth = choose_growth(last_motion, shell);
   }
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
   const simd::Seeds left = walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state,
                                      [](const simd::Seeds&) { return true; });
-  survivors = {.field = field,
-               .tree = tree.serial,
-               .field_from_shell = field_from_shell,
-               .margin = margin,
-               .growth = growth,
-               .last_asked = field_from_shell,
-               .slots = left.nodes};
+  survivors.field = field;
+  survivors.tree = tree.serial;
+  survivors.field_from_shell = field_from_shell;
+  survivors.margin = margin;
+  survivors.growth = growth;
+  survivors.last_asked = field_from_shell;
+  survivors.slots = left.nodes;
   return survivors.slots;
 }
 
@@ -101,7 +103,7 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
         const auto view = typed.view();
         if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
         state.reserve(shell);
-        const auto posed = make_posed(typed, shell, field_from_shell);
+        const auto posed = make_posed(typed, view, shell, field_from_shell);
         const auto& kernels =
             simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
         const simd::NodeList& slots =

@@ -32,11 +32,13 @@ inline void write_floats(const Vec3& from, float (&to)[3]) {
   to[2] = rounded.z;
 }
 
-/// The field as the shell sees it. The pose is worked out in float64 and applied in float32.
-template <class F>
-auto make_posed(const F& field, const PointShell& shell, const Pose& field_from_shell) {
-  simd::PosedView<decltype(field.view())> posed{};
-  posed.field = field.view();
+/// The field, of which `view` is, as the shell sees it. The pose is worked out in float64 and
+/// applied in float32.
+template <class F, class V>
+simd::PosedView<V> make_posed(const F& field, const V& view, const PointShell& shell,
+                              const Pose& field_from_shell) {
+  simd::PosedView<V> posed;
+  posed.field = view;
   write_floats(field_from_shell.rotation.row_x, posed.row_x);
   write_floats(field_from_shell.rotation.row_y, posed.row_y);
   write_floats(field_from_shell.rotation.row_z, posed.row_z);
@@ -48,9 +50,10 @@ auto make_posed(const F& field, const PointShell& shell, const Pose& field_from_
 
 /// A plane is carried into the shell's frame once, in float64: cheaper, and as precise far from its
 /// origin as near it.
-inline auto make_posed(const PlaneField& plane, const PointShell& shell,
-                       const Pose& field_from_shell) {
-  simd::PosedView<simd::PlaneView> posed{};
+inline simd::PosedView<simd::PlaneView> make_posed(const PlaneField& plane, const simd::PlaneView&,
+                                                   const PointShell& shell,
+                                                   const Pose& field_from_shell) {
+  simd::PosedView<simd::PlaneView> posed;
   write_floats(field_from_shell.rotation.transposed() * plane.normal, posed.field.normal);
   const double offset = plane.offset - dot(plane.normal, field_from_shell.translation);
   posed.field.offset = static_cast<float>(offset);
@@ -63,7 +66,10 @@ template <class Visit>
 auto with_posed(const Field& field, const PointShell& shell, const Pose& field_from_shell,
                 const Visit& visit) {
   return std::visit(
-      [&](const auto& typed) { return visit(make_posed(typed, shell, field_from_shell)); }, field);
+      [&](const auto& typed) {
+        return visit(make_posed(typed, typed.view(), shell, field_from_shell));
+      },
+      field);
 }
 
 inline simd::TreeView view_tree(const PointShell& shell) {

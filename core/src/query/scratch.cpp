@@ -25,7 +25,7 @@ void QueryScratch::State::reserve(const PointShell& shell) {
   if (slots > node_capacity) {
     node_capacity = slots;
     for (NodeBuffer& buffer : nodes) buffer.lists.resize(3, slots * sizeof(float));
-    survivors = {};
+    survivors.forget();
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <new>
 #include <utility>
@@ -58,15 +57,6 @@ struct QueryScratch::State {
     simd::NodeList empty_list() const {
       return {lists.list<std::uint32_t>(0), lists.list<std::uint32_t>(1), lists.list<float>(2), 0};
     }
-    /// The root alone.
-    simd::NodeList start_list() const {
-      simd::NodeList root = empty_list();
-      root.index[0] = 0;
-      root.tag[0] = 0;
-      root.bound[0] = -std::numeric_limits<float>::infinity();
-      root.count = 1;
-      return root;
-    }
   };
 
   /// Makes room for any query about a shell.
@@ -111,6 +101,11 @@ struct QueryScratch::State {
     bool are_contacts_kept = false;  ///< those of last_asked are where they were written
     std::size_t max_points = 0;      ///< of those
     simd::NodeList slots{};
+
+    void forget() {
+      field = std::monostate{};
+      are_contacts_kept = false;
+    }
   } survivors;
 };
 

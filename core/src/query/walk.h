@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <utility>
 
 #include "query/scratch.h"
@@ -8,6 +9,17 @@ namespace voxshell {
 
 enum class SphereBounds { kUnwanted, kWanted };
 
+/// The root; or its two clusters, where it has no more: hardly ever is one of them left out.
+inline simd::Seeds start_walk(const simd::TreeView& tree, simd::NodeList nodes) {
+  const bool is_pair = tree.depth % 3 == 1 && tree.level_count > 1;
+  for (; nodes.count < (is_pair ? 2u : 1u); ++nodes.count) {
+    nodes.index[nodes.count] = nodes.count;
+    nodes.tag[nodes.count] = 0;
+    nodes.bound[nodes.count] = -std::numeric_limits<float>::infinity();
+  }
+  return {nodes, is_pair ? 1 : 0};
+}
+
 /// Walks the tree breadth first, a level at a time, as long as `go_on(what is left)` says so and
 /// something is left; where nothing is, all levels are done. Uses the state's node buffers, and so
 /// forgets the survivors in them. Without bounds, what is left has none, and the walk is faster.
@@ -15,8 +27,8 @@ template <class V, class GoOn>
 simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
                       float growth, SphereBounds bounds, QueryScratch::State& state,
                       const GoOn& go_on) {
-  state.survivors = {};
-  simd::Seeds left{state.nodes[0].start_list(), 0};
+  state.survivors.forget();
+  simd::Seeds left = start_walk(tree, state.nodes[0].empty_list());
   simd::NodeList next = state.nodes[1].empty_list();
   if (bounds == SphereBounds::kUnwanted) left.nodes.bound = next.bound = nullptr;
   const auto& kernels = simd::query_kernels<V>(simd::active_isa());

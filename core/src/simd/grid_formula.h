@@ -220,16 +220,20 @@ VOXSHELL_INLINE Triple<F> from_surface(const Triple<F>& outside, const GridValue
           outside.z + value.distance * direction.z};
 }
 
+/// Exact below `limit`; where it is not below, neither is what is told.
 template <class F>
-VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p) {
+VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p,
+                                    float limit = __builtin_inff()) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
   const auto beyond = is_beyond(place.outside);
   if (!any(beyond)) return value.distance;
-  const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
   const Triple<F> outside = measure_outside(grid, place);
-  const F distance =
-      maximum(length(from_surface(outside, seen)), bound_outside(outside, value.distance));
+  const F bound = bound_outside(outside, value.distance);
+  const MaskOf<F> is_wanted = beyond & (bound < limit);
+  if (!any(is_wanted)) return select(beyond, bound, value.distance);
+  const auto seen = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
+  const F distance = maximum(length(from_surface(outside, seen)), bound);
   return select(beyond, distance, value.distance);
 }
 
@@ -264,13 +268,14 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
   constexpr float kCoarse = kBrickCells;
   const F size = value.cell_size;
   const F squared = radius * radius + grid.gap + grid.spread * (size * size);
-  const F base = value.distance - grid.node_error * size;
-  GridBound<F> bound;
-  bound.of_distance = base - square_root(squared);
-  bound.if_fine =
-      bound.of_distance - select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
-  bound.if_coarse =
-      base - square_root(squared + kCoarse * kCoarse * grid.spread) - kCoarse * grid.node_error;
+  // How far values may fall is summed up while the samples are waited for.
+  const F fall = grid.node_error * size + square_root(squared);
+  const F fine_fall =
+      fall + select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
+  const F coarse_fall =
+      grid.node_error * (size + kCoarse) + square_root(squared + kCoarse * kCoarse * grid.spread);
+  GridBound<F> bound{value.distance - fall, value.distance - fine_fall,
+                     value.distance - coarse_fall};
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
     // Nor is the surface nearer than the grid.

@@ -53,7 +53,7 @@ struct GridView {
   /// value nearer to zero, metres; or kNoCoarseFloor.
   float coarse_floor;
 
-  friend bool operator==(const GridView&, const GridView&) = default;
+  friend bool operator==(const GridView& a, const GridView& b) { return a.serial == b.serial; }
 };
 
 }  // namespace voxshell::simd

@@ -33,9 +33,16 @@ VOXSHELL_INLINE Triple<F8> load_triple(const float* from) {
   return {load<F8>(from), load<F8>(from + 8), load<F8>(from + 16)};
 }
 
+VOXSHELL_INLINE const float* block_of(const TreeView& tree, int level, uint32_t index) {
+  return tree.blocks + static_cast<uint64_t>(tree.first_block[level] + index) * kClusterBlockFloats;
+}
+
+VOXSHELL_INLINE const float* bucket_of(const TreeView& tree, uint32_t bucket) {
+  return tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats;
+}
+
 VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index, float growth) {
-  const float* data =
-      tree.blocks + static_cast<uint64_t>(tree.first_block[level] + index) * kClusterBlockFloats;
+  const float* data = block_of(tree, level, index);
   const F8 radii = load<F8>(data + 24);
   return {data, load_triple(data), radii + growth, growth, bits(radii >= 0.0f)};
 }
@@ -131,15 +138,18 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
   return {bound, tags, lanes & lanes_below(bound, margin)};
 }
 
+/// Of points of a tagged sphere. Exact below the margin; where it is not below, neither is what is
+/// told.
 template <class V>
-VOXSHELL_INLINE F8 tagged_distance(const PosedView<V>& posed, const Triple<F8>& p,
-                                   uint32_t /*tag*/) {
+VOXSHELL_INLINE F8 tagged_distance(const PosedView<V>& posed, const Triple<F8>& p, uint32_t /*tag*/,
+                                   float /*margin*/) {
   return posed_distance(posed, p);
 }
 VOXSHELL_INLINE F8 tagged_distance(const PosedView<GridView>& posed, const Triple<F8>& p,
-                                   uint32_t tag) {
-  if (tag == 0) return posed_distance(posed, p);
-  return distance_to_plane(posed.field, tag, to_field(posed, p));
+                                   uint32_t tag, float margin) {
+  const Triple<F8> q = to_field(posed, p);
+  return tag == 0 ? evaluate_distance(posed.field, q, margin)
+                  : distance_to_plane(posed.field, tag, q);
 }
 
 VOXSHELL_INLINE uint32_t first_bucket(const TreeView& tree, uint32_t slot) {
@@ -151,11 +161,25 @@ VOXSHELL_INLINE int depth_of(const TreeView& tree, int level) {
   return tree.depth - 3 * (tree.level_count - 1 - level);
 }
 
+/// Asks for two lines of what a loop over a list comes to soon: samples keep processors from
+/// looking that far ahead. Planes have none.
+template <class V, class Find>
+VOXSHELL_INLINE void fetch_ahead(const NodeList& nodes, uint32_t i, const Find& find) {
+  if constexpr (!std::is_same_v<V, PlaneView>) {
+    constexpr uint32_t kAhead = 2;
+    constexpr int kLineFloats = 16;
+    const float* from = find(nodes.index[i + kAhead < nodes.count ? i + kAhead : nodes.count - 1]);
+    __builtin_prefetch(from);
+    __builtin_prefetch(from + kLineFloats);
+  }
+}
+
 template <class V, class TestBalls>
 VOXSHELL_INLINE void expand_by(const TreeView& tree, int level, const NodeList& nodes,
                                NodeList& out, float growth, const TestBalls& test) {
   uint32_t count = out.count;
   for (uint32_t i = 0; i < nodes.count; ++i) {
+    fetch_ahead<V>(nodes, i, [&](uint32_t index) { return block_of(tree, level, index); });
     const Block block = load_block(tree, level, nodes.index[i], growth);
     const Balls balls = test(block, nodes.tag[i]);
     const unsigned lanes = balls.lanes;
@@ -189,11 +213,12 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
               PointList& out) {
   uint32_t count = out.count;
   for (uint32_t i = 0; i < slots.count; ++i) {
+    fetch_ahead<V>(slots, i,
+                   [&](uint32_t slot) { return bucket_of(tree, first_bucket(tree, slot)); });
     const uint32_t end = first_bucket(tree, slots.index[i] + 1);
     for (uint32_t bucket = first_bucket(tree, slots.index[i]); bucket < end; ++bucket) {
-      const Triple<F8> p =
-          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
-      const F8 distance = tagged_distance(posed, p, slots.tag[i]);
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
+      const F8 distance = tagged_distance(posed, p, slots.tag[i], margin);
       const unsigned lanes = bits(distance < margin);
       if (lanes == 0 && (std::is_same_v<V, PlaneView> || slots.tag[i] != 0)) continue;
       compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
@@ -382,9 +407,8 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
     FoundPoint& found = best[slot >> (tree.depth - segment_depth)];
     const uint32_t end = first_bucket(tree, slot + 1);
     for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
-      const Triple<F8> p =
-          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
-      const F8 distance = tagged_distance(posed, p, tag);
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
+      const F8 distance = tagged_distance(posed, p, tag, margin);
       const float most = found.id == kNone ? margin : found.distance;
       for (unsigned lanes = bits(distance <= most); lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -440,9 +464,8 @@ bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
     }
     const uint32_t end = first_bucket(tree, node.index + 1);
     for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
-      const Triple<F8> p =
-          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
-      if (any(tagged_distance(posed, p, node.tag) < margin)) return true;
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
+      if (any(tagged_distance(posed, p, node.tag, margin) < margin)) return true;
     }
   }
   return false;
@@ -554,12 +577,11 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Se
   const auto look_into_slot = [&](uint32_t slot, uint32_t tag) {
     const uint32_t end = first_bucket(tree, slot + 1);
     for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
-      const Triple<F8> p =
-          load_triple(tree.buckets + static_cast<uint64_t>(bucket) * kBucketFloats);
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
       const F8 scores = score.evaluate(p);
       const unsigned wide_enough = bits(scores >= best_score);
       if (wide_enough == 0) continue;
-      const F8 distance = tagged_distance(posed, p, tag);
+      const F8 distance = tagged_distance(posed, p, tag, margin);
       for (unsigned lanes = wide_enough & bits(distance < margin); lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
