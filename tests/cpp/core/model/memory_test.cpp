@@ -42,6 +42,13 @@ std::size_t number(std::align_val_t alignment) { return static_cast<std::size_t>
 
 void* operator new(std::size_t size) { return allocate(size, kDefault); }
 void* operator new[](std::size_t size) { return allocate(size, kDefault); }
+// Sanitizers have their own of these.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return allocate(size, kDefault);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return allocate(size, kDefault);
+}
 void* operator new(std::size_t size, std::align_val_t a) { return allocate(size, number(a)); }
 void* operator new[](std::size_t size, std::align_val_t a) { return allocate(size, number(a)); }
 void operator delete(void* memory) noexcept { release(memory, kDefault); }
