@@ -80,11 +80,8 @@ def run_each(
     with _open_pool(count) as pool:
         with starting_workers():
             futures = [pool.submit(function, item) for item in items]
-        try:
-            for future in futures:
-                yield future.result()
-        except BrokenProcessPool as error:
-            raise RunError("a worker process was killed; the same command goes on") from error
+        for future in futures:
+            yield future.result()
 
 
 def _count_jobs(jobs: int | None) -> int:
@@ -114,8 +111,8 @@ def _compute_here(
             store, part = futures.pop(future)
             try:
                 outcome = future.result()
-            except BrokenProcessPool as error:
-                raise RunError("a worker process was killed; the same command goes on") from error
+            except BrokenProcessPool:
+                raise
             except Exception as error:
                 raise RunError(f"{part.name}: {type(error).__name__}: {error}") from error
             yield store, part, outcome
@@ -123,18 +120,24 @@ def _compute_here(
 
 @contextmanager
 def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool that ends at once when the block is left by an error or an interrupt."""
+    """A pool that ends at once when the block is left by an error or an interrupt.
+
+    Raises:
+        RunError: A process was killed, be it before all work was handed out.
+    """
     before = set(multiprocessing.active_children())
     # Forking would copy the threads of Bullet's and our builds in whatever state they are.
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=begin_worker)
     try:
         yield pool
-    except BaseException:
+    except BaseException as error:
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
         # Not waited for, the pool's own thread and Python's exit would meet over a closed pipe.
         pool.shutdown(cancel_futures=True)
+        if isinstance(error, BrokenProcessPool):
+            raise RunError("a worker process was killed; the same command goes on") from error
         raise
     pool.shutdown()
 

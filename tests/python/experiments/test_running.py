@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import multiprocessing
 import os
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -90,6 +92,23 @@ def test_killed_worker_is_an_error_and_the_next_run_goes_on(tmp_path):
         run_parts(work, jobs=1)
     run_parts(work, jobs=1)
     assert all(store.has(part) for _, part in work)
+
+
+class SlowlyGiven(list):
+    """Gives its second item when the process that read the first is dead, and so all are ended."""
+
+    def __iter__(self):
+        before = set(multiprocessing.active_children())
+        yield self[0]
+        while set(multiprocessing.active_children()) - before:
+            time.sleep(0.01)
+        yield from self[1:]
+
+
+@pytest.mark.parametrize("given", [list, SlowlyGiven])
+def test_worker_killed_while_work_is_handed_out_is_an_error(given):
+    with pytest.raises(RunError, match="worker process was killed"):
+        list(run_each(toy_parts.name_process, given([toy_parts.Deadly(), 1, 2]), 2))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
