@@ -417,15 +417,15 @@ def _draw_energy(settings: BallSettings, results: Results, path: Path) -> None:
         for axes, restitution in panels:
             for rule, method in (
                 ("published", "bullet"),
-                ("voxshell", "high"),
                 ("voxshell", "low"),
+                ("voxshell", "high"),
             ):
                 fall = _select(results[f"fall-{rule}-{method}"]["steps"], restitution)
                 axes.plot(
                     fall["step"],
                     ball.compute_energy(settings, fall),
                     color=COLORS[method],
-                    lw=1.3,
+                    lw=2.4 if method == "low" else 1.2,
                     label=_label(settings, method),
                 )
 

@@ -62,7 +62,7 @@ def describe(settings: RestSettings) -> str:
         "vertices, does the same for comparison. Whether a body that still rolls after that time is a "
         "fault of contacts, others tell whose contacts are not ours: on the plane, the hull of all of the "
         f"bunny's vertices in Bullet and in MuJoCo, at {', '.join(f'{r:g}' for r in settings.roll_rates)} "
-        "Hz, without rolling friction as all else here. A body lies still from when it turns slower than "
+        "Hz; no body is given rolling friction. A body lies still from when it turns slower than "
         f"{MOST_TURNING:g} rad/s and does so to the end."
     )
 
