@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "field/brick_entry.h"
 #include "support/brute_force.h"
 #include "support/meshes.h"
 #include "support/pairs.h"
@@ -83,6 +85,51 @@ TEST(Contacts, AmongLargeCellsAreThoseOfTheFlatLoop) {
     }
   }
   EXPECT_GT(listed, 200);
+}
+
+/// Distances that fall to both sides of a plane on which they are `top` voxels: a brick of cells of
+/// one voxel, beside it one whose only cell knows the corners alone, four voxels less.
+GridField make_ridge(double voxel_size, int top) {
+  GridFieldData data;
+  data.voxel_size = voxel_size;
+  data.bricks = {2, 1, 1};
+  data.surface_bounds = {{0.0, 0.0, 0.0}, {16 * voxel_size, 8 * voxel_size, 8 * voxel_size}};
+  data.node_error = voxel_size / (2 * simd::kQuantaPerVoxel);
+  data.coarse_floor = 7.0 * voxel_size;
+  const auto put = [&](int cells) {
+    data.entries.push_back(BrickEntry{.cells = cells, .first = data.samples.size()}.pack());
+    for (int z = 0; z <= simd::kBrickCells; z += simd::kBrickCells / cells) {
+      const int distance = top - std::abs(z - simd::kBrickCells / 2);
+      data.samples.insert(data.samples.end(), static_cast<std::size_t>((cells + 1) * (cells + 1)),
+                          static_cast<std::int16_t>(distance * simd::kQuantaPerVoxel));
+    }
+    while (data.samples.size() % simd::kSampleAlignment != 0) data.samples.push_back(0);
+  };
+  put(simd::kBrickCells);
+  put(1);
+  data.samples.resize(simd::kFewestSamples);
+  return GridField(std::move(data));
+}
+
+TEST(Contacts, AreNotMissedInLargeCellsThatAreMetFromSmallOnes) {
+  constexpr double kVoxel = 0.01;
+  const PointShell shell = make_shell(make_icosphere(kVoxel, 2), 0.5 * kVoxel);
+  const Vec3 border{8 * kVoxel, 4 * kVoxel, 4 * kVoxel};
+  Random random(105);
+  QueryScratch scratch;
+  for (const int top : {12, -8}) {
+    const Field field = make_ridge(kVoxel, top);
+    const auto margin =
+        static_cast<float>((top - 3) * kVoxel);  // points in the small cells are above
+    int met = 0;
+    for (int i = 0; i < 100; ++i) {
+      const Pose pose{random.rotation(), border + random.uniform(0.0, kVoxel) * random.direction()};
+      expect_equal_to_flat(field, shell, pose, margin, scratch);
+      const std::size_t found = scratch.contacts().size();
+      if (found > 0 && found < shell.size()) ++met;
+    }
+    EXPECT_GT(met, 80) << top;
+  }
 }
 
 TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
