@@ -1,5 +1,6 @@
 #include "voxshell/contacts.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -50,9 +51,10 @@ double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
 /// leaves more survivors, which pays while the motion is small against a slot.
 double choose_growth(double motion, const PointShell& shell) {
   constexpr double kSteps = 4.0;
-  constexpr double kMost = 0.25;  // spacings
+  constexpr double kLeast = 0.01;  // spacings
+  constexpr double kMost = 0.25;
   const double ahead = kSteps * motion;
-  return ahead <= kMost * shell.spacing() ? ahead : 0.0;
+  return ahead <= kMost * shell.spacing() ? std::max(ahead, kLeast * shell.spacing()) : 0.0;
 }
 
 /// The slots that may hold a point below the margin.
@@ -79,8 +81,12 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
   }
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
-  const simd::Seeds left = walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state,
-                                     [](const simd::Seeds&) { return true; });
+  simd::Seeds left = walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state,
+                               [](const simd::Seeds&) { return true; });
+  if (growth > 0.0) {
+    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    kernels.sift(posed, tree, left.nodes, margin, grown);
+  }
   survivors.field = field;
   survivors.tree = tree.serial;
   survivors.field_from_shell = field_from_shell;

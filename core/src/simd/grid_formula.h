@@ -306,11 +306,39 @@ VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   return select(absolute(d) <= floor, bound.if_fine, far);
 }
 
+/// Of balls within one brick, from the value at the centre: there it is continuous, and along each
+/// axis no steeper than two nodes next to each other allow. For others, infinity.
+template <class F>
+VOXSHELL_INLINE F bound_fall_in_brick(const GridView& grid, const GridPlace<F>& place,
+                                      const GridValue<F>& value, F radius) {
+  constexpr float kHalf = 0.5f * kBrickCells;
+  constexpr float kSafety = 0.01f;  // voxels
+  const Triple<F>& w = place.within;
+  const F off_centre =
+      maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
+  const auto is_within = (off_centre + radius * grid.inverse_voxel_size <= kHalf - kSafety) &
+                         (is_beyond(place.outside) == 0);
+  constexpr float kDiagonal = 1.7321f;  // of a cube
+  constexpr float kRounding = 1e-3f;    // of a value, in cells
+  const F edge = value.cell_size * grid.voxel_size;
+  const F rise = square_root(edge * edge + grid.gap) + 2.0f * grid.node_error * value.cell_size;
+  const F fall = kDiagonal * radius * (rise / edge) + kRounding * edge;
+  return select(is_within, fall, splat<F>(__builtin_inff()));
+}
+
+/// From the value at the ball's centre.
+template <class F>
+VOXSHELL_INLINE F find_lower_bound(const GridView& grid, const GridPlace<F>& place,
+                                   const GridValue<F>& value, F radius) {
+  return maximum(combine(grid, bound_ball(grid, place, value, radius)),
+                 value.distance - bound_fall_in_brick(grid, place, value, radius));
+}
+
 template <class F>
 VOXSHELL_INLINE F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  return combine(grid, bound_ball(grid, place, value, radius));
+  return find_lower_bound(grid, place, value, radius);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -21,7 +21,7 @@ inline void bound_balls(const GridView& grid, const float (*centres)[8], const f
   const Triple<F8> p = load_points(centres);
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  store(lower_bounds, combine(grid, bound_ball(grid, place, value, load<F8>(radii))));
+  store(lower_bounds, find_lower_bound(grid, place, value, load<F8>(radii)));
   store(distances, any(is_beyond(place.outside)) ? evaluate_distance(grid, p) : value.distance);
 }
 

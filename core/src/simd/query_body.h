@@ -208,6 +208,46 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
   });
 }
 
+/// No point has a smaller distance after it has moved by up to `growth`.
+template <class V>
+VOXSHELL_INLINE F8 bound_points(const PosedView<V>& posed, const Triple<F8>& p, uint32_t /*tag*/,
+                                float growth) {
+  return evaluate_lower_bound(posed.field, to_field(posed, p), splat<F8>(growth)) - posed.slack;
+}
+VOXSHELL_INLINE F8 bound_points(const PosedView<PlaneView>& posed, const Triple<F8>& p,
+                                uint32_t /*tag*/, float growth) {
+  return evaluate_distance(posed.field, p) - growth - posed.slack;
+}
+VOXSHELL_INLINE F8 bound_points(const PosedView<GridView>& posed, const Triple<F8>& p, uint32_t tag,
+                                float growth) {
+  const Triple<F8> q = to_field(posed, p);
+  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, splat<F8>(growth))
+                            : distance_to_plane(posed.field, tag, q) - growth;
+  return bound - posed.slack;
+}
+
+template <class V>
+void sift(const PosedView<V>& posed, const TreeView& tree, NodeList& slots, float margin,
+          float growth) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < slots.count; ++i) {
+    fetch_ahead<V>(slots, i,
+                   [&](uint32_t slot) { return bucket_of(tree, first_bucket(tree, slot)); });
+    const uint32_t slot = slots.index[i];
+    const uint32_t tag = slots.tag[i];
+    unsigned lanes = 0;
+    const uint32_t end = first_bucket(tree, slot + 1);
+    for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
+      lanes |= lanes_below(bound_points(posed, p, tag, growth), margin);
+    }
+    slots.index[count] = slot;
+    slots.tag[count] = tag;
+    count += lanes != 0 ? 1u : 0u;
+  }
+  slots.count = count;
+}
+
 template <class V>
 void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& slots, float margin,
               PointList& out) {
@@ -641,8 +681,8 @@ inline FoundPoint choose_widest(const PointList& points, const ManifoldSearch& s
 }
 
 template <class V>
-inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,        &evaluate<V>,     &complete<V>,
-                                                  &differentiate<V>, &find_deepest<V>, &find_any<V>,
-                                                  &find_widest<V>,   &choose_widest};
+inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,   &sift<V>,          &evaluate<V>,
+                                                  &complete<V>, &differentiate<V>, &find_deepest<V>,
+                                                  &find_any<V>, &find_widest<V>,   &choose_widest};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -17,11 +17,16 @@ namespace {
 
 using namespace test_support;
 
-TEST(GridFieldBounds, ValuesDifferByNoMoreThanTheirNodesCan) {
-  Random random(77);
+/// With one that winding numbers close.
+std::vector<Body> bodies_and_a_bowl() {
   std::vector<Body> all = bodies();
   all.push_back({"bowl", opened(make_icosphere(0.5, 3), 0.2).mesh(), 0.05});
-  for (const auto& [name, mesh, voxel_size] : all) {
+  return all;
+}
+
+TEST(GridFieldBounds, ValuesDifferByNoMoreThanTheirNodesCan) {
+  Random random(77);
+  for (const auto& [name, mesh, voxel_size] : bodies_and_a_bowl()) {
     const GridField field = build(mesh, voxel_size);
     const Bounds bounds = grown(mesh.bounds(), voxel_size);
     const GridFieldData& data = field.data();
@@ -124,6 +129,25 @@ TEST(GridFieldBounds, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
       EXPECT_GT(deep, 100) << name;
     }
     EXPECT_GT(close, 10) << name;
+  }
+}
+
+TEST(GridFieldBounds, LowerBoundHoldsForBallsThatAreSmallBesideAVoxel) {
+  Random random(79);
+  for (const auto& [name, mesh, voxel_size] : bodies_and_a_bowl()) {
+    const GridField field = build(mesh, voxel_size);
+    const Bounds bounds = grown(mesh.bounds(), voxel_size);
+    double closest = 1.0;  // voxels
+    for (int i = 0; i < 20'000; ++i) {
+      const Vec3 centre = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
+      const double radius = voxel_size * std::pow(10.0, random.uniform(-3, -0.5));
+      const float bound = field.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius));
+      const float smallest = find_smallest(field, centre, radius, random);
+      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << centre.x << " " << centre.y << " "
+                                         << centre.z << ", radius " << radius;
+      closest = std::min(closest, static_cast<double>(smallest - bound) / voxel_size);
+    }
+    EXPECT_LT(closest, 0.01) << name;
   }
 }
 

@@ -115,6 +115,9 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
     std::swap(nodes, next);
   }
   simd::PointList points = room.points();
+  kernels.sift(posed, tree, nodes, margin, 0.0005f);
+  hash.add_all(nodes.index, nodes.count);
+  hash.add_all(nodes.tag, nodes.count);
   kernels.evaluate(posed, tree, nodes, margin, points);
   hash.add_all(points.id, points.count);
   hash.add_all(points.distance, points.count);
