@@ -32,8 +32,8 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
                                              const ContactOptions& options, std::size_t budget,
                                              QueryScratch& scratch) {
   QueryScratch::State& state = scratch.state();
-  state.reserve(shell);
   const simd::TreeView tree = view_tree(shell);
+  state.reserve(tree);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   BudgetedContacts result{{}, true, -kInfinity};
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {

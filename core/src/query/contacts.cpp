@@ -108,7 +108,7 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
       [&](const auto& typed) {
         const auto view = typed.view();
         if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
-        state.reserve(shell);
+        state.reserve(tree);
         const auto posed = make_posed(typed, view, shell, field_from_shell);
         const auto& kernels =
             simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());

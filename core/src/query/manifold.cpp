@@ -153,8 +153,8 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
                                        QueryScratch& scratch, std::size_t max_points) {
   assert(max_points >= 1 && max_points <= kManifoldSize);
   QueryScratch::State& state = scratch.state();
-  state.reserve(shell);
   const simd::TreeView tree = view_tree(shell);
+  state.reserve(tree);
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     const auto go_on = [&](const simd::Seeds& left) {
@@ -193,8 +193,8 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
                                                   float margin, QueryScratch& scratch) {
   assert(level >= 1 && level <= PointSphereTree::kMaxLevel);
   QueryScratch::State& state = scratch.state();
-  state.reserve(shell);
   const simd::TreeView tree = view_tree(shell);
+  state.reserve(tree);
   const int depth = 2 * (level - 1);
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());

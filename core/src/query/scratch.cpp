@@ -11,17 +11,17 @@ std::span<const Contact> QueryScratch::contacts() const {
   return {state_->contact_data(), state_->contact_count};
 }
 
-void QueryScratch::State::reserve(const PointShell& shell) {
+void QueryScratch::State::reserve(const simd::TreeView& tree) {
   survivors.are_contacts_kept = false;
   constexpr std::size_t kSpare = 8;  // kernels write eight at a time
-  const std::size_t points = shell.size() + kSpare;
+  const std::size_t points = tree.point_count + kSpare;
   if (points > point_capacity) {
     point_capacity = points;
     constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);
     point_lists.resize(kPointLists + kContactLists, points * sizeof(float));
     contact_count = 0;
   }
-  const std::size_t slots = (std::size_t{1} << shell.tree().view().depth) + kSpare;
+  const std::size_t slots = (std::size_t{1} << tree.depth) + kSpare;
   if (slots > node_capacity) {
     node_capacity = slots;
     for (NodeBuffer& buffer : nodes) buffer.lists.resize(3, slots * sizeof(float));

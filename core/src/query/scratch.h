@@ -59,8 +59,8 @@ struct QueryScratch::State {
     }
   };
 
-  /// Makes room for any query about a shell.
-  void reserve(const PointShell& shell);
+  /// Makes room for any query about a shell of this tree.
+  void reserve(const simd::TreeView& tree);
 
   /// Room for one point a segment.
   simd::FoundPoint* reserve_found(std::size_t segments);

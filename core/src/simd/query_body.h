@@ -260,7 +260,10 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
       const Triple<F8> p = load_triple(bucket_of(tree, bucket));
       const F8 distance = tagged_distance(posed, p, slots.tag[i], margin);
       const unsigned lanes = bits(distance < margin);
-      if (lanes == 0 && (std::is_same_v<V, PlaneView> || slots.tag[i] != 0)) continue;
+      // To write nothing takes less than a wrong guess at whether there is something, unless
+      // samples were not needed; before the first is found, guesses are right.
+      const bool is_guessed = std::is_same_v<V, PlaneView> || slots.tag[i] != 0 || count == 0;
+      if (is_guessed && lanes == 0) continue;
       compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
       const I8 tags = I8{} + static_cast<int32_t>(slots.tag[i]);
       memcpy(out.tag + count, &tags, sizeof tags);
