@@ -134,6 +134,9 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     except BaseException as error:
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
+        # What a worker had half written would be waited for as long as anyone can still write.
+        results: Any = pool._result_queue
+        results._writer.close()
         # Not waited for, the pool's own thread and Python's exit would meet over a closed pipe.
         pool.shutdown(cancel_futures=True)
         if isinstance(error, BrokenProcessPool):

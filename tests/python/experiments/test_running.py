@@ -2,8 +2,11 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,6 +112,24 @@ class SlowlyGiven(list):
 def test_worker_killed_while_work_is_handed_out_is_an_error(given):
     with pytest.raises(RunError, match="worker process was killed"):
         list(run_each(toy_parts.name_process, given([toy_parts.Deadly(), 1, 2]), 2))
+
+
+def test_interrupt_amid_a_large_result_ends_the_run():
+    """As it was once: half a result in the pipe of a dead worker was waited for in vain."""
+    program = (
+        "import toy_parts\n"
+        "from voxshell.experiments.running import run_each\n"
+        "for _ in run_each(toy_parts.make_much, range(10), 2): raise KeyboardInterrupt\n"
+    )
+    folder = str(Path(toy_parts.__file__).parent)
+    result = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": folder},
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=60,
+    )
+    assert "KeyboardInterrupt" in result.stderr
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

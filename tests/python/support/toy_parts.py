@@ -61,6 +61,11 @@ def name_process(item):
     return item, os.getpid()
 
 
+def make_much(item):
+    """More than a pipe holds, so that whoever makes it is mostly about to hand it over."""
+    return bytes(30_000_000)
+
+
 def refuse_zero(item):
     if item == 0:
         raise ValueError("0 is too small")
