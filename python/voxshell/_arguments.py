@@ -46,6 +46,14 @@ def as_positive(value: Any, name: str) -> float:
     return number
 
 
+def as_not_negative(value: Any, name: str) -> float:
+    """A finite number of at least 0."""
+    number = as_real(value, name)
+    if number < 0.0:
+        raise SettingsError(f"{name} must be at least 0, not {number:g}")
+    return number
+
+
 def as_length(value: Any, name: str) -> float:
     """A length above zero, in metres."""
     number = as_positive(value, name)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from voxshell import _bullet
-from voxshell._arguments import as_floats, as_integer, as_real, as_vector
+from voxshell._arguments import as_floats, as_integer, as_not_negative, as_real, as_vector
 from voxshell.errors import PoseError, SettingsError
 from voxshell.world_part import WorldPart
 
@@ -210,7 +210,39 @@ class Body(WorldPart):
 
     @friction.setter
     def friction(self, value: float) -> None:
-        self._set(friction=as_friction(value))
+        self._set(friction=as_not_negative(value, "friction"))
+
+    @property
+    def rolling_friction(self) -> float:
+        """Lever of the torque that withstands rolling, metres, on a body of friction 1.
+
+        The torque is at most this times the force between the bodies. Bullet multiplies it by the
+        other's friction, and adds what the other's rolling friction comes to.
+
+        Example:
+            A ball rolls on for ever, but with 2 mm it stops:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> on_top = np.eye(4)
+            >>> on_top[2, 3] = 0.1
+            >>> ball = world.add(vx.Sphere(0.1), pose=on_top)
+            >>> ball.linear_velocity, ball.angular_velocity = (0.1, 0, 0), (0, 1, 0)
+            >>> world.step(400)
+            >>> bool(ball.linear_velocity[0] > 0.099)
+            True
+            >>> ball.rolling_friction = 0.002
+            >>> world.step(400)
+            >>> bool(abs(ball.linear_velocity[0]) < 1e-4)
+            True
+        """
+        return self._simulation.material(self.number).rolling_friction
+
+    @rolling_friction.setter
+    def rolling_friction(self, value: float) -> None:
+        self._set(rolling_friction=as_not_negative(value, "rolling_friction"))
 
     @property
     def restitution(self) -> float:
@@ -292,9 +324,7 @@ class Body(WorldPart):
 
 def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
     """Kilograms, 0 of what forces do not move, and who moves a body; by its mass, if nobody says."""
-    kilograms = as_real(mass, "mass")
-    if kilograms < 0.0:
-        raise SettingsError(f"mass must be at least 0, not {kilograms:g}")
+    kilograms = as_not_negative(mass, "mass")
     if motion is None:
         motion = "dynamic" if kilograms > 0.0 else "static"
     elif motion not in MOTIONS:
@@ -309,6 +339,7 @@ def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motio
 def make_material(
     *,
     friction: float,
+    rolling_friction: float,
     restitution: float,
     linear_damping: float,
     angular_damping: float,
@@ -317,21 +348,14 @@ def make_material(
 ) -> _bullet.BodyMaterial:
     """What a body has beside its matter, checked."""
     material = _bullet.BodyMaterial()
-    material.friction = as_friction(friction)
+    material.friction = as_not_negative(friction, "friction")
+    material.rolling_friction = as_not_negative(rolling_friction, "rolling_friction")
     material.restitution = as_share(restitution, "restitution")
     material.linear_damping = as_share(linear_damping, "linear_damping")
     material.angular_damping = as_share(angular_damping, "angular_damping")
     material.group = as_groups(group, "group")
     material.mask = as_groups(mask, "mask")
     return material
-
-
-def as_friction(value: float) -> float:
-    """A coefficient of at least 0."""
-    friction = as_real(value, "friction")
-    if friction < 0.0:
-        raise SettingsError(f"friction must be at least 0, not {friction:g}")
-    return friction
 
 
 def as_share(value: float, name: str) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 import numpy as np
 
 from voxshell import _bullet
-from voxshell._arguments import as_floats, as_positive, as_real, as_vector
+from voxshell._arguments import as_floats, as_not_negative, as_positive, as_real, as_vector
 from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.world_part import WorldPart
 
@@ -445,9 +445,7 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
                 "pass None for none"
             )
     for name in ("friction", "damping"):
-        value = as_real(getattr(joint, name), name)
-        if value < 0.0:
-            raise SettingsError(f"{name} must be at least 0, not {value:g}")
+        as_not_negative(getattr(joint, name), name)
 
 
 def _as_speed(value: float) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_integer, as_pose, as_real
+from voxshell._arguments import as_integer, as_not_negative, as_pose
 from voxshell._pairs import (
     Collidable,
     OneShell,
@@ -23,7 +23,6 @@ from voxshell._pairs import (
     parts,
 )
 from voxshell.contact_set import Contacts
-from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -483,7 +482,7 @@ def wrench(
         as_pose(a_pose, "a_pose"),
         as_pose(b_pose, "b_pose"),
         as_shells(shell, allowed=("auto", "a", "b")),
-        _as_stiffness(stiffness),
+        as_not_negative(stiffness, "stiffness"),
         as_scratch(scratch),
     )
     return Wrench(np.array(force), np.array(torque))
@@ -523,10 +522,3 @@ def _as_max_distance(value: Any) -> float:
     if isinstance(value, (float, np.floating)) and value == math.inf:
         return math.inf
     return as_margin(value, "max_distance")
-
-
-def _as_stiffness(value: Any) -> float:
-    stiffness = as_real(value, "stiffness")
-    if stiffness < 0.0:
-        raise SettingsError(f"stiffness must be at least 0, not {stiffness:g}")
-    return stiffness

@@ -161,6 +161,7 @@ class World:
         inertia: Inertia = "solid",
         name: str | None = None,
         motion: Motion | None = None,
+        rolling_friction: float = 0.0,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
         group: int = 1,
@@ -180,6 +181,8 @@ class World:
             motion: "dynamic", moved by forces; "static", by nobody; "kinematic", by the user, who sets
                 its pose before each step. By default the first two, by the mass, which the last two
                 do without.
+            rolling_friction: Lever of the torque that withstands rolling, metres; see
+                :attr:`Body.rolling_friction`.
             linear_damping: Share of the velocity that is lost in a second, 0 to 1.
             angular_damping: The same of the angular velocity.
             group: Bits of the groups that the body is in.
@@ -217,6 +220,7 @@ class World:
             raise SettingsError("a plane has no end and cannot move: pass mass=0")
         material = make_material(
             friction=friction,
+            rolling_friction=rolling_friction,
             restitution=restitution,
             linear_damping=linear_damping,
             angular_damping=angular_damping,
@@ -407,7 +411,7 @@ class World:
         """Takes down all that moves, for :meth:`restore_state`.
 
         That is: poses, velocities, forces not yet spent, who sleeps and since when; contacts with the
-        impulses that the solver begins with; motors and turns of joints; friction, restitution,
+        impulses that the solver begins with; motors and turns of joints; frictions, restitution,
         damping, groups and pairs set apart. Bodies and joints are not in it: they must be the same at
         :meth:`restore_state`.
 

@@ -98,6 +98,22 @@ def test_friction_and_restitution_can_be_set_at_any_time(brick):
     assert (ground.friction, body.friction, body.restitution) == (1.0, 0.5, 0.0)
 
 
+@pytest.mark.parametrize("on", ["ball", "ground"])
+def test_rolling_friction_stops_a_ball_at_the_rate_that_its_lever_says(on):
+    radius, lever, friction = 0.1, 0.002, 0.5
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0, friction=friction)
+    ball = world.add(vx.Sphere(radius), pose=at(z=radius), friction=friction)
+    {"ball": ball, "ground": ground}[on].rolling_friction = lever
+    ball.linear_velocity, ball.angular_velocity = (0.2, 0, 0), (0, 0.2 / radius, 0)
+    world.step(200)
+    # The torque lever * friction * m g slows a solid ball, whose inertia about its lowest point is 7/5 m r^2.
+    slowed = lever * friction * 9.81 / (1.4 * radius)
+    assert ball.linear_velocity[0] == pytest.approx(0.2 - slowed, rel=0.02)
+    world.step(600)
+    assert ball.linear_velocity[0] == pytest.approx(0.0, abs=1e-6)
+
+
 @pytest.mark.parametrize("apart", ["pair", "groups", "later", "pair from the start"])
 def test_bodies_set_apart_pass_through(brick, apart):
     world = vx.World()

@@ -1,9 +1,10 @@
-"""Bunny on bunny: the narrow phase of two meshes that just touch, with every method."""
+"""Bunny on bunny: the narrow phase of two meshes that touch or rest, with every method."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +17,9 @@ from voxshell.experiments.part import Part
 from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.model import Model
 from voxshell.queries import collide
-from voxshell.scenes.bunny import find_bunny
+from voxshell.scenes.bunny import BunnySettings, find_bunny
 from voxshell.scenes.drop import BULLET_SOLVER, METHODS, DropSettings
+from voxshell.scenes.stack import StackSettings, build_bunny_world
 from voxshell.world import World
 
 if TYPE_CHECKING:
@@ -30,6 +32,12 @@ if TYPE_CHECKING:
 
 PAIRED = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
 """Keys of the methods that can meet themselves."""
+
+RESTING = ("vps-fine", "vps-coarse", "hull", "decomposition")
+"""Of these, those timed at rest: there, GImpact takes a thousand times as long as all others together."""
+
+UNTIMED_STEPS = 10
+"""Of a resting pair, in which caches and solvers warm up."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,9 @@ class PairSettings(DropSettings):
             the one before.
         drift: How far the body moves between these, metres.
         repeats: How often all poses are timed.
-        seed: Of the poses.
+        seed: Of the poses, and of the stack.
+        rest_seconds: How long a stack of five bunnies has stood when its poses are taken.
+        rest_steps: How many of its steps are then timed, each pair's one after another.
     """
 
     mesh: str = ""
@@ -55,29 +65,37 @@ class PairSettings(DropSettings):
     drift: float = 0.0001
     repeats: int = 5
     seed: int = 53
+    rest_seconds: float = 3.0
+    rest_steps: int = 40
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("least_depth", "most_depth", "drift"):
+        for name in ("least_depth", "most_depth", "drift", "rest_seconds"):
             as_positive(getattr(self, name), name)
         for name in ("poses", "repeats"):
             as_integer(getattr(self, name), name, 1, 100_000)
         as_integer(self.steps_a_pose, "steps_a_pose", 2, 1000)
+        as_integer(self.rest_steps, "rest_steps", 2 * UNTIMED_STEPS, 100_000)
         if self.most_depth < self.least_depth:
             raise SettingsError("most_depth must be at least least_depth")
 
 
 def plan(settings: PairSettings) -> list[Part]:
-    """One part: all methods in one process and the same poses."""
-    return [
-        Part(
-            "times",
-            time_methods,
-            {"settings": settings},
-            timed=True,
-            cost=10.0 + 0.01 * settings.poses * settings.repeats,
-        )
-    ]
+    """A part each for bodies that touch and that rest: all methods in one process and the same poses."""
+    touching = Part(
+        "times",
+        time_methods,
+        {"settings": settings},
+        timed=True,
+        cost=10.0 + 0.01 * settings.poses * settings.repeats,
+    )
+    resting = Part("at-rest", time_at_rest, {"settings": settings}, timed=True, cost=15.0)
+    return [touching, resting] if rests(settings) else [touching]
+
+
+def rests(settings: PairSettings) -> bool:
+    """Whether there is a stack of such bodies: of bunnies of one size it is known how they stand."""
+    return settings.mesh == "" and settings.size == BunnySettings().size
 
 
 def time_methods(settings: PairSettings) -> Tables:
@@ -108,6 +126,53 @@ def time_methods(settings: PairSettings) -> Tables:
         "times": {name: np.array(values) for name, values in rows.items()},
         "contacts": _count_contacts(settings, shapes, poses),
     }
+
+
+def time_at_rest(settings: PairSettings) -> Tables:
+    """Times the pairs of a stack that stands, step by step as it does.
+
+    Returns:
+        "times": seconds as of :func:`time_methods`, medians over the steps; "pose" numbers the pairs, the
+        lowest first.
+    """
+    shapes = build_all_shapes(settings, find_bunny())
+    model = shapes.bodies["vps-fine"]
+    assert isinstance(model, Model)
+    pairs = find_resting_poses(settings, model)
+    rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
+    with pinned():
+        for repeat in range(settings.repeats):
+            for method in (each for each in METHODS if each.key in RESTING):
+                times = []
+                for poses in pairs:
+                    world, body = _build_world(settings, shapes, method, poses[0])
+                    times.append(time_poses(world, body, poses)[UNTIMED_STEPS:])
+                for name in ("narrow_phase", *(STAGES if method.is_model else ())):
+                    key = method.key if name == "narrow_phase" else f"{method.key}-{name}"
+                    medians = np.array([np.median(of_pair[name]) for of_pair in times])
+                    _append(rows, key, repeat, medians)
+    return {"times": {name: np.array(values) for name, values in rows.items()}}
+
+
+def find_resting_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
+    """Of each bunny of a stack that stands in the frame of that below it, (pairs, steps, 4, 4).
+
+    Args:
+        settings: Of the experiment.
+        model: Of a bunny, in whose frame the poses are to be.
+    """
+    world, bodies = build_bunny_world(StackSettings(rate=settings.rate), seed=settings.seed)
+    stacked_from_model = np.eye(4)
+    stacked = BunnySettings().build_model()
+    stacked_from_model[:3, 3] = stacked.bounds.mean(axis=0) - model.bounds.mean(axis=0)
+    world.step(round(settings.rest_seconds * settings.rate))
+    poses = np.zeros((len(bodies) - 1, settings.rest_steps, 4, 4))
+    for step in range(settings.rest_steps):
+        world.step()
+        placed = [body.pose @ stacked_from_model for body in bodies]
+        for pair, (below, above) in enumerate(pairwise(placed)):
+            poses[pair, step] = np.linalg.inv(below) @ above
+    return poses
 
 
 def find_poses_between(

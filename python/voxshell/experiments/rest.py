@@ -54,6 +54,9 @@ ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
 """Of which is measured how long they roll. On a plane all but the hull of 42 vertices are the same body:
 nothing else of it than its convex hull can touch."""
 
+HELD: tuple[Shell, ...] = ("fine", "coarse", "whole-hull")
+"""Of which it is measured how soon rolling friction stops them."""
+
 FRAME_SECONDS = 0.05
 """Of which the largest angular speed is kept."""
 
@@ -71,6 +74,7 @@ class RestSettings(BunnySettings):
         settle_seconds: After the first contact, until rest is looked at.
         drift_seconds: After that, over which drift is measured.
         roll_rates: Steps a second at which it is measured how long the bunny rolls.
+        rolling_friction: Of bunny and plane, metres, where they are given one.
     """
 
     orientations: int = 20
@@ -79,10 +83,11 @@ class RestSettings(BunnySettings):
     settle_seconds: float = 2.0
     drift_seconds: float = 10.0
     roll_rates: tuple[float, ...] = (200.0, 1000.0, 4000.0)
+    rolling_friction: float = 0.005
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("height", "rate", "settle_seconds", "drift_seconds"):
+        for name in ("height", "rate", "settle_seconds", "drift_seconds", "rolling_friction"):
             as_positive(getattr(self, name), name)
         for rate in self.roll_rates:
             as_positive(rate, "roll_rates")
@@ -120,7 +125,21 @@ def plan(settings: RestSettings) -> list[Part]:
         for rate in settings.roll_rates
         if roller != "mujoco" or find_spec("mujoco") is not None
     ]
-    return rests + rolls
+    held = [
+        Part(
+            f"held-{shell}",
+            run_rolls,
+            {
+                "settings": settings,
+                "roller": shell,
+                "rate": settings.rate,
+                "rolling_friction": settings.rolling_friction,
+            },
+            cost=1.5e-5 * steps * settings.orientations,
+        )
+        for shell in HELD
+    ]
+    return rests + rolls + held
 
 
 def run_rests(settings: RestSettings, ground: Ground, shell: Shell, mode: Mode) -> Tables:
@@ -158,14 +177,19 @@ def _lie(
     return turning, depth, drift, end, body.sleeping
 
 
-def run_rolls(settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float) -> Tables:
+def run_rolls(
+    settings: RestSettings,
+    roller: Shell | Literal["mujoco"],
+    rate: float,
+    rolling_friction: float = 0.0,
+) -> Tables:
     """The largest angular speed of each frame of every orientation, on a plane, automatic contacts."""
     frame = max(round(FRAME_SECONDS * rate), 1)
     seconds = settings.fall_seconds + settings.settle_seconds + settings.drift_seconds
     frames = round(seconds * rate) // frame
     turning = np.empty((settings.orientations, frames))
     for orientation in range(settings.orientations):
-        steps = _roll(settings, roller, rate, orientation)
+        steps = _roll(settings, roller, rate, rolling_friction, orientation)
         for number in range(frames):
             turning[orientation, number] = max(next(steps) for _ in range(frame))
     times = (np.arange(frames) + 1) * frame / rate - settings.fall_seconds
@@ -179,7 +203,11 @@ def run_rolls(settings: RestSettings, roller: Shell | Literal["mujoco"], rate: f
 
 
 def _roll(
-    settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float, orientation: int
+    settings: RestSettings,
+    roller: Shell | Literal["mujoco"],
+    rate: float,
+    rolling_friction: float,
+    orientation: int,
 ) -> Iterator[float]:
     """The angular speed after each step, rad/s, without end."""
     if roller == "mujoco":
@@ -190,6 +218,8 @@ def _roll(
     world, body = _build_world(
         settings, "plane", roller, "auto", orientation, rate=rate, sleeping=False
     )
+    for each in world.bodies:
+        each.rolling_friction = rolling_friction
     while True:
         world.step()
         yield float(np.linalg.norm(body.angular_velocity))

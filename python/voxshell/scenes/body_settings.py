@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_positive, as_real
+from voxshell._arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
 
@@ -42,7 +42,7 @@ class BodySettings:
         height: Of a cone, metres.
         mass: Kilograms; 0: static. A plane has none.
         inertia: Of the solid, or of a skin on the surface.
-        friction, restitution: As for :meth:`voxshell.World.add`.
+        friction, rolling_friction, restitution: As for :meth:`voxshell.World.add`.
         position: Of the body's origin, three numbers, metres.
         quaternion_xyzw: Its orientation, of unit length; or
         rotation_vector: axis times angle, radians.
@@ -61,6 +61,7 @@ class BodySettings:
     mass: float | None = None
     inertia: Literal["solid", "surface"] = "solid"
     friction: float = 0.5
+    rolling_friction: float = 0.0
     restitution: float = 0.0
     position: tuple[float, ...] = (0.0, 0.0, 0.0)
     quaternion_xyzw: tuple[float, ...] | None = None
@@ -77,8 +78,8 @@ class BodySettings:
             raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
         if self.shape == "plane" and self.mass:
             raise SettingsError("mass of a plane must be 0: it has no end and cannot move")
-        if not as_real(self.friction, "friction") >= 0.0:
-            raise SettingsError(f"friction must be at least 0, not {self.friction:g}")
+        for name in ("friction", "rolling_friction"):
+            as_not_negative(getattr(self, name), name)
         if not 0.0 <= as_real(self.restitution, "restitution") <= 1.0:
             raise SettingsError(f"restitution must be from 0 to 1, not {self.restitution:g}")
         for name in ("position", "linear_velocity", "angular_velocity"):
@@ -141,5 +142,5 @@ class BodySettings:
         for name in ("radius", "height"):
             if getattr(self, name) is not None:
                 as_positive(getattr(self, name), name)
-        if self.length is not None and not as_real(self.length, "length") >= 0.0:
-            raise SettingsError(f"length must be at least 0, not {self.length:g}")
+        if self.length is not None:
+            as_not_negative(self.length, "length")

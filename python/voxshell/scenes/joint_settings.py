@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_positive, as_real
+from voxshell._arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.joints import FixedJoint, HingeJoint, PointJoint, SliderJoint
 from voxshell.scenes.scene_settings import check_vector
@@ -70,8 +70,8 @@ class JointSettings:
                 raise SettingsError(f"limits must be in order, not {list(self.limits)}")
         for name in ("friction", "damping"):
             value = getattr(self, name)
-            if value is not None and not as_real(value, name) >= 0.0:
-                raise SettingsError(f"{name} must be at least 0, not {value:g}")
+            if value is not None:
+                as_not_negative(value, name)
         self._check_motor()
 
     def _check_motor(self) -> None:

@@ -60,6 +60,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 mass=body.kilograms,
                 pose=body.pose,
                 friction=body.friction,
+                rolling_friction=body.rolling_friction,
                 restitution=body.restitution,
                 inertia=body.inertia,
                 name=name,

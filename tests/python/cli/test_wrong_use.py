@@ -142,6 +142,11 @@ SCENES = [
     ),
     ('[bodies.brick]\nmesh = "part"\n', 2, "bodies.brick.mesh is 'part', which is not in [meshes]"),
     ('[bodies.ground]\nshape = "plane"\nfriction = -1\n', 3, "bodies.ground.friction must be at"),
+    (
+        '[bodies.ground]\nshape = "plane"\nrolling_friction = -1\n',
+        3,
+        "bodies.ground.rolling_friction must be at least 0, not -1",
+    ),
     ('[bodies.ground]\nshape = "plane"\nrestitution = 2\n', 3, "bodies.ground.restitution must be"),
     (
         '[bodies.ground]\nshape = "plane"\nquaternion_xyzw = [0, 0, 0, 2]\n',

@@ -12,7 +12,8 @@ import voxshell as vx
 from voxshell.experiments import convex_parts, rest, slope
 from voxshell.experiments.accuracy import AccuracySettings
 from voxshell.experiments.gears import GearsSettings, turn_gears
-from voxshell.experiments.pair import PairSettings
+from voxshell.experiments.pair import PairSettings, find_resting_poses
+from voxshell.experiments.pair import rests as rests_as_a_stack
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.gears import GEARS
@@ -26,6 +27,7 @@ from voxshell.experiments.rest_mujoco import MuJoCoFall
 from voxshell.experiments.scaling import ScalingSettings
 from voxshell.mass_properties import MassProperties
 from voxshell.scenes.bolt import BoltSettings, measure_turns
+from voxshell.scenes.bunny import BunnySettings
 from voxshell.scenes.pour import PourSettings
 
 
@@ -56,10 +58,10 @@ def rests():
 def test_rest_has_every_ground_shell_and_mode(rests, tmp_path):
     settings, results = rests
     rows = REST.reduce(settings, results)
-    assert len([row for row in rows if row.holds is not None]) == 36
+    assert len([row for row in rows if row.holds is not None]) == 38
     assert len([row for row in rows if "rad/s after 1 s, " in row.quantity]) == 10
     for name, tables in results.items():
-        if name.startswith("roll-"):
+        if name.startswith(("roll-", "held-")):
             continue
         assert tables["runs"]["depth"].max() < 0.006, name
         assert (tables["runs"]["end_angular_speed"] < 20.0).all()
@@ -337,6 +339,19 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
     rows = PAIR.reduce(settings, {"times": {**results["times"], "times": slow}})
     assert [row.holds for row in rows if row.bar] == [False, False]
     draw(PAIR, settings, results, tmp_path)
+
+
+def test_pairs_at_rest_touch_and_hardly_move():
+    settings = replace(PairSettings(), rest_seconds=1.0, rest_steps=20)
+    assert rests_as_a_stack(settings)
+    assert not rests_as_a_stack(replace(settings, size=0.2))
+    stacked = BunnySettings().build_model()
+    pairs = find_resting_poses(settings, stacked)
+    assert pairs.shape == (4, 20, 4, 4)
+    assert np.abs(pairs - pairs[:, :1]).max() < 1e-4
+    for poses in pairs:
+        gap = vx.distance(stacked, stacked, None, poses[0]).distance
+        assert -stacked.field.voxel_size < gap < 5e-4
 
 
 def test_depths_are_true_to_a_voxel(tmp_path):

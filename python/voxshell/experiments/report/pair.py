@@ -38,13 +38,13 @@ def describe(settings: PairSettings) -> str:
         "same poses for every method in one process; medians over poses of medians over "
         f"{settings.repeats} repeats; at each pose the bunny moves to and fro by "
         f"{settings.drift * 1e3:g} mm, as in a simulation. The yes/no queries are called from Python, ours and coal's "
-        "(trees of oriented boxes with swept spheres)."
+        "(trees of oriented boxes with swept spheres). At rest: the four pairs of a stack of five bunnies that has "
+        f"stood for {settings.rest_seconds:g} s, in the poses of its next {settings.rest_steps} steps."
     )
 
 
 def reduce(settings: PairSettings, results: Results) -> list[Row]:
     """The verdicts."""
-    del settings
     times = {key: _median(results, key) for key in (*pair.PAIRED, "collide", "coal")}
     over_gimpact = times["gimpact"] / times["vps-fine"]
     over_parts = times["decomposition"] / times["vps-fine"]
@@ -72,6 +72,7 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
             times["hull"] / times["vps-fine"],
             "times",
         ),
+        *(_tell_rest(results) if pair.rests(settings) else ()),
         Row(
             "coal / ours, yes/no from Python",
             None,
@@ -95,18 +96,46 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
     return rows
 
 
+def _tell_rest(results: Results) -> list[Row]:
+    """The ratios of a stack that stands."""
+    times = {key: _median(results, key, "at-rest") for key in pair.RESTING}
+    bars = {"decomposition": LEAST_OVER_PARTS, "hull": None}
+    rows = []
+    for key, bar in bars.items():
+        ratio = times[key] / times["vps-fine"]
+        by_pair = _of_poses(results, key, "at-rest") / _of_poses(results, "vps-fine", "at-rest")
+        rows.append(
+            Row(
+                f"{LABELS[key]} / VPS fine, bunny on bunny, at rest",
+                None,
+                ratio,
+                "times",
+                bar="" if bar is None else f">= {bar:g}",
+                holds=None if bar is None else at_least(ratio, bar),
+                note=f"{format_value(float(by_pair.min()))} to {format_value(float(by_pair.max()))} over the "
+                f"pairs; {format_value(times[key] * 1e6)} to {format_value(times['vps-fine'] * 1e6)} \N{MICRO SIGN}s, "
+                f"of which {_list_stages(results, 'at-rest')}",
+            )
+        )
+    return rows
+
+
+def _list_stages(results: Results, part: str) -> str:
+    return ", ".join(
+        f"{stage} {format_value(1e6 * _median(results, f'vps-fine-{stage}', part))}"
+        for stage in STAGES
+    )
+
+
 def _explain_fine(results: Results) -> str:
     """What the fine shell's time is made of, and how many contacts it finds beside the hulls."""
-    stages = ", ".join(
-        f"{stage} {format_value(1e6 * _median(results, f'vps-fine-{stage}'))}" for stage in STAGES
-    )
     found = results["times"]["contacts"]
     fine, hulls = (
         float(found["contacts"][found["method"] == key].mean())
         for key in ("vps-fine", "decomposition")
     )
     return (
-        f"VPS takes {stages} \N{MICRO SIGN}s for {fine:.1f} contacts; the hulls have {hulls:.1f}, "
+        f"VPS takes {_list_stages(results, 'times')} \N{MICRO SIGN}s for {fine:.1f} contacts; the hulls have {hulls:.1f}, "
         f"deepest {format_value(_deepest(results, 'decomposition'))} mm instead of "
         f"{format_value(_deepest(results, 'vps-fine'))}"
     )
@@ -134,9 +163,9 @@ def draw(settings: PairSettings, results: Results, folder: Path) -> list[Picture
     return [Picture("times.png", "Narrow phase of bunny on bunny: a line a pose, the dot their median.")]  # fmt: skip
 
 
-def _of_poses(results: Results, key: str) -> NDArray[np.float64]:
+def _of_poses(results: Results, key: str, part: str = "times") -> NDArray[np.float64]:
     """Seconds, (poses,): medians over repeats."""
-    table = results["times"]["times"]
+    table = results[part]["times"]
     mine = table["method"] == key
     if not mine.any():
         return np.zeros(0)
@@ -144,8 +173,8 @@ def _of_poses(results: Results, key: str) -> NDArray[np.float64]:
     return np.median(table["seconds"][mine].reshape(repeats, -1), axis=0)
 
 
-def _median(results: Results, key: str) -> float:
-    values = _of_poses(results, key)
+def _median(results: Results, key: str, part: str = "times") -> float:
+    values = _of_poses(results, key, part)
     return float(np.median(values)) if len(values) else float("nan")
 
 

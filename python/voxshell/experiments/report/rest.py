@@ -62,7 +62,8 @@ def describe(settings: RestSettings) -> str:
         "vertices, does the same for comparison. Whether a body that still rolls after that time is a "
         "fault of contacts, others tell whose contacts are not ours: on the plane, the hull of all of the "
         f"bunny's vertices in Bullet and in MuJoCo, at {', '.join(f'{r:g}' for r in settings.roll_rates)} "
-        "Hz; no body is given rolling friction. A body lies still from when it turns slower than "
+        "Hz; no body is given rolling friction, but for a last look at what "
+        f"{settings.rolling_friction * 1e3:g} mm of it on bunny and plane do. A body lies still from when it turns slower than "
         f"{MOST_TURNING:g} rad/s and does so to the end."
     )
 
@@ -128,7 +129,19 @@ def _tell_others(settings: RestSettings, results: Results) -> str:
 
 
 def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
-    rows = []
+    rows = [
+        Row(
+            f"below {MOST_TURNING:g} rad/s after {settings.settle_seconds:g} s with "
+            f"{settings.rolling_friction * 1e3:g} mm of rolling friction, {ROLLER_NAMES[shell]}, "
+            f"{settings.rate:g} Hz, analytic plane",
+            None,
+            still := count_below(settings, results[f"held-{shell}"], MOST_TURNING),
+            f"of {settings.orientations}",
+            bar="all" if shell in rest.SHELLS else "",
+            holds=still == settings.orientations if shell in rest.SHELLS else None,
+        )
+        for shell in rest.HELD
+    ]
     for roller, rate in product(rest.ROLLERS, settings.roll_rates):
         name = f"roll-{roller}-{rate:g}"
         count, here, note = settings.orientations, float("nan"), "pip install voxshell[peers]"
