@@ -214,10 +214,10 @@ class Body(WorldPart):
 
     @property
     def rolling_friction(self) -> float:
-        """Lever of the torque that withstands rolling, metres, on a body of friction 1.
+        """Lever of the torque that withstands rolling on a body of friction 1, metres.
 
-        The torque is at most this times the force between the bodies. Bullet multiplies it by the
-        other's friction, and adds what the other's rolling friction comes to.
+        That torque is at most the normal force times the sum of this times the other's friction and
+        the other's rolling friction times this body's friction.
 
         Example:
             A ball rolls on for ever, but with 2 mm it stops:

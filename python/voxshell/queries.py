@@ -296,7 +296,7 @@ def collide(
         >>> vx.collide(ring, vx.Sphere(radius=0.1), a_pose=world_from_ring)
         True
     """
-    # By name, not starred: a list less to be made of the arguments, in what may take a microsecond.
+    # Unpacked into names, not starred: a list less to be made of the arguments, in what may take a microsecond.
     field_a, shell_a = parts(a, "a")
     field_b, shell_b = parts(b, "b")
     return _core.collide(

@@ -11,6 +11,8 @@ namespace voxshell {
 /// x, eight y, eight z. A view, for as long as the tree is there.
 class BucketPoints {
  public:
+  static constexpr std::size_t kEach = 8;
+
   class Iterator {
    public:
     // NOLINTBEGIN(readability-identifier-naming): what algorithms ask for
@@ -46,8 +48,8 @@ class BucketPoints {
 
  private:
   static Vec3f read(const float* buckets, std::size_t id) {
-    const float* x = buckets + id / 8 * 24 + id % 8;
-    return {x[0], x[8], x[16]};
+    const float* x = buckets + id / kEach * (3 * kEach) + id % kEach;
+    return {x[0], x[kEach], x[2 * kEach]};
   }
 
   const float* buckets_;

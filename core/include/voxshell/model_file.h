@@ -11,8 +11,8 @@
 namespace voxshell {
 
 /// Writes a model to a file: a header, a table and the model's arrays, little-endian, with a
-/// checksum. The file appears whole or not at all, in place of one that had
-/// its name. The same model gives the same bytes.
+/// checksum. The file appears whole or not at all, in place of one that had its name. The same
+/// model gives the same bytes.
 /// Errors: kFileAccess.
 Result<std::monostate> save_model(const Model& model, const std::string& path);
 

@@ -41,7 +41,7 @@ struct PointRange {
 class PointSphereTree {
  public:
   static constexpr std::uint32_t kBranching = 4;
-  static constexpr std::uint32_t kBucketPoints = 8;
+  static constexpr std::uint32_t kBucketPoints = BucketPoints::kEach;
   static constexpr int kMaxLevel = 12;  ///< 4^11 = 4,194,304 clusters
 
   PointSphereTree() = default;

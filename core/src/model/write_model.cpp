@@ -106,7 +106,9 @@ Result<std::monostate> append_sections(const Sections<View>& sections, const App
 Result<std::monostate> write_model(const Model& model, const Append& append) {
   const Record record = make_record(model);
   const BucketPoints in_buckets = model.shell().points();
-  const std::vector<Vec3f> points(in_buckets.begin(), in_buckets.end());
+  std::vector<Vec3f> points;
+  points.reserve(in_buckets.size());
+  points.assign(in_buckets.begin(), in_buckets.end());
   const Sections<View> sections = view_sections(model, record, points);
   std::vector<std::byte> front = make_front(sections);
 

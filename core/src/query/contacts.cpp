@@ -48,11 +48,12 @@ double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
 }
 
 /// How far the next poses may be expected to stray, given the last motion. Looking that far ahead
-/// leaves more survivors, which pays while the motion is small against a slot.
+/// leaves more survivors, which pays while the motion is small against a slot; below the least
+/// there would hardly be fewer, and bodies that tremble would be searched for anew every few steps.
 double choose_growth(double motion, const PointShell& shell) {
   constexpr double kSteps = 4.0;
   constexpr double kLeast = 0.01;  // spacings
-  constexpr double kMost = 0.25;
+  constexpr double kMost = 0.25;   // spacings
   const double ahead = kSteps * motion;
   return ahead <= kMost * shell.spacing() ? std::max(ahead, kLeast * shell.spacing()) : 0.0;
 }

@@ -32,8 +32,8 @@ inline void write_floats(const Vec3& from, float (&to)[3]) {
   to[2] = rounded.z;
 }
 
-/// The field, of which `view` is, as the shell sees it. The pose is worked out in float64 and
-/// applied in float32.
+/// The field as the shell sees it; `view` is the field's, which callers have at hand. The pose is
+/// worked out in float64 and applied in float32.
 template <class F, class V>
 simd::PosedView<V> make_posed(const F& field, const V& view, const PointShell& shell,
                               const Pose& field_from_shell) {

@@ -9,9 +9,12 @@ namespace voxshell {
 
 enum class SphereBounds { kUnwanted, kWanted };
 
-/// The root; or its two clusters, where it has no more: hardly ever is one of them left out.
-inline simd::Seeds start_walk(const simd::TreeView& tree, simd::NodeList nodes) {
-  const bool is_pair = tree.depth % 3 == 1 && tree.level_count > 1;
+/// The root; or where no bounds are wanted its two clusters, if it has no more: hardly ever is one
+/// of them left out.
+inline simd::Seeds start_walk(const simd::TreeView& tree, simd::NodeList nodes,
+                              SphereBounds bounds) {
+  const bool is_pair =
+      bounds == SphereBounds::kUnwanted && tree.depth % 3 == 1 && tree.level_count > 1;
   for (; nodes.count < (is_pair ? 2u : 1u); ++nodes.count) {
     nodes.index[nodes.count] = nodes.count;
     nodes.tag[nodes.count] = 0;
@@ -28,7 +31,7 @@ simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tre
                       float growth, SphereBounds bounds, QueryScratch::State& state,
                       const GoOn& go_on) {
   state.survivors.forget();
-  simd::Seeds left = start_walk(tree, state.nodes[0].empty_list());
+  simd::Seeds left = start_walk(tree, state.nodes[0].empty_list(), bounds);
   simd::NodeList next = state.nodes[1].empty_list();
   if (bounds == SphereBounds::kUnwanted) left.nodes.bound = next.bound = nullptr;
   const auto& kernels = simd::query_kernels<V>(simd::active_isa());

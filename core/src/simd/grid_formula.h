@@ -306,18 +306,23 @@ VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   return select(absolute(d) <= floor, bound.if_fine, far);
 }
 
+/// How far a point is within its brick from the nearest side, voxels, rounding left out.
+template <class F>
+VOXSHELL_INLINE F find_room(const GridPlace<F>& place) {
+  constexpr float kHalf = 0.5f * kBrickCells;
+  constexpr float kSafety = 0.01f;  // voxels
+  const Triple<F>& w = place.within;
+  return kHalf - kSafety -
+         maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
+}
+
 /// Of balls within one brick, from the value at the centre: there it is continuous, and along each
 /// axis no steeper than two nodes next to each other allow. For others, infinity.
 template <class F>
 VOXSHELL_INLINE F bound_fall_in_brick(const GridView& grid, const GridPlace<F>& place,
                                       const GridValue<F>& value, F radius) {
-  constexpr float kHalf = 0.5f * kBrickCells;
-  constexpr float kSafety = 0.01f;  // voxels
-  const Triple<F>& w = place.within;
-  const F off_centre =
-      maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
-  const auto is_within = (off_centre + radius * grid.inverse_voxel_size <= kHalf - kSafety) &
-                         (is_beyond(place.outside) == 0);
+  const auto is_within =
+      (radius * grid.inverse_voxel_size <= find_room(place)) & (is_beyond(place.outside) == 0);
   constexpr float kDiagonal = 1.7321f;  // of a cube
   constexpr float kRounding = 1e-3f;    // of a value, in cells
   const F edge = value.cell_size * grid.voxel_size;

@@ -53,6 +53,7 @@ struct GridView {
   /// value nearer to zero, metres; or kNoCoarseFloor.
   float coarse_floor;
 
+  /// Fields do not change once they have a serial.
   friend bool operator==(const GridView& a, const GridView& b) { return a.serial == b.serial; }
 };
 

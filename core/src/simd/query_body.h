@@ -97,15 +97,9 @@ VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
                              const GridValue<F8>& value, F8 radii, float slack, float margin) {
   if (find_planes(value.entry) == 0 || margin + slack > grid.plane_margin) return I8{};
   const I8 is_plane = (value.entry & kPlaneBit) != 0;
-  constexpr float kHalf = 0.5f * kBrickCells;
-  const Triple<F8>& w = place.within;
-  const F8 off_centre =
-      maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
   const F8 same = to_float((value.entry >> kFieldShift) & kFieldMask);
-  constexpr float kSafety = 0.01f;  // voxels
   const F8 room =
-      (same * static_cast<float>(kBrickCells) + (kHalf - kSafety) - off_centre) * grid.voxel_size -
-      slack;
+      (same * static_cast<float>(kBrickCells) + find_room(place)) * grid.voxel_size - slack;
   const I8 fits = is_plane & (radii <= room) & (is_beyond(place.outside) == 0);
   return fits & (as_payload(value.entry) + 1);
 }
@@ -174,6 +168,12 @@ VOXSHELL_INLINE void fetch_ahead(const NodeList& nodes, uint32_t i, const Find& 
   }
 }
 
+template <class V>
+VOXSHELL_INLINE void fetch_buckets_ahead(const TreeView& tree, const NodeList& slots, uint32_t i) {
+  fetch_ahead<V>(slots, i,
+                 [&](uint32_t slot) { return bucket_of(tree, first_bucket(tree, slot)); });
+}
+
 template <class V, class TestBalls>
 VOXSHELL_INLINE void expand_by(const TreeView& tree, int level, const NodeList& nodes,
                                NodeList& out, float growth, const TestBalls& test) {
@@ -221,7 +221,9 @@ VOXSHELL_INLINE F8 bound_points(const PosedView<PlaneView>& posed, const Triple<
 VOXSHELL_INLINE F8 bound_points(const PosedView<GridView>& posed, const Triple<F8>& p, uint32_t tag,
                                 float growth) {
   const Triple<F8> q = to_field(posed, p);
-  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, splat<F8>(growth))
+  // Where rounding may carry a point across the side of a brick, values are not continuous.
+  const F8 radius = splat<F8>(growth + posed.slack);
+  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, radius)
                             : distance_to_plane(posed.field, tag, q) - growth;
   return bound - posed.slack;
 }
@@ -231,8 +233,7 @@ void sift(const PosedView<V>& posed, const TreeView& tree, NodeList& slots, floa
           float growth) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < slots.count; ++i) {
-    fetch_ahead<V>(slots, i,
-                   [&](uint32_t slot) { return bucket_of(tree, first_bucket(tree, slot)); });
+    fetch_buckets_ahead<V>(tree, slots, i);
     const uint32_t slot = slots.index[i];
     const uint32_t tag = slots.tag[i];
     unsigned lanes = 0;
@@ -253,8 +254,7 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
               PointList& out) {
   uint32_t count = out.count;
   for (uint32_t i = 0; i < slots.count; ++i) {
-    fetch_ahead<V>(slots, i,
-                   [&](uint32_t slot) { return bucket_of(tree, first_bucket(tree, slot)); });
+    fetch_buckets_ahead<V>(tree, slots, i);
     const uint32_t end = first_bucket(tree, slots.index[i] + 1);
     for (uint32_t bucket = first_bucket(tree, slots.index[i]); bucket < end; ++bucket) {
       const Triple<F8> p = load_triple(bucket_of(tree, bucket));

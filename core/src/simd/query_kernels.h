@@ -57,8 +57,8 @@ struct QueryKernels {
   /// theirs; those of the root, node 0, are level 0. Every sphere counts as larger by `growth`.
   void (*expand)(const PosedView<V>&, const TreeView&, int level, const NodeList& nodes,
                  NodeList& out, float margin, float growth);
-  /// Leaves those of `slots`, which have no bounds, that may hold a point below `margin` after its
-  /// points have moved by up to `growth`.
+  /// Leaves those of `slots` that may hold a point below `margin` after its points have moved by up
+  /// to `growth`, without their bounds. Tags must be of this margin and no smaller growth.
   void (*sift)(const PosedView<V>&, const TreeView&, NodeList& slots, float margin, float growth);
   /// Appends the points below `margin` of slots.
   void (*evaluate)(const PosedView<V>&, const TreeView&, const NodeList& slots, float margin,

@@ -229,7 +229,9 @@ def _roll(
 def find_hull(settings: RestSettings) -> NDArray[np.float64]:
     """All vertices of the bunny's convex hull, (n, 3), metres, the model's frame."""
     solid = import_manifold().Manifold.hull_points(np.array(settings.build_mesh().vertices))
-    return as_mesh(solid).vertices
+    vertices = as_mesh(solid).vertices
+    vertices.setflags(write=False)
+    return vertices
 
 
 def _build_world(

@@ -112,7 +112,7 @@ def _compute_here(
             try:
                 outcome = future.result()
             except BrokenProcessPool:
-                raise
+                raise  # which the pool tells in its own words
             except Exception as error:
                 raise RunError(f"{part.name}: {type(error).__name__}: {error}") from error
             yield store, part, outcome
@@ -134,7 +134,8 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     except BaseException as error:
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
-        # What a worker had half written would be waited for as long as anyone can still write.
+        # What a worker had half written would be waited for as long as anyone can still write. The
+        # pool has no public way to say that nobody can; this one is there in Python 3.10 to 3.13.
         results: Any = pool._result_queue
         results._writer.close()
         # Not waited for, the pool's own thread and Python's exit would meet over a closed pipe.

@@ -162,6 +162,7 @@ TEST_P(MultiBody, ABaseComesToRest) {
     const Lying lying = expect_true_landing_and_lie(world, tree);
     constexpr double kRocking = 0.1;  // rad/s
     EXPECT_LT(lying.fastest_turn, std::max(kRocking, kCalm));
+    EXPECT_LT(lying.drift, 1e-3);
     if (!lying.is_calm()) ++rocking;
   }
   // Bullet starts the impulses of multibodies from zero: one in fifty rocks for ever.

@@ -103,7 +103,9 @@ class SlowlyGiven(list):
     def __iter__(self):
         before = set(multiprocessing.active_children())
         yield self[0]
+        patience = time.monotonic() + 60.0
         while set(multiprocessing.active_children()) - before:
+            assert time.monotonic() < patience, "a worker lives on"
             time.sleep(0.01)
         yield from self[1:]
 

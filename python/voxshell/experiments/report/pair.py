@@ -38,8 +38,15 @@ def describe(settings: PairSettings) -> str:
         "same poses for every method in one process; medians over poses of medians over "
         f"{settings.repeats} repeats; at each pose the bunny moves to and fro by "
         f"{settings.drift * 1e3:g} mm, as in a simulation. The yes/no queries are called from Python, ours and coal's "
-        "(trees of oriented boxes with swept spheres). At rest: the four pairs of a stack of five bunnies that has "
-        f"stood for {settings.rest_seconds:g} s, in the poses of its next {settings.rest_steps} steps."
+        "(trees of oriented boxes with swept spheres)."
+        + (_describe_rest(settings) if pair.rests(settings) else "")
+    )
+
+
+def _describe_rest(settings: PairSettings) -> str:
+    return (
+        " At rest: the four pairs of a stack of five bunnies that has stood for "
+        f"{settings.rest_seconds:g} s, in the poses of its next {settings.rest_steps} steps."
     )
 
 

@@ -97,16 +97,5 @@ TEST(ModelMemory, OfALoadedModelIsThatOfItsParts) {
   EXPECT_GE(held - before, compute_memory(**model).total());
 }
 
-TEST(ModelMemory, EachPointIsHeldOnce) {
-  const auto model = build(test_support::make_blob(0.35, 5));
-  const PointShell& shell = model->shell();
-  const auto memory = compute_memory(*model);
-  const std::size_t spheres =
-      shell.tree().spheres().size_bytes() + shell.tree().blocks().size_bytes();
-  constexpr std::size_t kPoint = 2 * sizeof(Vec3f) + sizeof(float);  // place, normal, area
-  EXPECT_LE(memory.shell + memory.tree - spheres,
-            (shell.size() + PointSphereTree::kBucketPoints) * kPoint);
-}
-
 }  // namespace
 }  // namespace voxshell

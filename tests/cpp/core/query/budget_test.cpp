@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "simd/tree_view.h"
 #include "support/pairs.h"
 #include "support/random.h"
 #include "voxshell/contacts.h"
@@ -120,6 +122,25 @@ TEST(Budget, OfOneNodeBoundsTheDepthByTheWholeShell) {
   EXPECT_LT(answer.depth_bound, 0.5f);
   const auto apart = find_contacts_within_budget(floor, shell, {{}, {0, 0, 3}}, {}, 1, scratch);
   EXPECT_TRUE(apart.is_exact);
+}
+
+TEST(Budget, OfOneNodeBoundsTheDepthForTreesOfEveryDepth) {
+  const Field floor = PlaneField{};
+  QueryScratch scratch;
+  std::set<std::int32_t> depths;
+  for (const double spacing : {0.08, 0.055, 0.04, 0.028, 0.02}) {
+    const PointShell shell = make_shell(make_box({0.3, 0.3, 0.15}), spacing);
+    depths.insert(shell.tree().view().depth % 3);
+    for (const std::size_t budget : {std::size_t{1}, std::size_t{2}}) {
+      const auto answer =
+          find_contacts_within_budget(floor, shell, {{}, {0, 0, 0.1}}, {}, budget, scratch);
+      EXPECT_LT(answer.depth_bound, 0.5f) << spacing;
+      const auto apart =
+          find_contacts_within_budget(floor, shell, {{}, {0, 0, 3}}, {}, budget, scratch);
+      EXPECT_TRUE(apart.is_exact) << spacing;
+    }
+  }
+  EXPECT_EQ(depths.size(), 3u);
 }
 
 TEST(Budget, KeepsTheDeepestOfWhatItFinds) {

@@ -71,6 +71,26 @@ TEST(Scratch, FollowsMotionsOfEverySpeed) {
   EXPECT_GT(contacts, 50'000u);
 }
 
+TEST(Scratch, FollowsSmallMotionsAtEveryMargin) {
+  // Also beyond what large cells, bricks of planes and the grid's end are met at.
+  Random random(246);
+  std::size_t contacts = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (const float margin : {-0.02f, 0.01f, 0.1f, 0.4f}) {
+        QueryScratch scratch;
+        Pose pose = make_pose_at(field, shell, random.uniform(-0.1, 0.3), random);
+        for (int i = 0; i < 40; ++i) {
+          pose = nudged(pose, 1e-5, 1e-5, random);
+          contacts += expect_equal_to_flat(field, shell, pose, {.margin = margin}, scratch);
+          if (testing::Test::HasFailure()) return;
+        }
+      }
+    }
+  }
+  EXPECT_GT(contacts, 50'000u);
+}
+
 TEST(Scratch, FollowsALongSteadySlide) {
   // The same small step again and again: what was skipped comes near by degrees.
   Random random(241);

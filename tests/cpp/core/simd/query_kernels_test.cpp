@@ -115,7 +115,7 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
     std::swap(nodes, next);
   }
   simd::PointList points = room.points();
-  kernels.sift(posed, tree, nodes, margin, 0.0005f);
+  kernels.sift(posed, tree, nodes, margin, 0.0f);
   hash.add_all(nodes.index, nodes.count);
   hash.add_all(nodes.tag, nodes.count);
   kernels.evaluate(posed, tree, nodes, margin, points);
@@ -133,6 +133,49 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
 
   hash.add(kernels.find_any(posed, tree, margin));
   return hash.value();
+}
+
+TEST(QueryKernels, SiftLeavesOutSlotsThatNoPointComesInFrom) {
+  Random random(251);
+  std::uint32_t walked = 0;
+  std::uint32_t sifted = 0;
+  std::uint32_t needed = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 20; ++i) {
+        const Pose pose = make_pose_at(field, shell, random.uniform(-0.05, 0.02), random);
+        with_posed(field, shell, pose, [&]<class V>(const simd::PosedView<V>& posed) {
+          constexpr float kGrowth = 0.0005f;
+          const simd::QueryKernels<V>& kernels = simd::query_kernels<V>(simd::active_isa());
+          const simd::TreeView tree = view_tree(shell);
+          Room room(shell);
+          simd::NodeList nodes = room.nodes(0);
+          simd::NodeList next = room.nodes(1);
+          nodes.index[0] = nodes.tag[0] = 0;
+          nodes.count = 1;
+          nodes.bound = next.bound = nullptr;
+          for (int level = 0; level < tree.level_count; ++level) {
+            next.count = 0;
+            kernels.expand(posed, tree, level, nodes, next, 0.0f, kGrowth);
+            std::swap(nodes, next);
+          }
+          walked += nodes.count;
+          const auto count_points = [&] {
+            simd::PointList points = room.points();
+            kernels.evaluate(posed, tree, nodes, 0.0f, points);
+            return points.count;
+          };
+          const std::uint32_t before = count_points();
+          kernels.sift(posed, tree, nodes, 0.0f, kGrowth);
+          sifted += nodes.count;
+          needed += (before + 7) / 8;
+          EXPECT_EQ(count_points(), before);
+        });
+      }
+    }
+  }
+  EXPECT_GT(needed, 1'000u);
+  EXPECT_LT(sifted, 0.9 * walked);
 }
 
 TEST(QueryKernels, WriteTheSameBitsOnEveryInstructionSet) {
