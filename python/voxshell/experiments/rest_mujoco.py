@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,7 +46,7 @@ class MuJoCoFall:
         pose: NDArray[np.float64],
     ) -> None:
         try:
-            import mujoco  # pyright: ignore[reportMissingImports]
+            mujoco: Any = import_module("mujoco")
         except ImportError as error:
             raise MissingExtraError("pip install voxshell[peers] for MuJoCo") from error
         spec: Any = mujoco.MjSpec()
