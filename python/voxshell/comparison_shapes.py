@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell._arguments import as_floats, as_real
+from voxshell._arguments import as_floats, as_not_negative
 from voxshell.errors import MeshError, SettingsError
 from voxshell.meshes import Mesh, read_mesh
 
@@ -45,7 +45,7 @@ class GImpact:
         self.mesh: Mesh = read_mesh(mesh)
         if len(self.mesh.faces) == 0:
             raise MeshError("mesh has no triangles")
-        self.margin: float = as_margin(margin)
+        self.margin: float = as_not_negative(margin, "margin")
 
     def __repr__(self) -> str:
         return f"GImpact({len(self.mesh.faces)} triangles)"
@@ -79,7 +79,7 @@ class ConvexDecomposition:
         ]
         if not self.hulls:
             raise SettingsError("give at least one hull")
-        self.margin: float = as_margin(margin)
+        self.margin: float = as_not_negative(margin, "margin")
         self.mesh: Mesh = _triangulate(self.hulls)
 
     def __repr__(self) -> str:
@@ -128,14 +128,6 @@ class ConvexHull(ConvexDecomposition):
 
     def __repr__(self) -> str:
         return f"ConvexHull({len(self.hulls[0])} points)"
-
-
-def as_margin(value: float, name: str = "margin") -> float:
-    """A length of at least 0, metres."""
-    margin = as_real(value, name)
-    if margin < 0.0:
-        raise SettingsError(f"{name} must be at least 0, not {margin:g}")
-    return margin
 
 
 def _as_hull(points: ArrayLike, name: str) -> NDArray[np.float64]:

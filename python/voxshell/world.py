@@ -8,10 +8,18 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell import _bullet
-from voxshell._arguments import as_floats, as_integer, as_points, as_positive, as_real, as_vector
+from voxshell._arguments import (
+    as_floats,
+    as_integer,
+    as_not_negative,
+    as_points,
+    as_positive,
+    as_real,
+    as_vector,
+)
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
-from voxshell.comparison_shapes import GImpact, as_margin
+from voxshell.comparison_shapes import GImpact
 from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.recorder import Recorder
@@ -146,7 +154,7 @@ class World:
             two_friction_directions=friction_directions == 2,
             mode=_CONTACT_MODES[contact],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
-            margin=-1.0 if margin is None else as_margin(margin),
+            margin=-1.0 if margin is None else as_not_negative(margin, "margin"),
             sweep_beyond=-1.0 if sweep_beyond is None else _as_reach(sweep_beyond),
         )
 
@@ -529,7 +537,7 @@ class World:
             -0.04...
         """
         self._check_own(a, "a")
-        reach = as_margin(margin)
+        reach = as_not_negative(margin, "margin")
         if b is not None:
             self._check_own(b, "b")
         others = [b] if b is not None else [body for body in self.bodies if body is not a]
@@ -625,4 +633,4 @@ def _refuse_unanswered(a: Body, b: Body) -> None:
 
 def _as_reach(value: float) -> float:
     """A length of at least 0, or infinity, metres."""
-    return math.inf if value == math.inf else as_margin(value, "sweep_beyond")
+    return math.inf if value == math.inf else as_not_negative(value, "sweep_beyond")

@@ -1,6 +1,8 @@
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/finite.h"
 #include "base/text.h"
 #include "voxshell/point_shell.h"
 
@@ -13,8 +15,7 @@ constexpr float kLargestArea = 1e20f;           // m2
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 bool is_place(const Vec3f& p) {
-  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-         std::abs(p.z) <= kLargestCoordinate;
+  return are_within(coordinates(std::span(&p, 1)), kLargestCoordinate);
 }
 
 /// Zero where a surface faces nowhere.

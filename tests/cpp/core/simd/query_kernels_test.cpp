@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "query/posed.h"
+#include "query/walk.h"
 #include "simd/isa.h"
 #include "support/pairs.h"
 #include "support/random.h"
@@ -137,6 +138,8 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
 
 TEST(QueryKernels, SiftLeavesOutSlotsThatNoPointComesInFrom) {
   Random random(251);
+  QueryScratch scratch;
+  QueryScratch::State& state = scratch.state();
   std::uint32_t walked = 0;
   std::uint32_t sifted = 0;
   std::uint32_t needed = 0;
@@ -149,16 +152,10 @@ TEST(QueryKernels, SiftLeavesOutSlotsThatNoPointComesInFrom) {
           const simd::QueryKernels<V>& kernels = simd::query_kernels<V>(simd::active_isa());
           const simd::TreeView tree = view_tree(shell);
           Room room(shell);
-          simd::NodeList nodes = room.nodes(0);
-          simd::NodeList next = room.nodes(1);
-          nodes.index[0] = nodes.tag[0] = 0;
-          nodes.count = 1;
-          nodes.bound = next.bound = nullptr;
-          for (int level = 0; level < tree.level_count; ++level) {
-            next.count = 0;
-            kernels.expand(posed, tree, level, nodes, next, 0.0f, kGrowth);
-            std::swap(nodes, next);
-          }
+          state.reserve(tree);
+          simd::NodeList nodes = walk_down(posed, tree, 0.0f, kGrowth, SphereBounds::kUnwanted,
+                                           state, [](const simd::Seeds&) { return true; })
+                                     .nodes;
           walked += nodes.count;
           const auto count_points = [&] {
             simd::PointList points = room.points();
