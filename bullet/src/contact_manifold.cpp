@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <new>
 #include <utility>
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -11,43 +12,6 @@
 
 namespace voxshell::bullet {
 namespace {
-
-/// What all contacts of two objects have in common.
-struct Materials {
-  btScalar friction;
-  btScalar rolling_friction;
-  btScalar spinning_friction;
-  btScalar damping = 0;
-  btScalar stiffness = 0;
-  int flags = 0;
-
-  // Through Bullet's pointers, which users may have set to rules of their own.
-  Materials(const btCollisionObject* object0, const btCollisionObject* object1)
-      : friction(gCalculateCombinedFrictionCallback(object0, object1)),
-        rolling_friction(gCalculateCombinedRollingFrictionCallback(object0, object1)),
-        spinning_friction(gCalculateCombinedSpinningFrictionCallback(object0, object1)) {
-    const int of_objects = object0->getCollisionFlags() | object1->getCollisionFlags();
-    if (of_objects & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
-      damping = gCalculateCombinedContactDampingCallback(object0, object1);
-      stiffness = gCalculateCombinedContactStiffnessCallback(object0, object1);
-      flags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
-    }
-    if (of_objects & btCollisionObject::CF_HAS_FRICTION_ANCHOR) {
-      flags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-    }
-  }
-
-  void give_to(btManifoldPoint& point) const {
-    point.m_combinedFriction = friction;
-    point.m_combinedRollingFriction = rolling_friction;
-    point.m_combinedSpinningFriction = spinning_friction;
-    if (flags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) {
-      point.m_combinedContactDamping1 = damping;
-      point.m_combinedContactStiffness1 = stiffness;
-    }
-    point.m_contactPointFlags |= flags;
-  }
-};
 
 /// What a manifold's point leaves to that of the next step with its id.
 struct Heritage {
@@ -87,15 +51,75 @@ struct Heritage {
 
 }  // namespace
 
-void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
-                   const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b) {
-  assert(contacts.size() <= MANIFOLD_CACHE_SIZE);
-  const bool swapped = manifold.getBody0() != a.getCollisionObject();
-  const btCollisionObjectWrapper& wrap0 = swapped ? b : a;
-  const btCollisionObjectWrapper& wrap1 = swapped ? a : b;
-  const btTransform& world_from_0 = wrap0.getCollisionObject()->getWorldTransform();
-  const btTransform& world_from_1 = wrap1.getCollisionObject()->getWorldTransform();
+Materials::Materials(const btCollisionObject& a, const btCollisionObject& b)
+    : friction(gCalculateCombinedFrictionCallback(&a, &b)),
+      rolling_friction(gCalculateCombinedRollingFrictionCallback(&a, &b)),
+      spinning_friction(gCalculateCombinedSpinningFrictionCallback(&a, &b)) {
+  const int of_objects = a.getCollisionFlags() | b.getCollisionFlags();
+  if (of_objects & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) {
+    damping = gCalculateCombinedContactDampingCallback(&a, &b);
+    stiffness = gCalculateCombinedContactStiffnessCallback(&a, &b);
+    flags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+  }
+  if (of_objects & btCollisionObject::CF_HAS_FRICTION_ANCHOR) {
+    flags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+  }
+}
 
+ManifoldFiller::ManifoldFiller(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
+    : a_(a),
+      b_(b),
+      materials_(*a.getCollisionObject(), *b.getCollisionObject()),
+      tells_added_(gContactAddedCallback != nullptr &&
+                   ((a.getCollisionObject()->getCollisionFlags() |
+                     b.getCollisionObject()->getCollisionFlags()) &
+                    btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK) != 0) {}
+
+/// Appends the contact's point, which has no impulse yet.
+btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
+                                     const WorldContact& contact) const {
+  const bool swapped = manifold.getBody0() != a_.getCollisionObject();
+  const btCollisionObjectWrapper& wrap0 = swapped ? b_ : a_;
+  const btCollisionObjectWrapper& wrap1 = swapped ? a_ : b_;
+  const btVector3 on_0 = to_bullet(swapped ? contact.point_b : contact.point_a);
+  const btVector3 on_1 = to_bullet(swapped ? contact.point_a : contact.point_b);
+  const btVector3 normal_on_1 = to_bullet(swapped ? -contact.normal : contact.normal);
+  // In its place: addManifoldPoint() would copy some 400 bytes, and asserts that points touch.
+  const int index = manifold.getNumContacts();
+  manifold.setNumContacts(index + 1);
+  btManifoldPoint& point = *new (&manifold.getContactPoint(index)) btManifoldPoint(
+      wrap0.getCollisionObject()->getWorldTransform().invXform(on_0),
+      wrap1.getCollisionObject()->getWorldTransform().invXform(on_1), normal_on_1,
+      static_cast<btScalar>(-contact.depth));
+  point.m_positionWorldOnA = on_0;
+  point.m_positionWorldOnB = on_1;
+  point.m_partId0 = wrap0.m_partId;
+  point.m_partId1 = wrap1.m_partId;
+  point.m_index0 = point.m_index1 = static_cast<int>(contact.id);
+  point.m_combinedFriction = materials_.friction;
+  point.m_combinedRollingFriction =
+      std::max(materials_.rolling_friction, static_cast<btScalar>(contact.rolling_friction));
+  point.m_combinedSpinningFriction = materials_.spinning_friction;
+  if (materials_.flags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) {
+    point.m_combinedContactDamping1 = materials_.damping;
+    point.m_combinedContactStiffness1 = materials_.stiffness;
+  }
+  point.m_contactPointFlags |= materials_.flags;
+  btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
+  point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
+  point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
+  if (contact.is_resting) {
+    // Pulled back at once, bodies on four points rest less calmly.
+    constexpr double kPulledBack = 0.75;
+    point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));
+  }
+  return point;
+}
+
+void ManifoldFiller::fill(btPersistentManifold& manifold,
+                          std::span<const WorldContact> contacts) const {
+  assert(contacts.size() <= MANIFOLD_CACHE_SIZE);
   std::array<Heritage, MANIFOLD_CACHE_SIZE> kept;
   const int before_count = manifold.getNumContacts();
   for (int i = 0; i < before_count; ++i) {
@@ -105,42 +129,16 @@ void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact>
   // Not clearManifold(), which would tell gContactEndedCallback that the bodies have parted.
   manifold.setNumContacts(0);
 
-  const Materials materials(wrap0.getCollisionObject(), wrap1.getCollisionObject());
   for (const WorldContact& contact : contacts) {
-    const btVector3 on_0 = to_bullet(swapped ? contact.point_b : contact.point_a);
-    const btVector3 on_1 = to_bullet(swapped ? contact.point_a : contact.point_b);
-    const btVector3 normal_on_1 = to_bullet(swapped ? -contact.normal : contact.normal);
-    btManifoldPoint point(world_from_0.invXform(on_0), world_from_1.invXform(on_1), normal_on_1,
-                          static_cast<btScalar>(-contact.depth));
-    point.m_positionWorldOnA = on_0;
-    point.m_positionWorldOnB = on_1;
-    point.m_partId0 = wrap0.m_partId;
-    point.m_partId1 = wrap1.m_partId;
-    point.m_index0 = point.m_index1 = static_cast<int>(contact.id);
-    materials.give_to(point);
-    btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
-    point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
-    point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
-    point.m_combinedRollingFriction =
-        std::max(point.m_combinedRollingFriction, static_cast<btScalar>(contact.rolling_friction));
-    if (contact.is_resting) {
-      // Pulled back at once, bodies on four points rest less calmly.
-      constexpr double kPulledBack = 0.75;
-      point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-      point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));
-    }
+    btManifoldPoint& point = add(manifold, contact);
     const auto same = std::ranges::find_if(before, [&](const Heritage& heritage) {
       return !heritage.is_taken && heritage.id == point.m_index0;
     });
     if (same != before.end()) same->give_to(point, contact.carries_on);
-    // Points within the margin are predictive: Bullet asserts that others are in touch.
-    const int index = manifold.addManifoldPoint(point, /*isPredictive=*/contact.depth <= 0.0);
-    const int flags = wrap0.getCollisionObject()->getCollisionFlags() |
-                      wrap1.getCollisionObject()->getCollisionFlags();
-    if (gContactAddedCallback != nullptr &&
-        (flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK) != 0) {
-      gContactAddedCallback(manifold.getContactPoint(index), &wrap0, point.m_partId0,
-                            point.m_index0, &wrap1, point.m_partId1, point.m_index1);
+    if (tells_added_) {
+      const bool swapped = manifold.getBody0() != a_.getCollisionObject();
+      gContactAddedCallback(point, swapped ? &b_ : &a_, point.m_partId0, point.m_index0,
+                            swapped ? &a_ : &b_, point.m_partId1, point.m_index1);
     }
   }
   for (const Heritage& heritage : before) {

@@ -30,10 +30,37 @@ struct WorldContact {
   Vec3 slip{};
 };
 
-/// Replaces the points of `manifold` by `contacts` (at most four). The impulses of points whose id
-/// it held before are carried over, so that the solver starts warm. Other material properties are
-/// those of the two objects, and Bullet's contact callbacks are honoured.
-void fill_manifold(btPersistentManifold& manifold, std::span<const WorldContact> contacts,
-                   const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
+/// What all contacts of two objects have in common.
+struct Materials {
+  /// Through Bullet's pointers, which users may have set to rules of their own.
+  Materials(const btCollisionObject& a, const btCollisionObject& b);
+
+  btScalar friction;
+  btScalar rolling_friction;
+  btScalar spinning_friction;
+  btScalar damping = 0;
+  btScalar stiffness = 0;
+  int flags = 0;  ///< btContactPointFlags
+};
+
+/// Fills manifolds with contacts between the wrapped objects a and b.
+class ManifoldFiller {
+ public:
+  ManifoldFiller(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
+
+  /// Replaces the points of `manifold`, which is of a and b in any order, by `contacts` (at most
+  /// four). The impulses of points whose id it held before are carried over, so that the solver
+  /// starts warm. Other material properties are those of the two objects, and Bullet's contact
+  /// callbacks are honoured.
+  void fill(btPersistentManifold& manifold, std::span<const WorldContact> contacts) const;
+
+ private:
+  btManifoldPoint& add(btPersistentManifold& manifold, const WorldContact& contact) const;
+
+  const btCollisionObjectWrapper& a_;
+  const btCollisionObjectWrapper& b_;
+  Materials materials_;
+  bool tells_added_;  ///< to gContactAddedCallback
+};
 
 }  // namespace voxshell::bullet

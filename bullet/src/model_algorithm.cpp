@@ -252,6 +252,7 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
   assign_manifolds(pair, is_regular);
   choose_points(rule, is_regular);
   const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
+  const ManifoldFiller filler(pair.a.wrap(), pair.b.wrap());
   chosen_.clear();
   const Contact* group = contacts_.data();
   std::array<WorldContact, kManifoldSize> world;
@@ -261,8 +262,7 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
       world[i] = rule.to_world(contact, entry.lever);
       chosen_.push_back(contact);
     }
-    fill_manifold(*entry.manifold, std::span(world).first(entry.chosen.count), pair.a.wrap(),
-                  pair.b.wrap());
+    filler.fill(*entry.manifold, std::span(world).first(entry.chosen.count));
     group += entry.contact_count;
   }
   memory_.patch.keep(chosen_);
@@ -293,7 +293,7 @@ btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {
   btPersistentManifold* manifold = m_dispatcher->getNewManifold(pair.a.wrap().getCollisionObject(),
                                                                 pair.b.wrap().getCollisionObject());
   // Compounds refresh their children's manifolds, which drops points that have moved by more than
-  // the threshold, and their impulses with them. Here, fill_manifold() alone decides.
+  // the threshold, and their impulses with them. Here, ManifoldFiller alone decides.
   manifold->setContactBreakingThreshold(BT_LARGE_FLOAT);
   return manifold;
 }
