@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
+from itertools import product
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -54,9 +55,6 @@ ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
 """Of which is measured how long they roll. On a plane all but the hull of 42 vertices are the same body:
 nothing else of it than its convex hull can touch."""
 
-HELD: tuple[Shell, ...] = ("fine", "coarse", "whole-hull")
-"""Of which it is measured how soon rolling friction stops them."""
-
 FRAME_SECONDS = 0.05
 """Of which the largest angular speed is kept."""
 
@@ -74,7 +72,7 @@ class RestSettings(BunnySettings):
         settle_seconds: After the first contact, until rest is looked at.
         drift_seconds: After that, over which drift is measured.
         roll_rates: Steps a second at which it is measured how long the bunny rolls.
-        rolling_friction: Of bunny and plane, metres, where they are given one.
+        rolling_friction: Of bunny and ground, metres, where they are given one.
     """
 
     orientations: int = 20
@@ -83,7 +81,7 @@ class RestSettings(BunnySettings):
     settle_seconds: float = 2.0
     drift_seconds: float = 10.0
     roll_rates: tuple[float, ...] = (200.0, 1000.0, 4000.0)
-    rolling_friction: float = 0.005
+    rolling_friction: float = 0.008
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -99,20 +97,18 @@ class RestSettings(BunnySettings):
 
 
 def plan(settings: RestSettings) -> list[Part]:
-    """A part for each ground, shell and mode; and for each body and rate that rolls."""
+    """A part for each ground, shell and mode, bare and held; and for each body and rate that rolls."""
     seconds = settings.settle_seconds + settings.drift_seconds
-    steps = settings.rate * seconds
+    ours = tuple(product(GROUNDS, SHELLS, MODES))
     rests = [
         Part(
-            f"{ground}-{shell}-{mode}",
+            name_rest(ground, shell, mode, held=held),
             run_rests,
-            {"settings": settings, "ground": ground, "shell": shell, "mode": mode},
-            cost=3e-5 * steps * settings.orientations,
+            {"settings": settings, "ground": ground, "shell": shell, "mode": mode, "held": held},
+            cost=3e-5 * settings.rate * seconds * settings.orientations,
         )
-        for ground, shell, mode in [
-            *((ground, shell, mode) for ground in GROUNDS for shell in SHELLS for mode in MODES),
-            ("plane", "hull", "auto"),
-        ]
+        for held, hull in ((False, "hull"), (True, "whole-hull"))
+        for ground, shell, mode in (*ours, ("plane", hull, "auto"))
     ]
     rolls = [
         Part(
@@ -125,27 +121,23 @@ def plan(settings: RestSettings) -> list[Part]:
         for rate in settings.roll_rates
         if roller != "mujoco" or find_spec("mujoco") is not None
     ]
-    held = [
-        Part(
-            f"held-{shell}",
-            run_rolls,
-            {
-                "settings": settings,
-                "roller": shell,
-                "rate": settings.rate,
-                "rolling_friction": settings.rolling_friction,
-            },
-            cost=1.5e-5 * steps * settings.orientations,
-        )
-        for shell in HELD
-    ]
-    return rests + rolls + held
+    return rests + rolls
 
 
-def run_rests(settings: RestSettings, ground: Ground, shell: Shell, mode: Mode) -> Tables:
-    """Every orientation: turning and depth once settled, drift after, and whether it falls asleep."""
+def name_rest(ground: str, shell: str, mode: str, *, held: bool) -> str:
+    """Of a part; held: by rolling friction."""
+    return f"{ground}-{shell}-{mode}" + ("-held" if held else "")
+
+
+def run_rests(
+    settings: RestSettings, ground: Ground, shell: Shell, mode: Mode, *, held: bool
+) -> Tables:
+    """Every orientation: turning and depth once settled, drift after, and whether it falls asleep.
+
+    Held: by rolling friction.
+    """
     rows = [
-        (orientation, *_lie(settings, ground, shell, mode, orientation))
+        (orientation, *_lie(settings, ground, shell, mode, orientation, held=held))
         for orientation in range(settings.orientations)
     ]
     names = ("orientation", "angular_speed", "depth", "drift", "end_angular_speed", "asleep")
@@ -153,9 +145,22 @@ def run_rests(settings: RestSettings, ground: Ground, shell: Shell, mode: Mode) 
 
 
 def _lie(
-    settings: RestSettings, ground: Ground, shell: Shell, mode: Mode, orientation: int
+    settings: RestSettings,
+    ground: Ground,
+    shell: Shell,
+    mode: Mode,
+    orientation: int,
+    *,
+    held: bool,
 ) -> tuple[float, float, float, float, bool]:
-    world, body = _build_world(settings, ground, shell, mode, orientation, sleeping=False)
+    def build(*, sleeping: bool) -> tuple[World, Body]:
+        world, body = _build_world(settings, ground, shell, mode, orientation, sleeping=sleeping)
+        if held:
+            for each in world.bodies:
+                each.rolling_friction = settings.rolling_friction
+        return world, body
+
+    world, body = build(sleeping=False)
     settle = settings.settle_seconds + settings.fall_seconds
     window = round(WINDOW_SECONDS * settings.rate)
     world.step(round(settle * settings.rate) - window)
@@ -172,24 +177,19 @@ def _lie(
         drift = max(drift, float(np.linalg.norm(body.pose[:3, 3] - start)))
         if step >= steps - window:
             end = max(end, float(np.linalg.norm(body.angular_velocity)))
-    world, body = _build_world(settings, ground, shell, mode, orientation, sleeping=True)
+    world, body = build(sleeping=True)
     world.step(round((settle + settings.drift_seconds) * settings.rate))
     return turning, depth, drift, end, body.sleeping
 
 
-def run_rolls(
-    settings: RestSettings,
-    roller: Shell | Literal["mujoco"],
-    rate: float,
-    rolling_friction: float = 0.0,
-) -> Tables:
+def run_rolls(settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float) -> Tables:
     """The largest angular speed of each frame of every orientation, on a plane, automatic contacts."""
     frame = max(round(FRAME_SECONDS * rate), 1)
     seconds = settings.fall_seconds + settings.settle_seconds + settings.drift_seconds
     frames = round(seconds * rate) // frame
     turning = np.empty((settings.orientations, frames))
     for orientation in range(settings.orientations):
-        steps = _roll(settings, roller, rate, rolling_friction, orientation)
+        steps = _roll(settings, roller, rate, orientation)
         for number in range(frames):
             turning[orientation, number] = max(next(steps) for _ in range(frame))
     times = (np.arange(frames) + 1) * frame / rate - settings.fall_seconds
@@ -206,7 +206,6 @@ def _roll(
     settings: RestSettings,
     roller: Shell | Literal["mujoco"],
     rate: float,
-    rolling_friction: float,
     orientation: int,
 ) -> Iterator[float]:
     """The angular speed after each step, rad/s, without end."""
@@ -218,8 +217,6 @@ def _roll(
     world, body = _build_world(
         settings, "plane", roller, "auto", orientation, rate=rate, sleeping=False
     )
-    for each in world.bodies:
-        each.rolling_friction = rolling_friction
     while True:
         world.step()
         yield float(np.linalg.norm(body.angular_velocity))

@@ -58,19 +58,21 @@ def rests():
 def test_rest_has_every_ground_shell_and_mode(rests, tmp_path):
     settings, results = rests
     rows = REST.reduce(settings, results)
-    assert len([row for row in rows if row.holds is not None]) == 38
+    assert len([row for row in rows if row.holds is not None]) == 72
     assert len([row for row in rows if "rad/s after 1 s, " in row.quantity]) == 10
     for name, tables in results.items():
-        if name.startswith(("roll-", "held-")):
+        if name.startswith("roll-"):
             continue
         assert tables["runs"]["depth"].max() < 0.006, name
         assert (tables["runs"]["end_angular_speed"] < 20.0).all()
     draw(REST, settings, results, tmp_path)
 
 
-def test_rest_bars_follow_the_data(rests):
+@pytest.mark.parametrize("held", [False, True])
+def test_rest_bars_follow_the_data(rests, held):
     settings, results = rests
-    name = "plane-fine-regular"
+    name = rest.name_rest("plane", "fine", "regular", held=held)
+    who = "fine, regular, analytic plane" + (", 8 mm of rolling friction" if held else "")
     for value, holds in ((1e-5, True), (1e-2, False)):
         runs = results[name]["runs"] | {
             "angular_speed": np.full(2, value),
@@ -78,7 +80,7 @@ def test_rest_bars_follow_the_data(rests):
             "asleep": np.full(2, float(holds)),
         }
         rows = REST.reduce(settings, {**results, name: {"runs": runs}})
-        mine = [row for row in rows if row.quantity.endswith("fine, regular, analytic plane")]
+        mine = [row for row in rows if row.quantity.endswith(who)]
         assert [row.holds for row in mine] == [holds] * 3
 
 
@@ -109,7 +111,17 @@ def test_bodies_that_roll_are_told_from_those_that_lie_still(rests):
     assert np.isnan(missing.here)
     assert "voxshell[peers]" in missing.note
     ours = rows["angular speed after 1 s, worst, fine, auto, analytic plane"]
-    assert "(whole hull at 500 Hz: Bullet's 1)" in ours.note
+    assert "; whole hull at 500 Hz: Bullet's 1)" in ours.note
+
+
+def test_rolling_friction_stops_bodies_that_roll(rests):
+    settings, results = rests
+    for shell in rest.SHELLS:
+        bare, held = (
+            results[rest.name_rest("plane", shell, "auto", held=held)]["runs"]
+            for held in (False, True)
+        )
+        assert bare["angular_speed"].max() > 0.1 > 0.002 > held["angular_speed"].max()
 
 
 def test_what_rolls_is_let_go_at_its_height_and_has_the_whole_hull(rests):

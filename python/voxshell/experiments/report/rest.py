@@ -62,56 +62,65 @@ def describe(settings: RestSettings) -> str:
         "vertices, does the same for comparison. Whether a body that still rolls after that time is a "
         "fault of contacts, others tell whose contacts are not ours: on the plane, the hull of all of the "
         f"bunny's vertices in Bullet and in MuJoCo, at {', '.join(f'{r:g}' for r in settings.roll_rates)} "
-        "Hz; no body is given rolling friction, but for a last look at what "
-        f"{settings.rolling_friction * 1e3:g} mm of it on bunny and plane do. A body lies still from when it turns slower than "
-        f"{MOST_TURNING:g} rad/s and does so to the end."
+        "Hz. A body lies still from when it turns slower than "
+        f"{MOST_TURNING:g} rad/s and does so to the end. None of these bodies has rolling friction, with "
+        f"which real ones come to rest; so all of ours lie down once more with {_name_friction(settings)} "
+        "on bunny and ground."
     )
 
 
 def reduce(settings: RestSettings, results: Results) -> list[Row]:
     """The verdicts."""
     rows = []
-    hull = results["plane-hull-auto"]["runs"]
     others = _tell_others(settings, results)
-    for ground in rest.GROUNDS:
-        for shell in rest.SHELLS:
-            for mode in rest.MODES:
-                runs = results[f"{ground}-{shell}-{mode}"]["runs"]
-                who = f"{shell}, {mode}, {GROUND_NAMES[ground]}"
-                turning, drift = runs["angular_speed"], runs["drift"]
-                asleep, count = int(runs["asleep"].sum()), len(turning)
-                rows += [
-                    Row(
-                        f"angular speed after {settings.settle_seconds:g} s, worst, {who}",
-                        None,
-                        float(turning.max()),
-                        "rad/s",
-                        bar=f"< {MOST_TURNING:g}",
-                        holds=at_most(float(turning.max()), MOST_TURNING),
-                        note=f"{int((turning < MOST_TURNING).sum())} of {count} orientations below "
-                        f"({others}); at the end worst {runs['end_angular_speed'].max():.2g} (Bullet's hull: "
-                        f"{hull['end_angular_speed'].max():.2g})",
-                    ),
-                    Row(
-                        f"drift over the next {settings.drift_seconds:g} s, worst, {who}",
-                        None,
-                        float(drift.max()) * 1e3,
-                        "mm",
-                        bar=f"< {MOST_DRIFT * 1e3:g}",
-                        holds=at_most(float(drift.max()), MOST_DRIFT),
-                        note=f"{int((drift < MOST_DRIFT).sum())} of {count} orientations below "
-                        f"(Bullet's hull: {int((hull['drift'] < MOST_DRIFT).sum())})",
-                    ),
-                    Row(
-                        f"fall asleep, {who}",
-                        None,
-                        asleep,
-                        f"of {count}",
-                        bar="all",
-                        holds=asleep == count,
-                    ),
-                ]
+    for held, beside in ((False, "hull"), (True, "whole-hull")):
+        hull = results[rest.name_rest("plane", beside, "auto", held=held)]["runs"]
+        hull_name = "Bullet's hull" if not held else "Bullet's whole hull"
+        for ground, shell, mode in product(rest.GROUNDS, rest.SHELLS, rest.MODES):
+            runs = results[rest.name_rest(ground, shell, mode, held=held)]["runs"]
+            who = f"{shell}, {mode}, {GROUND_NAMES[ground]}"
+            if held:
+                who += f", {_name_friction(settings)}"
+            turning, drift = runs["angular_speed"], runs["drift"]
+            asleep, count = int(runs["asleep"].sum()), len(turning)
+            rows += [
+                Row(
+                    f"angular speed after {settings.settle_seconds:g} s, worst, {who}",
+                    None,
+                    float(turning.max()),
+                    "rad/s",
+                    bar=f"< {MOST_TURNING:g}",
+                    holds=at_most(float(turning.max()), MOST_TURNING),
+                    note=f"{int((turning < MOST_TURNING).sum())} of {count} orientations below "
+                    f"({hull_name}: {int((hull['angular_speed'] < MOST_TURNING).sum())}"
+                    f"{'' if held else '; ' + others}); "
+                    f"at the end worst {runs['end_angular_speed'].max():.2g} "
+                    f"({hull['end_angular_speed'].max():.2g})",
+                ),
+                Row(
+                    f"drift over the next {settings.drift_seconds:g} s, worst, {who}",
+                    None,
+                    float(drift.max()) * 1e3,
+                    "mm",
+                    bar=f"< {MOST_DRIFT * 1e3:g}",
+                    holds=at_most(float(drift.max()), MOST_DRIFT),
+                    note=f"{int((drift < MOST_DRIFT).sum())} of {count} orientations below "
+                    f"({hull_name}: {int((hull['drift'] < MOST_DRIFT).sum())})",
+                ),
+                Row(
+                    f"fall asleep, {who}",
+                    None,
+                    asleep,
+                    f"of {count}",
+                    bar="all",
+                    holds=asleep == count,
+                ),
+            ]
     return rows + _rows_of_rolling(settings, results)
+
+
+def _name_friction(settings: RestSettings) -> str:
+    return f"{settings.rolling_friction * 1e3:g} mm of rolling friction"
 
 
 def _tell_others(settings: RestSettings, results: Results) -> str:
@@ -129,19 +138,7 @@ def _tell_others(settings: RestSettings, results: Results) -> str:
 
 
 def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
-    rows = [
-        Row(
-            f"below {MOST_TURNING:g} rad/s after {settings.settle_seconds:g} s with "
-            f"{settings.rolling_friction * 1e3:g} mm of rolling friction, {ROLLER_NAMES[shell]}, "
-            f"{settings.rate:g} Hz, analytic plane",
-            None,
-            still := count_below(settings, results[f"held-{shell}"], MOST_TURNING),
-            f"of {settings.orientations}",
-            bar="all" if shell in rest.SHELLS else "",
-            holds=still == settings.orientations if shell in rest.SHELLS else None,
-        )
-        for shell in rest.HELD
-    ]
+    rows = []
     for roller, rate in product(rest.ROLLERS, settings.roll_rates):
         name = f"roll-{roller}-{rate:g}"
         count, here, note = settings.orientations, float("nan"), "pip install voxshell[peers]"
@@ -204,32 +201,34 @@ def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture
     _draw_rolling(settings, results, folder / "rolling.png")
     with open_figure(folder / "rest.png", width=9, height=7.2) as figure:
         turning, drift = figure.subplots(2, 1, sharex=True)
-        cases = [
-            *((f"{g}-{s}-{m}", s, f"{s}\n{m}\n{g}") for g in rest.GROUNDS for s in rest.SHELLS for m in rest.MODES),
-            ("plane-hull-auto", "hull", "Bullet's\nhull\nplane"),
-        ]  # fmt: skip
-        colors = {"fine": OURS, "coarse": OURS_COARSE, "hull": PEERS[1]}
-        for place, (name, shell, _) in enumerate(cases):
-            runs = results[name]["runs"]
-            for axes, key, scale in ((turning, "angular_speed", 1.0), (drift, "drift", 1e3)):
-                values = np.maximum(runs[key] * scale, 1e-6)
-                axes.plot(
-                    np.full(len(values), place), values, "o", ms=4, alpha=0.6, color=colors[shell]
-                )
-            turning.plot(
-                place + 0.25, max(runs["end_angular_speed"].max(), 1e-6), "_", color="black", ms=9
-            )
+        colors = {"fine": OURS, "coarse": OURS_COARSE, "hull": PEERS[1], "whole-hull": PEERS[0]}
+        cases = list(product(rest.GROUNDS, rest.SHELLS, rest.MODES))
+        labels = [f"{shell}\n{mode}\n{ground}" for ground, shell, mode in cases]
+        for held, hull in ((False, "hull"), (True, "whole-hull")):
+            for place, case in enumerate([*cases, ("plane", hull, "auto")]):
+                runs = results[rest.name_rest(*case, held=held)]["runs"]
+                at = place + (0.2 if held else -0.2)
+                look = {"marker": "o", "mfc": "none"} if held else {"marker": "o"}
+                for axes, key, scale in ((turning, "angular_speed", 1.0), (drift, "drift", 1e3)):
+                    values = np.maximum(runs[key] * scale, 1e-6)
+                    axes.plot(
+                        np.full(len(values), at), values, ls="", ms=4, alpha=0.6,
+                        color=colors[case[1]], **look,
+                    )  # fmt: skip
+                end = max(runs["end_angular_speed"].max(), 1e-6)
+                turning.plot(at, end, "_", color="black", ms=9)
         for axes, bar, label in (
             (turning, MOST_TURNING, f"angular speed after {settings.settle_seconds:g} s, rad/s"),
             (drift, MOST_DRIFT * 1e3, f"drift in {settings.drift_seconds:g} s, mm"),
         ):
             axes.axhline(bar, color=FAINT, ls="--", lw=1)
             axes.set(yscale="log", ylabel=label)
-            axes.set_xticks(range(len(cases)), [label for *_, label in cases], fontsize=7)
+            axes.set_xticks(range(len(cases) + 1), [*labels, "Bullet's\nhulls\nplane"], fontsize=7)
     return [
         Picture(
             "rest.png",
-            "A dot an orientation; dashed: the bar; black: the worst angular speed at the very end.",
+            "A dot an orientation, hollow: with rolling friction; dashed: the bar; black: the worst angular "
+            "speed at the very end. Bullet's hulls: of 42 vertices, and of all with rolling friction.",
         ),
         Picture(
             "rolling.png",
