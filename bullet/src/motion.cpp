@@ -1,9 +1,11 @@
 #include "motion.h"
 
+#include <cstddef>
+#include <vector>
+
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
-#include <LinearMath/btAlignedObjectArray.h>
 
 #include "voxshell/bullet/convert.h"
 
@@ -21,13 +23,15 @@ Vec3 velocity_of_force(const btMultiBody& body, int link, double time_step) {
 
 Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
   const btMultiBody& body = *collider.m_multiBody;
-  btAlignedObjectArray<btVector3> angular;
-  btAlignedObjectArray<btVector3> linear;
-  angular.resize(body.getNumLinks() + 1);
-  linear.resize(body.getNumLinks() + 1);
-  body.compTreeLinkVelocities(&angular[0], &linear[0]);
+  // Kept from step to step, as settled ones take no memory.
+  thread_local std::vector<btVector3> angular;
+  thread_local std::vector<btVector3> linear;
+  const auto count = static_cast<std::size_t>(body.getNumLinks() + 1);
+  angular.resize(count);
+  linear.resize(count);
+  body.compTreeLinkVelocities(angular.data(), linear.data());
   const btTransform& world_from_link = collider.getWorldTransform();
-  const int link = collider.m_link + 1;  // the base is the first
+  const auto link = static_cast<std::size_t>(collider.m_link + 1);  // the base is the first
   return {from_bullet(world_from_link.getOrigin()),
           from_bullet(world_from_link.getBasis() * linear[link]),
           from_bullet(world_from_link.getBasis() * angular[link]),

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/models.h"
+#include "support/multi_body.h"
 #include "support/world.h"
 
 namespace {
@@ -59,6 +60,20 @@ TEST_P(Allocation, IsNoneInASettledStep) {
   }
   world.step(600);
   EXPECT_GE(world.points().size(), 12u);
+  const long before = allocations;
+  world.step(200);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+TEST_P(Allocation, IsNoneInASettledStepOfAMultiBody) {
+  MultiBodyWorld world({.mode = GetParam()});
+  world.add_model(slab_model(), 0).setFriction(1);
+  auto& shape = world.make<ModelShape>(cube_model());
+  Tree cube(world, Tree::Base::kFree, {&shape}, {{}, {0, 0, 0.11}});
+  cube.body.setCanSleep(false);
+  cube.enter_world();
+  world.step(600);
+  EXPECT_GE(world.points().size(), 3u);
   const long before = allocations;
   world.step(200);
   EXPECT_EQ(allocations - before, 0);
