@@ -34,6 +34,7 @@ auto copy_points(const PointShell& shell) {
 void bind_shell(nb::module_& module) {
   nb::class_<PointShell>(module, "PointShell", "Points on a surface, in the order of their tree.")
       .def("__len__", &PointShell::size)
+      // An array of its own: the default of properties would have it refer to the shell's memory.
       .def_prop_ro("points", &copy_points, nb::rv_policy::automatic)
       .def_prop_ro("normals", [](const PointShell& s) { return view_rows<float, 3>(s.normals()); })
       .def_prop_ro("areas", [](const PointShell& s) { return view(s.areas()); })
