@@ -31,7 +31,7 @@ struct ContactArrays {
 
 /// What the contacts of one pose have in common.
 struct ContactScene {
-  Bodies bodies;
+  SharedBodies bodies;
   PairPose pose;
   int level;
   Shells shells;  ///< whose points were asked about; never kAutomatic

@@ -83,7 +83,7 @@ std::vector<Pose> pick(const std::vector<Pose>& poses, const std::vector<std::si
 
 /// Contacts of many poses, one after another.
 struct ContactBatchSet {
-  Bodies bodies;
+  SharedBodies bodies;
   int level;
   PosePairs poses;
   std::vector<Shells> shells;         ///< one a pose
@@ -110,8 +110,8 @@ struct Part {
 };
 
 /// `parts` are of all poses, `swapped` of those that `enclosed` lists.
-ContactBatchSet merge(const Bodies& bodies, PosePairs poses, int level, std::size_t max_points,
-                      Shells shells, const std::vector<Part>& parts,
+ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
+                      std::size_t max_points, Shells shells, const std::vector<Part>& parts,
                       const std::vector<std::size_t>& enclosed, const Part& swapped) {
   ContactBatchSet set{.bodies = bodies,
                       .level = level,
@@ -153,9 +153,9 @@ std::string_view name_stage(std::size_t roles, PairBody shell_body) {
 
 constexpr std::string_view kEnclosed = "enclosed bodies";
 
-Result<ContactBatchSet> ask_contacts(const Bodies& bodies, PosePairs poses, const Roles& roles,
-                                     const ContactOptions& options, int level, unsigned threads,
-                                     BuildWatch& watch) {
+Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses,
+                                     const Roles& roles, const ContactOptions& options, int level,
+                                     unsigned threads, BuildWatch& watch) {
   const auto ask = [&](PairBody body, const std::vector<Pose>& of_poses, std::string_view name) {
     return find_contacts_batch(*bodies.field_of(other(body)), *bodies.shell_of(body), of_poses,
                                options, threads, report_as(watch, name));
@@ -190,7 +190,7 @@ ContactBatchSet contacts_batch(const SharedField& field_a, const SharedShell& sh
                                bool a_is_one, bool b_is_one, Shells shells, float margin, int level,
                                std::optional<std::size_t> max_points, unsigned threads,
                                nb::handle progress) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
   PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
   const Roles roles = choose_roles(bodies, shells);
   BuildWatch watch(progress);
@@ -231,8 +231,8 @@ Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& 
 }
 
 nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
-    const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
-    const SharedShell& shell_b, const OptionalPoses& a_poses, const OptionalPoses& b_poses,
+    const Field& field_a, const PointShell* shell_a, const Field& field_b,
+    const PointShell* shell_b, const OptionalPoses& a_poses, const OptionalPoses& b_poses,
     bool a_is_one, bool b_is_one, Shells shells, float margin, unsigned threads,
     nb::handle progress) {
   const Bodies bodies{field_a, shell_a, field_b, shell_b};

@@ -53,7 +53,7 @@ class Asking {
   double depth_bound = -std::numeric_limits<double>::infinity();
 
  private:
-  const Bodies& bodies_;
+  Bodies bodies_;
   const PairPose& pose_;
   const ContactOptions& options_;
   std::optional<std::size_t> budget_;
@@ -66,7 +66,7 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
                     const OptionalPose& a_pose, const OptionalPose& b_pose, Shells shells,
                     float margin, int level, std::optional<std::size_t> max_points,
                     std::optional<std::size_t> budget, SharedScratch* scratch) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
@@ -89,7 +89,7 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
 
 /// What `find` picks from one shell's contacts without listing the others.
 template <class Find>
-ContactSet pick_contacts(const Bodies& bodies, const PairPose& pose, Shells shells, int level,
+ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, Shells shells, int level,
                          SharedScratch* scratch, const Find& find) {
   const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
@@ -132,8 +132,8 @@ ContactSet deepest_per_segment(const SharedField& field_a, const SharedShell& sh
   return pick_contacts({field_a, shell_a, field_b, shell_b}, pose, shells, level, scratch, find);
 }
 
-bool collide(const SharedField& field_a, const SharedShell& shell_a, const SharedField& field_b,
-             const SharedShell& shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
+bool collide(const Field& field_a, const PointShell* shell_a, const Field& field_b,
+             const PointShell* shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
              Shells shells, float margin) {
   const Bodies bodies{field_a, shell_a, field_b, shell_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};

@@ -21,8 +21,8 @@ Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 /// Distance, point on a, point on b, normal, whether the point is of a's shell.
 using Nearest = std::tuple<double, Coordinates, Coordinates, Coordinates, bool>;
 
-std::optional<Nearest> distance(const SharedField& field_a, const SharedShell& shell_a,
-                                const SharedField& field_b, const SharedShell& shell_b,
+std::optional<Nearest> distance(const Field& field_a, const PointShell* shell_a,
+                                const Field& field_b, const PointShell* shell_b,
                                 const OptionalPose& a_pose, const OptionalPose& b_pose,
                                 Shells shells, float max_distance, SharedScratch* scratch) {
   const Bodies bodies{field_a, shell_a, field_b, shell_b};

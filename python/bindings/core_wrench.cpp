@@ -29,8 +29,8 @@ Wrench on_a(const Wrench& on_shell, PairBody shell_body, const PairPose& pose) {
   return {-force, -(torque + cross(arm, force))};
 }
 
-std::pair<Coordinates, Coordinates> wrench(const SharedField& field_a, const SharedShell& shell_a,
-                                           const SharedField& field_b, const SharedShell& shell_b,
+std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const PointShell* shell_a,
+                                           const Field& field_b, const PointShell* shell_b,
                                            const OptionalPose& a_pose, const OptionalPose& b_pose,
                                            Shells shells, double stiffness,
                                            SharedScratch* scratch) {

@@ -15,25 +15,28 @@ Pose read_matrix(const double* matrix, const std::string& name) {
 
 Pose read_pose(const OptionalPose& pose, const char* name) {
   if (!pose) return {};
-  return read_matrix(pose->data(), name);
+  return read_matrix(pose->numbers.data(), name);
 }
 
 Roles choose_roles(const Bodies& bodies, Shells shells) {
+  static constexpr std::array kBoth{PairBody::kA, PairBody::kB};
   const auto choose = [&](ShellChoice choice) {
-    return unwrap(
-        choose_shell(bodies.participant(PairBody::kA), bodies.participant(PairBody::kB), choice));
+    const PairBody body = unwrap(choose_shell(bodies.a, bodies.b, choice));
+    return std::span(kBoth).subspan(body == PairBody::kA ? 0 : 1, 1);
   };
   switch (shells) {
     case Shells::kA:
-      return {{choose(ShellChoice::kA)}, false};
+      return {choose(ShellChoice::kA), false};
     case Shells::kB:
-      return {{choose(ShellChoice::kB)}, false};
+      return {choose(ShellChoice::kB), false};
     case Shells::kBoth:
-      return {{choose(ShellChoice::kA), choose(ShellChoice::kB)}, false};
+      choose(ShellChoice::kA);
+      choose(ShellChoice::kB);
+      return {kBoth, false};
     case Shells::kAutomatic:
       break;
   }
-  return {{choose(ShellChoice::kAutomatic)}, true};
+  return {choose(ShellChoice::kAutomatic), true};
 }
 
 WorldContact to_world(const Contact& contact, PairBody shell_body, const PairPose& pose) {

@@ -2,13 +2,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 
-#include "arrays.h"
+#include "pose_matrix.h"
 #include "voxshell/contacts.h"
 #include "voxshell/field.h"
 #include "voxshell/pair.h"
@@ -20,7 +20,7 @@ namespace voxshell::python {
 using SharedField = std::shared_ptr<const Field>;
 using SharedShell = std::shared_ptr<const PointShell>;
 /// None is the identity.
-using OptionalPose = std::optional<PoseArray>;
+using OptionalPose = std::optional<PoseMatrix>;
 
 /// From 16 numbers by rows. Errors name the pose. These need the GIL.
 Pose read_matrix(const double* matrix, const std::string& name);
@@ -31,27 +31,36 @@ enum class Shells { kAutomatic, kA, kB, kBoth };
 
 inline PairBody other(PairBody body) { return body == PairBody::kA ? PairBody::kB : PairBody::kA; }
 
+/// What a query is asked about; its caller's arguments keep them alive, without the GIL as well.
 struct Bodies {
+  Participant a;
+  Participant b;
+
+  Bodies(const Field& field_a, const PointShell* shell_a, const Field& field_b,
+         const PointShell* shell_b)
+      : a{&field_a, shell_a}, b{&field_b, shell_b} {}
+
+  const Participant& participant(PairBody body) const { return body == PairBody::kA ? a : b; }
+  const PointShell* shell_of(PairBody body) const { return participant(body).shell; }
+  const Field* field_of(PairBody body) const { return participant(body).field; }
+};
+
+/// The same, kept alive for what outlives the call.
+struct SharedBodies {
   SharedField field_a;
   SharedShell shell_a;
   SharedField field_b;
   SharedShell shell_b;
 
-  const SharedShell& shell_of(PairBody body) const {
-    return body == PairBody::kA ? shell_a : shell_b;
-  }
-  const SharedField& field_of(PairBody body) const {
-    return body == PairBody::kA ? field_a : field_b;
-  }
-  Participant participant(PairBody body) const {
-    return {field_of(body).get(), shell_of(body).get()};
-  }
+  operator Bodies() const { return {*field_a, shell_a.get(), *field_b, shell_b.get()}; }
+  const PointShell* shell_of(PairBody body) const { return Bodies(*this).shell_of(body); }
+  const Field* field_of(PairBody body) const { return Bodies(*this).field_of(body); }
 };
 
 /// Whose points to ask about, in this order. `may_swap`: where they find nothing and enclose the
 /// other body, the other's.
 struct Roles {
-  std::vector<PairBody> shell_bodies;
+  std::span<const PairBody> shell_bodies;  ///< one or two, of a constant
   bool may_swap;
 };
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _FLOAT64 = np.dtype(np.float64)
+_ARRAY = np.ndarray
+_POSE_SHAPE = (4, 4)
 FARTHEST = 1e15
 """Metres beyond which a length is refused: its square still fits single precision."""
 
@@ -110,9 +112,9 @@ def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
 def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
     """A 4x4 array, or None; whether it is a rigid transform is for the core to check."""
     # What most callers hand over, 1 us sooner. The core takes it whatever its order in memory.
-    if type(value) is np.ndarray and value.dtype is _FLOAT64 and value.shape == (4, 4):
+    if type(value) is _ARRAY and value.dtype is _FLOAT64 and value.shape == _POSE_SHAPE:
         return value
-    return None if value is None else as_floats(value, name, (4, 4), PoseError)
+    return None if value is None else as_floats(value, name, _POSE_SHAPE, PoseError)
 
 
 def as_path(value: Any, name: str) -> bytes:

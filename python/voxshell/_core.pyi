@@ -205,26 +205,26 @@ class QueryScratch:
 
     def __init__(self) -> None: ...
 
-def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
+def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the point-sphere tree."""
 
-def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
+def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the flat loop."""
 
-def manifold(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, max_points: int, scratch: QueryScratch | None) -> ContactSet:
+def manifold(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, max_points: int, scratch: QueryScratch | None) -> ContactSet:
     """By branch and bound; of one shell."""
 
-def deepest_per_segment(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
+def deepest_per_segment(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
     """By branch and bound; of one shell."""
 
-def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float) -> bool: ...
+def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...
 
-def distance(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
+def distance(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
     """
     Distance, point on a, point on b, normal, whether a's shell is nearest; or None.
     """
 
-def wrench(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
+def wrench(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
     """Force and torque on a about its origin, world frame; of one shell."""
 
 class ContactBatch:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 import voxshell as vx
@@ -101,6 +103,45 @@ def test_queries(parts: dict, query, own: dict):
         for value in wrong:
             with pytest.raises(TypeError):
                 query(**{**parts, **own, name: value})
+
+
+def lay_out(pose: np.ndarray) -> dict[str, np.ndarray]:
+    """The same numbers, as arrays may hold them."""
+    wide, packed = np.zeros((8, 12)), np.zeros(4, dtype=[("row", "f8", 4), ("end", "i1")])
+    wide[::2, ::3], packed["row"] = pose, pose
+    read_only = pose.copy()
+    read_only.flags.writeable = False
+    return {
+        "by columns": np.asfortranarray(pose),
+        "in a larger one": wide[::2, ::3],
+        "backwards": pose[::-1, ::-1].copy()[::-1, ::-1],
+        "not aligned": packed["row"],
+        "read-only": read_only,
+    }
+
+
+def test_poses_are_read_however_they_lie_in_memory(parts: dict):
+    pose = np.eye(4)
+    pose[:3, :3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    pose[:3, 3] = (0.3, 0.2, 0.005)
+    want = _core.contacts(**{**parts, "a_pose": pose}, **SEARCH)
+    assert len(want.depths) > 0
+    for layout, same in lay_out(pose).items():
+        found = _core.contacts(**{**parts, "a_pose": same}, **SEARCH)
+        np.testing.assert_array_equal(found.points_a, want.points_a, err_msg=layout)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [np.eye(4, dtype=np.float32), np.eye(4, dtype=np.int64), np.eye(4, dtype=">f8"), bytes(128)],
+    ids=["single", "integers", "other byte order", "bytes"],
+)
+def test_poses_of_other_numbers_are_refused_and_let_go(parts: dict, wrong):
+    references = sys.getrefcount(wrong)
+    for _ in range(10):
+        with pytest.raises(TypeError):
+            _core.collide(**{**parts, "a_pose": wrong}, margin=0.0)
+    assert sys.getrefcount(wrong) == references
 
 
 @pytest.mark.parametrize(
