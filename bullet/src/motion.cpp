@@ -26,12 +26,13 @@ Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
   // Kept from step to step, as settled ones take no memory.
   thread_local std::vector<btVector3> angular;
   thread_local std::vector<btVector3> linear;
-  const auto count = static_cast<std::size_t>(body.getNumLinks() + 1);
+  const auto count = static_cast<std::size_t>(body.getNumLinks()) + 1;
   angular.resize(count);
   linear.resize(count);
   body.compTreeLinkVelocities(angular.data(), linear.data());
   const btTransform& world_from_link = collider.getWorldTransform();
-  const auto link = static_cast<std::size_t>(collider.m_link + 1);  // the base is the first
+  const int place = collider.m_link + 1;  // the base is the first
+  const auto link = static_cast<std::size_t>(place);
   return {from_bullet(world_from_link.getOrigin()),
           from_bullet(world_from_link.getBasis() * linear[link]),
           from_bullet(world_from_link.getBasis() * angular[link]),

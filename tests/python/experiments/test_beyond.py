@@ -115,7 +115,7 @@ def test_bodies_that_roll_are_told_from_those_that_lie_still(rests):
 
 
 def test_rolling_friction_stops_bodies_that_roll(rests):
-    settings, results = rests
+    _, results = rests
     for shell in rest.SHELLS:
         bare, held = (
             results[rest.name_rest("plane", shell, "auto", held=held)]["runs"]

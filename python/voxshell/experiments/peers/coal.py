@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 MOST_CONTACTS = 1_000_000
 """All there are."""
 
+BREAK_DISTANCE = 0.0
+"""Metres up to which volumes that are apart are looked into: 1 mm by default, for the same contacts in
+three times the time."""
+
 
 def set_up(job: Job, variant: str) -> Coal:
     """A contender that asks ``coal.collide`` for all contacts; ``variant`` is not used."""
@@ -30,7 +34,11 @@ class Coal:
     def __init__(self, job: Job) -> None:
         self._coal = coal = load_library("coal", "coal")
         self.version: str = coal.__version__
-        self.settings: dict[str, object] = {"tree": "OBBRSS", "contacts": "all"}
+        self.settings: dict[str, object] = {
+            "tree": "OBBRSS",
+            "contacts": "all",
+            "break_distance": BREAK_DISTANCE,
+        }
         self._job = job
         vertices = coal.StdVec_Vec3s()
         vertices.extend(job.mesh.vertices)
@@ -65,6 +73,7 @@ class _Query:
         self._request = coal.CollisionRequest()
         self._request.num_max_contacts = MOST_CONTACTS
         self._request.enable_contact = True
+        self._request.break_distance = BREAK_DISTANCE
         self._result = coal.CollisionResult()
 
     def ask(self, pose: NDArray[np.float64]) -> float:
