@@ -203,8 +203,8 @@ def print_results(results: dict[str, Any], console: Console) -> None:
     if "voxels" in depth:
         console.print(
             f"73.6 mm deep, the deepest contact is off the true depth by {depth['median_voxels']:.2f} "
-            f"voxels, {depth['voxels']:.2f} at worst "
-            f"(bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
+            f"voxels, {depth['voxels']:.2f} at worst, by one at most in "
+            f"{depth['share_within_voxel']:.0%} of the poses (bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
         )
     for query in ("contacts", "manifold", "segments"):
         exponent = growth(cases, query)
