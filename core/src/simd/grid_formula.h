@@ -248,12 +248,13 @@ VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F
   return select<F>(beyond, normalized(from_surface(outside, value)), value.gradient);
 }
 
-/// Lower bounds over a ball, metres.
+/// Bounds over a ball, metres: lower ones, but for the last.
 template <class F>
 struct GridBound {
   F of_distance;  ///< of the true distance
   F if_fine;      ///< of the value in planes and cells of one voxel
   F if_coarse;    ///< of the value in cells up to a whole brick
+  F from_above;   ///< an upper bound of the value, where the ball is within the grid
 };
 
 /// From the value at the ball's centre.
@@ -275,7 +276,7 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
   const F coarse_fall =
       grid.node_error * (size + kCoarse) + square_root(squared + kCoarse * kCoarse * grid.spread);
   GridBound<F> bound{value.distance - fall, value.distance - fine_fall,
-                     value.distance - coarse_fall};
+                     value.distance - coarse_fall, value.distance + coarse_fall};
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
     // Nor is the surface nearer than the grid.
@@ -304,6 +305,15 @@ VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   const F above = minimum(bound.if_fine, maximum(bound.if_coarse, floor));
   const F far = select(d > 0.0f, above, bound.if_coarse);
   return select(absolute(d) <= floor, bound.if_fine, far);
+}
+
+template <class F>
+VOXSHELL_INLINE MaskOf<F> is_in_grid(const GridView& grid, const Triple<F>& p, F radius) {
+  const auto room = [&](int axis, F coordinate) {
+    const F along = coordinate - grid.origin[axis];
+    return minimum(along, grid.cells[axis] * grid.voxel_size - along);
+  };
+  return minimum(minimum(room(0, p.x), room(1, p.y)), room(2, p.z)) > radius;
 }
 
 /// How far a point is within its brick from the nearest side, voxels, rounding left out.

@@ -115,33 +115,16 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
   });
 }
 
-template <class V>
-VOXSHELL_INLINE bool has_any(const PosedView<V>& posed, const TreeView& tree, uint32_t bucket,
-                             uint32_t tag, float margin) {
-  const Triple<F8> p = load_triple(bucket_of(tree, bucket));
-  return any(tagged_distance(posed, p, tag, margin) < margin);
-}
-
-template <class V>
-bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
+template <class V, class TestBalls>
+VOXSHELL_INLINE bool find_any_by(const PosedView<V>& posed, const TreeView& tree, float margin,
+                                 const TestBalls& test) {
   BestFirst walk({-kFarthest, 0, 0, 0});
   while (!walk.is_done()) {
     const Waiting node = walk.take();
     if (node.level < tree.level_count) {
       const Block block = load_block(tree, node.level, node.index, 0.0f);
-      const Balls balls = test_balls(posed, block, node.tag, margin);
-      // Of a sphere whose centre is below the margin by half its radius, some points tell sooner
-      // than its children.
-      if (const unsigned low = lanes_below(balls.bound + 1.5f * block.radii, margin) & balls.lanes;
-          low != 0) {
-        const int lane = __builtin_ctz(low);
-        const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
-        const uint32_t slot = child << (tree.depth - depth_of(tree, node.level));
-        if (has_any(posed, tree, first_bucket(tree, slot), static_cast<uint32_t>(balls.tags[lane]),
-                    margin)) {
-          return true;
-        }
-      }
+      const Balls balls = test(block, node.tag);
+      if (balls.full != 0) return true;
       walk.begin_siblings();
       for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -152,10 +135,25 @@ bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
     }
     const uint32_t end = first_bucket(tree, node.index + 1);
     for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
-      if (has_any(posed, tree, bucket, node.tag, margin)) return true;
+      const Triple<F8> p = load_triple(bucket_of(tree, bucket));
+      if (any(tagged_distance(posed, p, node.tag, margin) < margin)) return true;
     }
   }
   return false;
+}
+
+template <class V>
+bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
+  if constexpr (std::is_same_v<V, GridView>) {
+    if (is_fine_enough(posed.field, margin + posed.slack)) {
+      return find_any_by(posed, tree, margin, [&](const Block& block, uint32_t tag) {
+        return test_balls<Test::kAgainstMargin>(posed, block, tag, margin);
+      });
+    }
+  }
+  return find_any_by(posed, tree, margin, [&](const Block& block, uint32_t tag) {
+    return test_balls(posed, block, tag, margin);
+  });
 }
 
 template <class F>

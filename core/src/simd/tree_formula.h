@@ -20,6 +20,7 @@ struct Balls {
   F8 bound;  ///< no point within has a smaller distance, metres
   I8 tags;
   unsigned lanes;  ///< those that may hold a point below the margin
+  unsigned full;   ///< some of those that hold no other points
 };
 
 VOXSHELL_INLINE unsigned lanes_below(F8 bound, float margin) {
@@ -63,7 +64,7 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Block& block, 
                                  float margin) {
   const F8 bound =
       evaluate_lower_bound(posed.field, to_field(posed, block.centres), block.radii) - posed.slack;
-  return {bound, I8{}, lanes_below(bound, margin) & block.lanes};
+  return {bound, I8{}, lanes_below(bound, margin) & block.lanes, 0};
 }
 
 VOXSHELL_INLINE Balls test_balls(const PosedView<PlaneView>& posed, const Block& block,
@@ -71,7 +72,7 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<PlaneView>& posed, const Block&
   const float (&n)[3] = posed.field.normal;
   const F8 bound = evaluate_distance(posed.field, block.centres) -
                    bound_extent(block, {n[0], n[1], n[2]}) - posed.slack;
-  return {bound, I8{}, lanes_below(bound, margin) & block.lanes};
+  return {bound, I8{}, lanes_below(bound, margin) & block.lanes, 0};
 }
 
 VOXSHELL_INLINE const float* plane_of(const GridView& grid, uint32_t tag) {
@@ -111,9 +112,11 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
   const GridView& grid = posed.field;
   const Triple<F8> p = to_field(posed, block.centres);
   if (tag != 0) {
-    const F8 bound =
-        distance_to_plane(grid, tag, p) - bound_extent(posed, block, tag) - posed.slack;
-    return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin) & block.lanes};
+    const F8 distance = distance_to_plane(grid, tag, p);
+    const F8 reach = bound_extent(posed, block, tag) + posed.slack;
+    const F8 bound = distance - reach;
+    return {bound, I8{} + static_cast<int32_t>(tag), lanes_below(bound, margin) & block.lanes,
+            bits(distance + reach < margin) & block.lanes};
   }
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
@@ -126,7 +129,9 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
     const F8 by_plane = value.distance - bound_extent(posed, block, first) - posed.slack;
     bound = select(tags == static_cast<int32_t>(first), maximum(bound, by_plane), bound);
   }
-  return {bound, tags, lanes & lanes_below(bound, margin)};
+  const I8 full =
+      (bounds.from_above + posed.slack < margin) & is_in_grid(grid, p, block.radii + posed.slack);
+  return {bound, tags, lanes & lanes_below(bound, margin), bits(full) & block.lanes};
 }
 
 /// Of points of a tagged sphere. Exact below the margin; where it is not below, neither is what is
