@@ -32,7 +32,6 @@ OUT = ROOT / "build/bench"
 BUNNY_LENGTH = 0.3
 REACH = 0.3
 NEAR = 0.002
-BATCH = 2_400  # poses, each of a set many times
 SEED = 53
 
 
@@ -138,8 +137,8 @@ def print_results(results: dict[str, Any]) -> None:
 def main(arguments: list[str]) -> int:
     """The command line; returns the exit code."""
     parser = argparse.ArgumentParser(prog="./dev bench --peers")
-    parser.add_argument("--poses", type=int, default=240)
-    parser.add_argument("--repeats", type=int, default=21)
+    parser.add_argument("--poses", type=int, default=2_400)
+    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--resolution", type=int, default=300, help="voxels along the bunny")
     parser.add_argument("--target-points", type=int, default=34_835)
     parser.add_argument("--json", action="store_true", help="print the results as JSON alone")
@@ -179,7 +178,6 @@ def main(arguments: list[str]) -> int:
             bunny, poses, options.resolution, options.target_points, options.repeats
         )
         rows = make_rows(program["questions"])
-        many = np.tile(poses, (-(-BATCH // len(poses)), 1, 1))
         calls = {
             "coal, calls": (ask_coal, coal_poses),
             "voxshell, calls": (ask_voxshell, list(poses)),
@@ -187,14 +185,14 @@ def main(arguments: list[str]) -> int:
         batches = {
             f"voxshell, batch, {label}": (
                 lambda many, threads=threads: vx.collide_batch(model, model, many, threads=threads),
-                [many],
+                [poses],
             )
             for label, threads in (("one thread", 1), ("all cores", None))
         }
         seconds = time_in_turn(calls | batches, options.repeats)
         cases = {name: summarise(seconds[name]) for name in calls}
         for name in batches:
-            cases[name] = {"mean_us": 1e6 * float(np.median(seconds[name])) / len(many)}
+            cases[name] = {"mean_us": 1e6 * float(np.median(seconds[name])) / len(poses)}
         for peer, group in (("coal, C++", rows["cases"]), ("coal, calls", cases)):
             for case in group.values():
                 for figure in ("median_us", "mean_us"):

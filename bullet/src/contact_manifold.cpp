@@ -84,7 +84,7 @@ btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
   const btVector3 on_0 = to_bullet(swapped ? contact.point_b : contact.point_a);
   const btVector3 on_1 = to_bullet(swapped ? contact.point_a : contact.point_b);
   const btVector3 normal_on_1 = to_bullet(swapped ? -contact.normal : contact.normal);
-  // In its place: addManifoldPoint() would copy some 400 bytes, and asserts that points touch.
+  // In its place: addManifoldPoint() would copy 200 to 400 bytes, and asserts that points touch.
   const int index = manifold.getNumContacts();
   manifold.setNumContacts(index + 1);
   btManifoldPoint& point = *new (&manifold.getContactPoint(index)) btManifoldPoint(

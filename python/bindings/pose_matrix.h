@@ -17,7 +17,7 @@ struct PoseMatrix {
 };
 
 /// False where `view` is no (4, 4) array of native doubles.
-inline bool read_matrix(const Py_buffer& view, PoseMatrix& matrix) {
+inline bool copy_matrix(const Py_buffer& view, PoseMatrix& matrix) {
   constexpr Py_ssize_t kSide = 4;
   if (view.ndim != 2 || view.shape[0] != kSide || view.shape[1] != kSide) return false;
   // Native doubles; the marks say whether they are aligned (Python's module struct, PEP 3118).
@@ -48,7 +48,7 @@ struct nanobind::detail::type_caster<voxshell::python::PoseMatrix> {
       PyErr_Clear();
       return false;
     }
-    const bool was_read = voxshell::python::read_matrix(view, value);
+    const bool was_read = voxshell::python::copy_matrix(view, value);
     PyBuffer_Release(&view);
     return was_read;
   }

@@ -273,7 +273,7 @@ def _make_queries(model: Model) -> dict[str, Callable[[NDArray[np.float64]], obj
     tree.addSubModel(vertices, triangles)
     tree.endModel()
     fixed, request = coal.Transform3s(), coal.CollisionRequest()
-    # What only distances and contacts need would make it up to three times slower.
+    # What only distances and contacts need would make it several times slower.
     request.break_distance = request.distance_upper_bound = 0.0
 
     def ask(pose: NDArray[np.float64]) -> object:
