@@ -39,7 +39,7 @@ ContactSet make_contact_set(ContactScene scene, std::vector<ShellContact> contac
   ContactSet set{.scene = std::move(scene), .contacts = std::move(contacts), .arrays = {}};
   set.arrays.reserve(set.contacts.size());
   for (const ShellContact& contact : set.contacts) {
-    set.arrays.append(contact, set.scene.bodies, set.scene.pose, set.scene.level);
+    set.arrays.append(contact, set.scene.bodies.view(), set.scene.pose, set.scene.level);
   }
   return set;
 }

@@ -133,7 +133,7 @@ ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
     if (is_swapped) append(here, swapped.shell_body, swapped.at(next_enclosed++));
     keep_deepest(here, max_points);
     const PairPose pose = set.poses[i];
-    for (const ShellContact& contact : here) set.arrays.append(contact, bodies, pose, level);
+    for (const ShellContact& contact : here) set.arrays.append(contact, bodies.view(), pose, level);
     set.contacts.insert(set.contacts.end(), here.begin(), here.end());
     set.offsets.push_back(static_cast<std::int64_t>(set.contacts.size()));
     set.shells.push_back(is_swapped ? shells_of(swapped.shell_body) : shells);
@@ -170,7 +170,7 @@ Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses
   std::vector<std::size_t> enclosed;
   Part swapped{other(parts[0].shell_body), {}};
   if (roles.may_swap && options.max_points > 0) {
-    enclosed = find_enclosed(bodies, poses, swapped.shell_body,
+    enclosed = find_enclosed(bodies.view(), poses, swapped.shell_body,
                              [&](std::size_t i) { return parts[0].at(i).empty(); });
   }
   if (!enclosed.empty()) {
@@ -192,7 +192,7 @@ ContactBatchSet contacts_batch(const SharedField& field_a, const SharedShell& sh
                                nb::handle progress) {
   const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
   PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
-  const Roles roles = choose_roles(bodies, shells);
+  const Roles roles = choose_roles(bodies.view(), shells);
   BuildWatch watch(progress);
   auto result = [&] {
     const nb::gil_scoped_release released;

@@ -68,15 +68,15 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
                     std::optional<std::size_t> budget, SharedScratch* scratch) {
   const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
-  const Roles roles = choose_roles(bodies, shells);
+  const Roles roles = choose_roles(bodies.view(), shells);
   const nb::gil_scoped_release released;
   const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
-  Asking<kSearch> asking(bodies, pose, options, budget, scratch);
+  Asking<kSearch> asking(bodies.view(), pose, options, budget, scratch);
   for (const PairBody shell_body : roles.shell_bodies) asking.ask(shell_body);
   if (shells == Shells::kAutomatic) shells = shells_of(roles.shell_bodies[0]);
   const PairBody inner = other(roles.shell_bodies[0]);
   if (roles.may_swap && options.max_points > 0 && asking.contacts.empty() &&
-      is_enclosed(bodies, pose, inner)) {
+      is_enclosed(bodies.view(), pose, inner)) {
     asking.ask(inner);
     shells = shells_of(inner);
   }
@@ -91,7 +91,7 @@ ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
 template <class Find>
 ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, Shells shells, int level,
                          SharedScratch* scratch, const Find& find) {
-  const Roles roles = choose_roles(bodies, shells);
+  const Roles roles = choose_roles(bodies.view(), shells);
   const nb::gil_scoped_release released;
   std::vector<ShellContact> found;
   PairBody shell_body = roles.shell_bodies[0];
@@ -104,7 +104,7 @@ ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, Shell
   };
   ask(shell_body);
   const PairBody inner = other(shell_body);
-  if (roles.may_swap && found.empty() && is_enclosed(bodies, pose, inner)) ask(inner);
+  if (roles.may_swap && found.empty() && is_enclosed(bodies.view(), pose, inner)) ask(inner);
   return make_contact_set({bodies, pose, level, shells_of(shell_body)}, std::move(found));
 }
 

@@ -52,9 +52,9 @@ struct SharedBodies {
   SharedField field_b;
   SharedShell shell_b;
 
-  operator Bodies() const { return {*field_a, shell_a.get(), *field_b, shell_b.get()}; }
-  const PointShell* shell_of(PairBody body) const { return Bodies(*this).shell_of(body); }
-  const Field* field_of(PairBody body) const { return Bodies(*this).field_of(body); }
+  Bodies view() const { return {*field_a, shell_a.get(), *field_b, shell_b.get()}; }
+  const PointShell* shell_of(PairBody body) const { return view().shell_of(body); }
+  const Field* field_of(PairBody body) const { return view().field_of(body); }
 };
 
 /// Whose points to ask about, in this order. `may_swap`: where they find nothing and enclose the
