@@ -75,10 +75,15 @@ ManifoldFiller::ManifoldFiller(const btCollisionObjectWrapper& a, const btCollis
                      b.getCollisionObject()->getCollisionFlags()) &
                     btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK) != 0) {}
 
+/// Whether b is the manifold's first body.
+bool ManifoldFiller::is_swapped(const btPersistentManifold& manifold) const {
+  return manifold.getBody0() != a_.getCollisionObject();
+}
+
 /// Appends the contact's point, which has no impulse yet.
 btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
                                      const WorldContact& contact) const {
-  const bool swapped = manifold.getBody0() != a_.getCollisionObject();
+  const bool swapped = is_swapped(manifold);
   const btCollisionObjectWrapper& wrap0 = swapped ? b_ : a_;
   const btCollisionObjectWrapper& wrap1 = swapped ? a_ : b_;
   const btVector3 on_0 = to_bullet(swapped ? contact.point_b : contact.point_a);
@@ -136,7 +141,7 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
     });
     if (same != before.end()) same->give_to(point, contact.carries_on);
     if (tells_added_) {
-      const bool swapped = manifold.getBody0() != a_.getCollisionObject();
+      const bool swapped = is_swapped(manifold);
       gContactAddedCallback(point, swapped ? &b_ : &a_, point.m_partId0, point.m_index0,
                             swapped ? &a_ : &b_, point.m_partId1, point.m_index1);
     }

@@ -55,6 +55,7 @@ class ManifoldFiller {
   void fill(btPersistentManifold& manifold, std::span<const WorldContact> contacts) const;
 
  private:
+  bool is_swapped(const btPersistentManifold& manifold) const;
   btManifoldPoint& add(btPersistentManifold& manifold, const WorldContact& contact) const;
 
   const btCollisionObjectWrapper& a_;
