@@ -42,6 +42,8 @@ GROUNDS: tuple[Ground, ...] = ("voxels", "plane")
 SHELLS: tuple[Shell, ...] = ("fine", "coarse")
 """Ours."""
 MODES: tuple[Mode, ...] = ("auto", "regular", "segmented")
+HULLS: dict[bool, Shell] = {False: "hull", True: "whole-hull"}
+"""Bullet's, that lie down beside ours where these are bare, and where rolling friction holds them."""
 BLOCK_HALF_EXTENTS = (0.5, 0.5, 0.05)
 """Of the ground of voxels, metres."""
 
@@ -107,7 +109,7 @@ def plan(settings: RestSettings) -> list[Part]:
             {"settings": settings, "ground": ground, "shell": shell, "mode": mode, "held": held},
             cost=3e-5 * settings.rate * seconds * settings.orientations,
         )
-        for held, hull in ((False, "hull"), (True, "whole-hull"))
+        for held, hull in HULLS.items()
         for ground, shell, mode in (*ours, ("plane", hull, "auto"))
     ]
     rolls = [

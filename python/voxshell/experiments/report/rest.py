@@ -73,7 +73,7 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
     """The verdicts."""
     rows = []
     others = _tell_others(settings, results)
-    for held, beside in ((False, "hull"), (True, "whole-hull")):
+    for held, beside in rest.HULLS.items():
         hull = results[rest.name_rest("plane", beside, "auto", held=held)]["runs"]
         hull_name = "Bullet's hull" if not held else "Bullet's whole hull"
         for ground, shell, mode in product(rest.GROUNDS, rest.SHELLS, rest.MODES):
@@ -204,7 +204,7 @@ def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture
         colors = {"fine": OURS, "coarse": OURS_COARSE, "hull": PEERS[1], "whole-hull": PEERS[0]}
         cases = list(product(rest.GROUNDS, rest.SHELLS, rest.MODES))
         labels = [f"{shell}\n{mode}\n{ground}" for ground, shell, mode in cases]
-        for held, hull in ((False, "hull"), (True, "whole-hull")):
+        for held, hull in rest.HULLS.items():
             for place, case in enumerate([*cases, ("plane", hull, "auto")]):
                 runs = results[rest.name_rest(*case, held=held)]["runs"]
                 at = place + (0.2 if held else -0.2)
