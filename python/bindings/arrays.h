@@ -22,8 +22,6 @@ using PointsArray = nanobind::ndarray<const double, nanobind::shape<-1, 3>, nano
                                       nanobind::device::cpu>;
 using FacesArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>,
                                      nanobind::c_contig, nanobind::device::cpu>;
-using PoseArray = nanobind::ndarray<const double, nanobind::shape<4, 4>, nanobind::c_contig,
-                                    nanobind::device::cpu>;
 
 inline Vec3 read_row(const double* row) { return {row[0], row[1], row[2]}; }
 

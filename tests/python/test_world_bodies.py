@@ -190,19 +190,19 @@ def test_boxes_stand_as_they_are_put(order):
 
 
 ROUND = {
-    "capsule": (vx.Capsule(0.05, 0.2), 0.15),
-    "cylinder": (vx.Cylinder(0.05, 0.2), 0.1),
-    "cone": (vx.Cone(0.05, 0.2), 0.1),
+    "capsule": (lambda: vx.Capsule(0.05, 0.2), 0.15),
+    "cylinder": (lambda: vx.Cylinder(0.05, 0.2), 0.1),
+    "cone": (lambda: vx.Cone(0.05, 0.2), 0.1),
 }
 
 
 @pytest.mark.parametrize("kind", ROUND)
 @pytest.mark.parametrize("ground", ["box", "model"])
 def test_round_shapes_stand_along_z(brick, kind, ground):
-    shape, height = ROUND[kind]
+    make, height = ROUND[kind]
     world = vx.World()
     world.add(brick if ground == "model" else vx.Box((0.1, 0.05, 0.03)), mass=0, pose=at(z=-0.03))
-    body = world.add(shape, pose=at(z=height + 0.001))
+    body = world.add(make(), pose=at(z=height + 0.001))
     world.step(20)
     assert body.pose[2, 3] == pytest.approx(height, abs=3e-3)
     assert len(world.contacts()) > 0
@@ -258,15 +258,19 @@ def test_compound_of_models_and_shapes_stands_on_its_legs(brick, ground):
 @pytest.mark.parametrize(
     ("parts", "error", "part"),
     [
-        ([], vx.SettingsError, "at least one part"),
-        ([vx.Sphere(1.0)], vx.InputTypeError, r"parts\[0\] must be a pair"),
-        ([(vx.Plane(), np.eye(4))], vx.InputTypeError, r"parts\[0\] must be one of .* not Plane"),
-        ([(vx.Sphere(1.0), np.eye(3))], vx.PoseError, r"the pose of parts\[0\]"),
+        (lambda: [], vx.SettingsError, "at least one part"),
+        (lambda: [vx.Sphere(1.0)], vx.InputTypeError, r"parts\[0\] must be a pair"),
+        (
+            lambda: [(vx.Plane(), np.eye(4))],
+            vx.InputTypeError,
+            r"parts\[0\] must be one of .* not Plane",
+        ),
+        (lambda: [(vx.Sphere(1.0), np.eye(3))], vx.PoseError, r"the pose of parts\[0\]"),
     ],
 )
 def test_wrong_compounds_are_refused(parts, error, part):
     with pytest.raises(error, match=part):
-        vx.Compound(parts)
+        vx.Compound(parts())
 
 
 def test_wrong_uses_of_bodies_are_refused(brick):

@@ -9,6 +9,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "arrays.h"
 #include "bullet/bindings.h"
 #include "bullet/conversions.h"
 #include "bullet/shapes.h"
@@ -62,7 +63,7 @@ void bind_geometries(nb::module_& module) {
            });
   nb::class_<CompoundGeometry>(module, "CompoundGeometry")
       .def("__init__", [](CompoundGeometry* self,
-                          const std::vector<std::pair<PartGeometry, PoseArray>>& parts) {
+                          const std::vector<std::pair<PartGeometry, PoseMatrix>>& parts) {
         CompoundGeometry compound;
         for (const auto& [geometry, pose] : parts)
           compound.parts.push_back({geometry, to_pose(pose)});

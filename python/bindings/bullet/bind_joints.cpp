@@ -17,7 +17,7 @@ void bind_joints(nb::module_& module) {
       .def(
           "__init__",
           [](JointSettings* self, JointKind kind, int parent, int child,
-             const PoseArray& parent_from_joint, const PoseArray& child_from_joint, double lower,
+             const PoseMatrix& parent_from_joint, const PoseMatrix& child_from_joint, double lower,
              double upper, double friction, double damping, bool collides) {
             new (self) JointSettings{kind,
                                      parent,

@@ -10,6 +10,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "arrays.h"
 #include "bullet/bindings.h"
 #include "bullet/conversions.h"
 #include "bullet/simulation.h"
@@ -139,7 +140,7 @@ void bind_simulation(nb::module_& module) {
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,
              const Coordinates& centre_of_mass, const std::array<Coordinates, 3>& inertia,
-             const PoseArray& pose, const BodyMaterial& material) {
+             const PoseMatrix& pose, const BodyMaterial& material) {
             return self.add_body({.geometry = geometry,
                                   .mass_properties = {mass,
                                                       to_vec3(centre_of_mass),
@@ -177,7 +178,7 @@ void bind_simulation(nb::module_& module) {
       .def("pose",
            [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
       .def("set_pose", [](Simulation& s, std::size_t i,
-                          const PoseArray& pose) { s.set_world_from_geometry(i, to_pose(pose)); })
+                          const PoseMatrix& pose) { s.set_world_from_geometry(i, to_pose(pose)); })
       .def("linear_velocity",
            [](const Simulation& s, std::size_t i) { return to_coordinates(s.linear_velocity(i)); })
       .def("angular_velocity",

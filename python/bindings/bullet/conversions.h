@@ -1,14 +1,14 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
 #include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
 
-#include "arrays.h"
 #include "errors.h"
+#include "pose_matrix.h"
 #include "voxshell/pose.h"
 
 namespace voxshell::python {
@@ -19,10 +19,8 @@ inline Vec3 to_vec3(const Coordinates& c) { return {c[0], c[1], c[2]}; }
 
 inline Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-inline Pose to_pose(const PoseArray& array) {
-  std::array<double, 16> matrix{};
-  std::copy_n(array.data(), matrix.size(), matrix.begin());
-  return unwrap(Pose::from_matrix(matrix), "pose");
+inline Pose to_pose(const PoseMatrix& matrix) {
+  return unwrap(Pose::from_matrix(matrix.numbers), "pose");
 }
 
 /// A new array with one row an item.

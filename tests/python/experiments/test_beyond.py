@@ -46,6 +46,7 @@ def rests():
     settings = replace(
         rest.RestSettings(),
         orientations=2,
+        others=2,
         settle_seconds=1.0,
         drift_seconds=1.0,
         roll_rates=(200.0, 500.0),
@@ -82,6 +83,33 @@ def test_rest_bars_follow_the_data(rests, held):
         rows = REST.reduce(settings, {**results, name: {"runs": runs}})
         mine = [row for row in rows if row.quantity.endswith(who)]
         assert [row.holds for row in mine] == [holds] * 3
+
+
+def test_other_orientations_are_others_and_are_counted(rests):
+    settings, results = rests
+    name = rest.name_rest("plane", "coarse", "auto", held=True, others=True)
+    runs = results[name]["runs"]
+    np.testing.assert_array_equal(runs["orientation"], [2, 3])
+    calm = {
+        other: {"runs": tables["runs"] | {"angular_speed": np.zeros(2), "drift": np.zeros(2), "asleep": np.ones(2)}}
+        for other, tables in results.items()
+        if other.endswith("-others")
+    }  # fmt: skip
+    assert len(calm) == 12
+    quantity = (
+        "rest in 2 other orientations, coarse, all modes, analytic plane, 8 mm of rolling friction"
+    )
+
+    def find_row(runs):
+        data = {**results, **calm, name: {"runs": calm[name]["runs"] | runs}}
+        return next(row for row in REST.reduce(settings, data) if row.quantity == quantity)
+
+    row = find_row({})
+    assert (row.here, row.unit, row.note) == (6, "of 6", "")
+    row = find_row({"angular_speed": np.array([0.3, 0.0])})
+    assert (row.here, row.note) == (5, "auto at 0.3 rad/s, drift 0 mm")
+    assert find_row({"asleep": np.array([1.0, 0.0])}).here == 5
+    assert find_row({"drift": np.array([2e-4, 2e-4])}).here == 4
 
 
 def test_bodies_that_roll_are_told_from_those_that_lie_still(rests):

@@ -8,6 +8,7 @@ import pytest
 from voxshell.experiments.drop import REST_STEPS, run_drop, summarise
 from voxshell.experiments.drop_report import draw_curves, write_results
 from voxshell.experiments.units import format_time
+from voxshell.model import Model
 from voxshell.scenes.bunny import find_bunny
 from voxshell.scenes.drop import METHODS, DropSettings, build_shapes
 
@@ -28,6 +29,17 @@ def runs(shapes):
 def test_points_are_as_many_as_published(shapes):
     assert len(shapes.bodies["vps-fine"].shell) == pytest.approx(35_596, rel=0.01)
     assert len(shapes.bodies["vps-coarse"].shell) == pytest.approx(799, rel=0.01)
+
+
+def test_grid_is_the_published_one_in_whole_bricks(shapes):
+    field = Model.from_mesh(
+        shapes.bodies["vps-coarse"].mesh,
+        voxel_size=SETTINGS.voxel_size,
+        padding=100 * SETTINGS.voxel_size,
+        cache=False,
+    ).field
+    cells = np.array([306, 305, 282])
+    np.testing.assert_array_equal(field.shape, 8 * np.ceil(cells / 8) + 1)
 
 
 def test_surface_inertia_is_as_published(shapes):

@@ -65,7 +65,8 @@ def describe(settings: RestSettings) -> str:
         "Hz. A body lies still from when it turns slower than "
         f"{MOST_TURNING:g} rad/s and does so to the end. None of these bodies has rolling friction, with "
         f"which real ones come to rest; so all of ours lie down once more with {_name_friction(settings)} "
-        "on bunny and ground."
+        "on bunny and ground"
+        + (f", and in {settings.others} other orientations." if settings.others > 0 else ".")
     )
 
 
@@ -116,7 +117,33 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
                     holds=asleep == count,
                 ),
             ]
-    return rows + _rows_of_rolling(settings, results)
+    return rows + _rows_of_others(settings, results) + _rows_of_rolling(settings, results)
+
+
+def _rows_of_others(settings: RestSettings, results: Results) -> list[Row]:
+    """In orientations on which the rolling friction was not chosen."""
+    rows = []
+    for ground, shell in product(rest.GROUNDS, rest.SHELLS) if settings.others > 0 else ():
+        missed, count = [], 0
+        for mode in rest.MODES:
+            runs = results[rest.name_rest(ground, shell, mode, held=True, others=True)]["runs"]
+            calm = (runs["angular_speed"] < MOST_TURNING) & (runs["drift"] < MOST_DRIFT)
+            count += len(calm)
+            missed += [
+                f"{mode} at {runs['angular_speed'][i]:.2g} rad/s, drift {runs['drift'][i] * 1e3:.2g} mm"
+                for i in np.flatnonzero(~(calm & (runs["asleep"] > 0)))
+            ]
+        rows.append(
+            Row(
+                f"rest in {settings.others} other orientations, {shell}, all modes, "
+                f"{GROUND_NAMES[ground]}, {_name_friction(settings)}",
+                None,
+                count - len(missed),
+                f"of {count}",
+                note="; ".join(missed),
+            )
+        )
+    return rows
 
 
 def _name_friction(settings: RestSettings) -> str:
@@ -270,7 +297,7 @@ REST = Experiment(
     question="Does the bunny come to rest, stay where it is, and fall asleep?",
     describe=describe,
     settings=RestSettings(),
-    quick=replace(RestSettings(), orientations=4, roll_rates=(200.0, 1000.0)),
+    quick=replace(RestSettings(), orientations=4, others=4, roll_rates=(200.0, 1000.0)),
     plan=rest.plan,
     reduce=reduce,
     draw=draw,
