@@ -10,6 +10,7 @@ from rich.table import Table
 
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.units import format_time
+from voxshell.scenes.drop import GROUND_HALF_EXTENTS
 
 if TYPE_CHECKING:
     from voxshell.experiments.drop import DropRun, DropSummary
@@ -60,6 +61,14 @@ def explain(runs: list[DropRun], steps: int) -> str:
     if short:
         names = ", ".join(f"{run.method.label} ({run.steps} steps)" for run in short)
         lines.append(f"fewer steps   because it is slow: {names}")
+    underside = -2.0 * GROUND_HALF_EXTENTS[2]
+    for run in runs:
+        below = run.lowest < underside
+        if below.any():
+            step = int(below.argmax()) + 1
+            lines.append(
+                f"fallen        {run.method.label} is below the ground from step {step} on"
+            )
     return "\n".join(lines)
 
 

@@ -18,7 +18,7 @@ from voxshell.experiments.timing import STAGES, pinned, time_poses
 from voxshell.model import Model
 from voxshell.queries import collide
 from voxshell.scenes.bunny import BunnySettings, find_bunny
-from voxshell.scenes.drop import BULLET_SOLVER, METHODS, DropSettings
+from voxshell.scenes.drop import METHODS, DropSettings
 from voxshell.scenes.stack import StackSettings, build_bunny_world
 from voxshell.world import World
 
@@ -214,7 +214,7 @@ def _build_world(settings: PairSettings, shapes: DropShapes, method: Method, pos
         gravity=(0.0, 0.0, 0.0),
         time_step=1.0 / settings.rate,
         sleeping=False,
-        **({} if method.is_model else BULLET_SOLVER),
+        **method.solver,
     )
     shape = shapes.bodies[method.key]
     world.add(shape, mass=0.0)
