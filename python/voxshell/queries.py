@@ -74,8 +74,8 @@ def contacts(
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
         shell: "a" or "b": the body whose points are tested, which must be a model. "both": first
             a's, then b's; finds spikes that pass between the points of the other. "auto": the one
-            with fewer points, a if they have equally many; but where its points are all outside
-            of the other body and enclose it, the other.
+            with fewer points, a if they have equally many; but where these are so far apart that the
+            other would fit between them, or are all outside of it and enclose it, the other.
         margin: Metres. Above 0, points that near to the surface count as well, with negative
             depths; below 0, only points that deep.
         level: Level of the point-sphere tree, 1 to 12, by which contacts are told apart in

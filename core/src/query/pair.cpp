@@ -1,8 +1,21 @@
 #include "voxshell/pair.h"
 
+#include <algorithm>
 #include <variant>
 
 namespace voxshell {
+namespace {
+
+/// Whether a model could lie between the points of a coarser shell, unseen.
+bool fits_between(const Participant& body, const PointShell& shell) {
+  constexpr double kOfShortestSide = 0.5;
+  const auto* grid = std::get_if<GridField>(body.field);
+  if (grid == nullptr || body.shell->spacing() >= shell.spacing()) return false;
+  const Vec3 sides = grid->surface_bounds().extents();
+  return shell.spacing() > kOfShortestSide * std::min({sides.x, sides.y, sides.z});
+}
+
+}  // namespace
 
 Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice) {
   const auto refuse = [](const char* message) {
@@ -23,7 +36,10 @@ Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellC
   }
   if (a.shell == nullptr) return PairBody::kB;
   if (b.shell == nullptr) return PairBody::kA;
-  return b.shell->size() < a.shell->size() ? PairBody::kB : PairBody::kA;
+  if (b.shell->size() < a.shell->size()) {
+    return fits_between(a, *b.shell) ? PairBody::kA : PairBody::kB;
+  }
+  return fits_between(b, *a.shell) ? PairBody::kB : PairBody::kA;
 }
 
 bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner) {

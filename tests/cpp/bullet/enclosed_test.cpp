@@ -64,5 +64,21 @@ TEST_P(Enclosed, ABodyThatLeavesIsInContactAllTheWay) {
   }
 }
 
+TEST(CoarseGround, HoldsASmallFineBodyThatFitsBetweenItsPoints) {
+  namespace meshes = voxshell::test_support;
+  constexpr double kHalf = 0.25;
+  const auto ground =
+      build_model(meshes::moved(meshes::make_box({20.0, 20.0, 1.0}), {0, 0, -1.0}), 1.0);
+  const auto cube = build_model(meshes::make_box({kHalf, kHalf, kHalf}), 0.02);
+  ASSERT_LT(ground->shell().size(), cube->shell().size());
+  TestWorld world;
+  world.add_model(ground, 0.0);
+  const btRigidBody& body = world.add_model(cube, 1.0, {{}, {0.07, 0.04, kHalf + 0.1}});
+  world.step(400);
+  const Vec3 at = from_bullet(body.getWorldTransform().getOrigin());
+  EXPECT_NEAR(at.z, kHalf, 0.01);
+  EXPECT_LT(static_cast<double>(body.getAngularVelocity().length()), 0.01);
+}
+
 }  // namespace
 }  // namespace voxshell::bullet

@@ -29,6 +29,23 @@ TEST(ChooseShell, AutomaticTakesTheBodyWithFewerPointsAndAOfEquals) {
   EXPECT_EQ(*choose_shell({&field, &few}, {&field, &few}, ShellChoice::kAutomatic), PairBody::kA);
 }
 
+TEST(ChooseShell, AutomaticTakesTheFinerOneWhereItFitsBetweenThePointsOfTheOther) {
+  const Field cube = make_grid(make_box({0.25, 0.25, 0.25}), 0.02);
+  const PointShell on_cube = make_shell(make_box({0.25, 0.25, 0.25}), 0.02);
+  const auto takes_the_cube = [&](const Soup& mesh, double spacing) {
+    const Field ground = make_grid(mesh, spacing);
+    const PointShell on_ground = make_shell(mesh, spacing);
+    EXPECT_LT(on_ground.size(), on_cube.size());
+    const Participant fine{&cube, &on_cube};
+    const Participant coarse{&ground, &on_ground};
+    const bool is_cube = *choose_shell(fine, coarse, ShellChoice::kAutomatic) == PairBody::kA;
+    EXPECT_EQ(*choose_shell(coarse, fine, ShellChoice::kAutomatic) == PairBody::kB, is_cube);
+    return is_cube;
+  };
+  EXPECT_TRUE(takes_the_cube(make_box({5, 5, 1}), 0.4));
+  EXPECT_FALSE(takes_the_cube(make_box({1, 1, 0.5}), 0.2));
+}
+
 TEST(ChooseShell, AutomaticTakesTheOneThatHasAShell) {
   const PointShell shell = make_shell(make_box({1, 1, 1}), 0.5);
   const Field field = SphereField{};
