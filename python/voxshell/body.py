@@ -245,6 +245,18 @@ class Body(WorldPart):
         self._set(rolling_friction=as_not_negative(value, "rolling_friction"))
 
     @property
+    def spinning_friction(self) -> float:
+        """The same of spinning about the contact's normal, metres.
+
+        Bullet's solver heeds it only where there is rolling friction, too.
+        """
+        return self._simulation.material(self.number).spinning_friction
+
+    @spinning_friction.setter
+    def spinning_friction(self, value: float) -> None:
+        self._set(spinning_friction=as_not_negative(value, "spinning_friction"))
+
+    @property
     def restitution(self) -> float:
         """0 to 1; Bullet multiplies those of the two bodies."""
         return self._simulation.material(self.number).restitution
@@ -340,6 +352,7 @@ def make_material(
     *,
     friction: float,
     rolling_friction: float,
+    spinning_friction: float,
     restitution: float,
     linear_damping: float,
     angular_damping: float,
@@ -350,6 +363,7 @@ def make_material(
     material = _bullet.BodyMaterial()
     material.friction = as_not_negative(friction, "friction")
     material.rolling_friction = as_not_negative(rolling_friction, "rolling_friction")
+    material.spinning_friction = as_not_negative(spinning_friction, "spinning_friction")
     material.restitution = as_share(restitution, "restitution")
     material.linear_damping = as_share(linear_damping, "linear_damping")
     material.angular_damping = as_share(angular_damping, "angular_damping")

@@ -170,6 +170,7 @@ class World:
         name: str | None = None,
         motion: Motion | None = None,
         rolling_friction: float = 0.0,
+        spinning_friction: float = 0.0,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
         group: int = 1,
@@ -191,6 +192,7 @@ class World:
                 do without.
             rolling_friction: Lever of the torque that withstands rolling, metres; see
                 :attr:`Body.rolling_friction`.
+            spinning_friction: The same of spinning about the contact's normal.
             linear_damping: Share of the velocity that is lost in a second, 0 to 1.
             angular_damping: The same of the angular velocity.
             group: Bits of the groups that the body is in.
@@ -229,6 +231,7 @@ class World:
         material = make_material(
             friction=friction,
             rolling_friction=rolling_friction,
+            spinning_friction=spinning_friction,
             restitution=restitution,
             linear_damping=linear_damping,
             angular_damping=angular_damping,

@@ -241,7 +241,7 @@ def test_threads_share_a_model(ball: vx.Model, cube: vx.Model):
 @pytest.fixture(scope="module")
 def box() -> vx.Model:
     """Of 1 m, with far fewer points than the ball."""
-    return vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=300)
+    return vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=1_500)
 
 
 def test_automatic_roles_find_a_body_inside_one_with_fewer_points(ball: vx.Model, box: vx.Model):
@@ -282,6 +282,14 @@ def test_automatic_roles_find_a_body_inside_one_with_fewer_points(ball: vx.Model
     batch = vx.contacts_batch(box, ball, np.eye(4), poses)
     assert [contacts.shell for contacts in batch] == ["b"] * 9
     np.testing.assert_array_equal(np.diff(batch.offsets), len(ball.shell))
+
+
+def test_a_body_that_fits_between_the_points_of_the_other_is_the_shell(ball: vx.Model):
+    sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=300)
+    assert len(sparse.shell) < len(ball.shell)
+    # Through a face, between its points.
+    assert vx.contacts(sparse, ball, None, moved(0.05, 0.05, 0.55)).shell == "b"
+    assert vx.contacts(ball, sparse, moved(0.05, 0.05, 0.55)).shell == "a"
 
 
 def test_a_batch_changes_roles_pose_by_pose(ball: vx.Model, box: vx.Model):

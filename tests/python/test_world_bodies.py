@@ -114,6 +114,31 @@ def test_rolling_friction_stops_a_ball_at_the_rate_that_its_lever_says(on):
     assert ball.linear_velocity[0] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_spinning_friction_stops_a_ball_at_the_rate_that_its_lever_says():
+    radius, lever, friction = 0.1, 0.002, 0.5
+    world = vx.World()
+    world.add(vx.Plane(), mass=0, friction=friction)
+    ball = world.add(
+        vx.Sphere(radius),
+        pose=at(z=radius),
+        friction=friction,
+        rolling_friction=lever,
+        spinning_friction=lever,
+    )
+    ball.angular_velocity = (0, 0, 2.0)
+    world.step(50)
+    # The torque lever * friction * m g slows a solid ball, whose inertia is 2/5 m r^2.
+    slowed = 0.25 * lever * friction * 9.81 / (0.4 * radius**2)
+    assert ball.angular_velocity[2] == pytest.approx(2.0 - slowed, rel=0.02)
+    world.step(200)
+    np.testing.assert_allclose(ball.angular_velocity, 0.0, atol=1e-6)
+    ball.spinning_friction = 0.0
+    ball.angular_velocity = (0, 0, 2.0)
+    world.step(50)
+    assert (ball.rolling_friction, ball.spinning_friction) == (lever, 0.0)
+    assert ball.angular_velocity[2] == pytest.approx(2.0, rel=1e-3)
+
+
 @pytest.mark.parametrize("apart", ["pair", "groups", "later", "pair from the start"])
 def test_bodies_set_apart_pass_through(brick, apart):
     world = vx.World()

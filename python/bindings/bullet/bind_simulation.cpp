@@ -103,6 +103,7 @@ void bind_simulation(nb::module_& module) {
       .def(nb::init<>())
       .def_rw("friction", &BodyMaterial::friction)
       .def_rw("rolling_friction", &BodyMaterial::rolling_friction)
+      .def_rw("spinning_friction", &BodyMaterial::spinning_friction)
       .def_rw("restitution", &BodyMaterial::restitution)
       .def_rw("linear_damping", &BodyMaterial::linear_damping)
       .def_rw("angular_damping", &BodyMaterial::angular_damping)

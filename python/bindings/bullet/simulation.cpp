@@ -377,6 +377,7 @@ void Simulation::set_material(std::size_t number, const BodyMaterial& material) 
   Body& body = *bodies_[number];
   body.rigid_body.setFriction(material.friction);
   body.rigid_body.setRollingFriction(material.rolling_friction);
+  body.rigid_body.setSpinningFriction(material.spinning_friction);
   body.rigid_body.setRestitution(material.restitution);
   body.rigid_body.setDamping(material.linear_damping, material.angular_damping);
   const bool meets_others =

@@ -47,7 +47,8 @@ enum class Motion {
 /// What can be set of a body at any time.
 struct BodyMaterial {
   double friction = 0.5;
-  double rolling_friction = 0.0;  ///< metres
+  double rolling_friction = 0.0;   ///< metres
+  double spinning_friction = 0.0;  ///< metres
   double restitution = 0.0;
   double linear_damping = 0.0;  ///< share of the velocity that is lost in a second
   double angular_damping = 0.0;

@@ -76,7 +76,7 @@ class RestSettings(BunnySettings):
         settle_seconds: After the first contact, until rest is looked at.
         drift_seconds: After that, over which drift is measured.
         roll_rates: Steps a second at which it is measured how long the bunny rolls.
-        rolling_friction: Of bunny and ground, metres, where they are given one.
+        rolling_friction: Of bunny and ground, metres, where they are given one, and spinning friction.
     """
 
     orientations: int = 20
@@ -108,12 +108,11 @@ def plan(settings: RestSettings) -> list[Part]:
     Held ones are there once more, in other orientations.
     """
     seconds = settings.settle_seconds + settings.drift_seconds
-    ours = tuple(product(GROUNDS, SHELLS, MODES))
-    rests = [
-        _plan_rests(settings, ground, shell, mode, held=held)
-        for held, hull in HULLS.items()
-        for ground, shell, mode in (*ours, ("plane", hull, "auto"))
-    ]
+    ours: list[tuple[Ground, Shell, Mode]] = list(product(GROUNDS, SHELLS, MODES))
+    rests = []
+    for held, hull in HULLS.items():
+        rests += [_plan_rests(settings, *way, held=held) for way in ours]
+        rests.append(_plan_rests(settings, "plane", hull, "auto", held=held))
     if settings.others > 0:
         rests += [_plan_rests(settings, *way, held=True, others=True) for way in ours]
     rolls = [
@@ -196,7 +195,7 @@ def _lie(
         world, body = _build_world(settings, ground, shell, mode, orientation, sleeping=sleeping)
         if held:
             for each in world.bodies:
-                each.rolling_friction = settings.rolling_friction
+                each.rolling_friction = each.spinning_friction = settings.rolling_friction
         return world, body
 
     world, body = build(sleeping=False)

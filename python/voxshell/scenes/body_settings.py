@@ -42,7 +42,7 @@ class BodySettings:
         height: Of a cone, metres.
         mass: Kilograms; 0: static. A plane has none.
         inertia: Of the solid, or of a skin on the surface.
-        friction, rolling_friction, restitution: As for :meth:`voxshell.World.add`.
+        friction, rolling_friction, spinning_friction, restitution: As for :meth:`voxshell.World.add`.
         position: Of the body's origin, three numbers, metres.
         quaternion_xyzw: Its orientation, of unit length; or
         rotation_vector: axis times angle, radians.
@@ -62,6 +62,7 @@ class BodySettings:
     inertia: Literal["solid", "surface"] = "solid"
     friction: float = 0.5
     rolling_friction: float = 0.0
+    spinning_friction: float = 0.0
     restitution: float = 0.0
     position: tuple[float, ...] = (0.0, 0.0, 0.0)
     quaternion_xyzw: tuple[float, ...] | None = None
@@ -78,7 +79,7 @@ class BodySettings:
             raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
         if self.shape == "plane" and self.mass:
             raise SettingsError("mass of a plane must be 0: it has no end and cannot move")
-        for name in ("friction", "rolling_friction"):
+        for name in ("friction", "rolling_friction", "spinning_friction"):
             as_not_negative(getattr(self, name), name)
         if not 0.0 <= as_real(self.restitution, "restitution") <= 1.0:
             raise SettingsError(f"restitution must be from 0 to 1, not {self.restitution:g}")

@@ -61,6 +61,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 pose=body.pose,
                 friction=body.friction,
                 rolling_friction=body.rolling_friction,
+                spinning_friction=body.spinning_friction,
                 restitution=body.restitution,
                 inertia=body.inertia,
                 name=name,

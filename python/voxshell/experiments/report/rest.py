@@ -65,7 +65,7 @@ def describe(settings: RestSettings) -> str:
         "Hz. A body lies still from when it turns slower than "
         f"{MOST_TURNING:g} rad/s and does so to the end. None of these bodies has rolling friction, with "
         f"which real ones come to rest; so all of ours lie down once more with {_name_friction(settings)} "
-        "on bunny and ground"
+        "on bunny and ground, and as much spinning friction"
         + (f", and in {settings.others} other orientations." if settings.others > 0 else ".")
     )
 
