@@ -30,7 +30,8 @@ FARTHEST = 1e15
 def as_real(value: Any, name: str) -> float:
     """A finite number."""
     try:
-        if isinstance(value, (str, bytes, bytearray)):
+        # True would be 1, a metre where a length is wanted.
+        if isinstance(value, (str, bytes, bytearray, bool, np.bool_)):
             raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -67,6 +68,8 @@ def as_length(value: Any, name: str) -> float:
 def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
     """An integer of a range, both ends included."""
     try:
+        if isinstance(value, bool):
+            raise TypeError
         number = operator.index(value)
     except TypeError:
         raise SettingsError(f"{name} must be an integer, not {value!r}") from None

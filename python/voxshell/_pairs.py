@@ -39,7 +39,10 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | 
         return body._field._core, body._shell._core
     if isinstance(body, Field):
         return body._core, None
-    raise InputTypeError(f"{name} must be a Model, Plane, Box or Sphere, not {type(body).__name__}")
+    *others, last = ("Model", *(kind.__name__ for kind in Field.__subclasses__()))
+    raise InputTypeError(
+        f"{name} must be a {', '.join(others)} or {last}, not {type(body).__name__}"
+    )
 
 
 def as_shells(shell: Any, allowed: Iterable[str] = SHELLS) -> _core.Shells:

@@ -129,7 +129,8 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
     """Of a body of the given mass, kilograms; of a static one (mass 0) they are all zero.
 
     Raises:
-        SettingsError: ``inertia`` is none of its kinds, or is not physical.
+        InputTypeError: ``inertia`` is of another type.
+        SettingsError: ``inertia`` is another word, or is not physical.
     """
     if isinstance(inertia, MassProperties):
         if mass == 0.0:
@@ -140,6 +141,11 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
         if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor).min() > 0.0):
             raise SettingsError("inertia.inertia must be finite, symmetric and positive definite")
         return MassProperties(mass, center, tensor * ratio)
+    if not isinstance(inertia, str):
+        raise InputTypeError(
+            "inertia must be 'solid', 'surface' or a MassProperties, which holds mass, centre of mass "
+            f"and tensor, not {type(inertia).__name__}"
+        )
     if inertia not in ("solid", "surface"):
         raise SettingsError(
             f"inertia must be 'solid', 'surface' or a MassProperties, not {inertia!r}"

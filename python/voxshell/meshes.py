@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from contextlib import contextmanager
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     """What :meth:`voxshell.Model.from_mesh` takes."""
 
 
+MODEL_SUFFIX = ".vxs"
+"""Of model files, which are no meshes."""
+
+
 class MeshWarning(UserWarning):
     """A mesh has faults that were overcome; the message counts and locates them."""
 
@@ -43,15 +48,16 @@ class Mesh(NamedTuple):
 
 
 def read_mesh(mesh: MeshLike) -> Mesh:
-    """The arrays of a mesh, checked as far as the core cannot: types, shapes, signs of indices.
+    """The arrays of a mesh, checked: types, shapes, that numbers are finite and indices of a vertex.
 
     Raises:
         MeshError: A file cannot be read or holds no triangles; arrays have a wrong shape or type,
-            or indices that are not of a vertex.
+            numbers that are not finite, or indices that are not of a vertex. It names the file.
         InputTypeError: ``mesh`` is none of the kinds that are taken.
     """
     if isinstance(mesh, (str, os.PathLike)):
-        mesh = _load(os.fspath(mesh))
+        with naming_file(mesh):
+            return read_mesh(_load(os.fspath(mesh)))
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         vertices, faces = mesh
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
@@ -63,6 +69,12 @@ def read_mesh(mesh: MeshLike) -> Mesh:
             f"not {type(mesh).__name__}{hint}"
         )
     vertices = as_floats(vertices, "vertices", (None, 3), MeshError)
+    wrong = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(wrong):
+        raise MeshError(
+            f"{len(wrong)} of {len(vertices)} vertices of the mesh are not finite (first: vertex "
+            f"{wrong[0]}); remove them, or export the mesh again"
+        )
     return Mesh(vertices, _as_faces(faces, len(vertices)))
 
 
@@ -82,6 +94,11 @@ def _load(path: str) -> trimesh.Trimesh:
     if not os.path.isfile(path):
         reason = "is a directory" if os.path.isdir(path) else "does not exist"
         raise MeshError(f"cannot read mesh {path}: it {reason}")
+    if path.lower().endswith(MODEL_SUFFIX):
+        raise MeshError(
+            f"{path} is a model already: load it with voxshell.Model.load, or give the mesh that it "
+            "was made of"
+        )
     with _keeping_interrupts(until_the_end=True):
         import trimesh  # takes longer than all the rest of voxshell
     with _keeping_interrupts():
@@ -89,10 +106,31 @@ def _load(path: str) -> trimesh.Trimesh:
             # Without process, vertices stay as they are in the file; the core merges equal ones.
             mesh = trimesh.load(path, force="mesh", process=False)
         except Exception as error:  # of which readers of damaged files raise every kind
-            raise MeshError(f"cannot read mesh {path}: {type(error).__name__}: {error}") from error
+            raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-        raise MeshError(f"cannot read mesh {path}: it holds no triangles, or is damaged")
+        raise MeshError(
+            f"cannot read mesh {path}: it holds no triangles, or is damaged; export it again"
+        )
     return mesh
+
+
+def _explain(path: str, error: Exception) -> str:
+    """Why trimesh could not read a file, and what to do."""
+    from trimesh.exchange.load import available_formats, mesh_formats
+
+    if not path.lower().endswith(tuple(f".{each}" for each in available_formats())):
+        known = ", ".join(sorted(mesh_formats()))
+        return f"its ending is none of a format that can be read here ({known}); convert it to one"
+    # Its reader of OBJ files takes indices for granted.
+    if beyond := re.search(
+        r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error)
+    ):
+        return (
+            f"a face has the vertex {beyond[1]}, counted from 0, of {beyond[2]}; the file is "
+            "damaged: export it again"
+        )
+    kind = os.path.splitext(path)[1][1:].upper()
+    return f"it is damaged, or no {kind} file ({error}); export it again"
 
 
 @contextmanager
@@ -143,6 +181,7 @@ def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
         row, column = (int(i) for i in np.argwhere(wrong)[0])
         raise MeshError(
             f"{np.count_nonzero(wrong)} of {faces.size} face indices are not of the "
-            f"{vertex_count} vertices (first: {faces[row, column]} in face {row})"
+            f"{vertex_count} vertices (first: {faces[row, column]} in face {row}, both counted from "
+            "0); remove those faces, or export the mesh again"
         )
     return np.ascontiguousarray(faces, dtype=np.uint32)

@@ -114,7 +114,7 @@ class Model:
 
         Raises:
             MeshError: The mesh cannot be read, encloses no volume, has numbers that are not finite,
-                or is not closed where ``sign`` says so.
+                is smaller than a voxel or the point spacing, or is not closed where ``sign`` says so.
             SettingsError: A setting is out of range, or contradicts another.
             SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
             MemoryLimitError: The field or shell would be too large; the message says which setting

@@ -203,7 +203,7 @@ class World:
             The body.
 
         Raises:
-            InputTypeError: ``shape`` cannot be simulated.
+            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` is of another type.
             SettingsError: A number is out of range, or a plane is to move.
             PoseError: ``pose`` is not a rigid transform.
 

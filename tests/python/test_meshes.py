@@ -94,9 +94,9 @@ def test_what_is_not_a_mesh_is_refused(mesh, message: str):
         (VERTICES > 0, "bool"),
         (None, "object"),
         ([[0, 0, 0], [1]], "inhomogeneous"),
-        (np.where(VERTICES == 1, np.nan, VERTICES), "vertex 1 .*finite"),
-        (np.where(VERTICES == 1, np.inf, VERTICES), "vertex 1 .*finite"),
-        (np.zeros((4, 3)), "no triangle with an area"),
+        (np.where(VERTICES == 1, np.nan, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
+        (np.where(VERTICES == 1, np.inf, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
+        (np.zeros((4, 3)), "no triangle with an area above zero, of 4; export it again"),
         (np.empty((0, 3)), "of the 0 vertices"),
     ],
 )
@@ -120,7 +120,7 @@ def test_wrong_vertices_are_refused(vertices, message: str):
         (np.where(FACES == 3, np.nan, FACES), "fractions or NaN"),
         (np.where(FACES == 3, np.inf, FACES), "3 of 12 face indices .* 4 vertices .*inf in face 1"),
         (FACES - 1, "3 of 12 face indices are not of the 4 vertices .first: -1 in face 0"),
-        (FACES + 1, "3 of 12 face indices .* 4 in face 1"),
+        (FACES + 1, "3 of 12 face indices .* 4 in face 1, both counted from 0.; remove those"),
         (np.where(FACES == 3, 2**32 + 3, FACES), "4294967299 in face 1"),
         (np.where(FACES == 3, 2**64 - 1, FACES.astype(np.uint64)), "18446744073709551615"),
         (np.where(FACES == 3, 1e300, FACES), "1e[+]300"),
@@ -259,6 +259,34 @@ def test_bad_files_are_refused_by_name(tmp_path: Path, name: str):
     with pytest.raises(vx.MeshError) as caught:
         build(path)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("beyond.obj", "a face has the vertex 8, counted from 0, of 3; .* export it again"),
+        ("words.off", "it is damaged, or no OFF file .*four.*; export it again"),
+        ("mesh.xyz123", "ending .* can be read here .*obj, off, ply, stl.*; convert it"),
+        ("mesh", "ending .* can be read here .*obj, off, ply, stl.*; convert it"),
+        ("huge.obj", "1 of 3 vertices"),
+        ("none.stl", "no triangles.*; export it again"),
+    ],
+)
+def test_a_bad_file_is_refused_in_words_and_with_what_to_do(
+    tmp_path: Path, name: str, message: str
+):
+    """They were those of trimesh: "IndexError: index 8 is out of bounds for axis 0"."""
+    with pytest.raises(vx.MeshError, match=message) as caught:
+        build(write(tmp_path / name, BAD_FILES[name]))
+    assert "Error" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["part.vxs", "PART.VXS"])
+def test_a_model_is_no_mesh_and_is_sent_to_where_it_is_read(tmp_path: Path, name: str):
+    build((VERTICES, FACES)).save(tmp_path / name)
+    with pytest.raises(vx.MeshError, match=r"a model already: .*Model.load, or give the mesh"):
+        build(tmp_path / name)
 
 
 @pytest.mark.parametrize(

@@ -163,8 +163,8 @@ def test_a_wrong_kind_of_mass_is_refused(cube: vx.Model, kind):
 
 # ---- wrong settings ------------------------------------------------------------------------------
 
-NOT_LENGTHS = [0, -0.1, np.nan, np.inf, -np.inf, 1e300, "0.1", [0.1], 1j, len]
-NOT_COUNTS = [0, -1, 1.5, 10.0, 2**31, 10**40, np.nan, "10", [10]]
+NOT_LENGTHS = [0, -0.1, np.nan, np.inf, -np.inf, 1e300, "0.1", [0.1], 1j, len, True, np.True_]
+NOT_COUNTS = [0, -1, 1.5, 10.0, 2**31, 10**40, np.nan, "10", [10], True, np.True_]
 
 
 @pytest.mark.parametrize("name", ["voxel_size", "point_spacing"])
@@ -181,16 +181,30 @@ def test_a_wrong_count_is_refused_by_name(name: str, value):
         vx.Model.from_mesh(trimesh.creation.box(), **{name: value})
 
 
-@pytest.mark.parametrize("padding", [-1e-9, -1, np.nan, np.inf, 1e300, "1", [1]])
+@pytest.mark.parametrize("padding", [-1e-9, -1, np.nan, np.inf, 1e300, "1", [1], True])
 def test_a_wrong_padding_is_refused(padding):
     with pytest.raises(vx.SettingsError, match="padding"):
         box(padding=padding)
 
 
-@pytest.mark.parametrize("scale", [0, -1, np.nan, np.inf, "1", None])
+@pytest.mark.parametrize("scale", [0, -1, np.nan, np.inf, "1", None, True])
 def test_a_wrong_scale_is_refused(scale):
     with pytest.raises(vx.SettingsError, match="scale"):
         box(scale=scale)
+
+
+@pytest.mark.parametrize("name", ["voxel_size", "point_spacing"])
+def test_a_length_above_the_mesh_is_refused_as_one_in_another_unit(name: str):
+    """A voxel size of 100 for a sphere of 0.2 m built a model of four points."""
+    sphere = trimesh.creation.icosphere(radius=0.1)
+    words = name.replace("_", " ")
+    with pytest.raises(
+        vx.MeshError, match=f"longest side of 0.2 m, below the {words} of 100 m: check their units"
+    ):
+        vx.Model.from_mesh(sphere, **{name: 100})
+    # As long as a needle is, where it is thinner.
+    needle = trimesh.creation.box(extents=(0.2, 0.001, 0.001))
+    assert len(vx.Model.from_mesh(needle, **{name: 0.2}).shell) > 0
 
 
 def test_contradicting_settings_are_refused():
@@ -206,18 +220,18 @@ def test_a_wrong_progress_is_refused():
 
 
 @pytest.mark.parametrize(
-    "settings",
+    ("settings", "message"),
     [
-        {"voxel_size": 1e-4},
-        {"resolution": 5_000},
-        {"resolution": 20, "padding": 1e9},
-        {"resolution": 20, "point_spacing": 1e-9},
-        {"resolution": 20, "target_points": 2**31 - 1},
+        ({"voxel_size": 1e-4}, r"use a voxel size of at least .* \(a resolution of at most"),
+        ({"resolution": 5_000}, r"use a voxel size of at least .* \(a resolution of at most"),
+        ({"resolution": 20, "padding": 1e9}, r"use a padding of at most 1 m$"),
+        ({"resolution": 20, "point_spacing": 1e-9}, "use a point spacing of at least"),
+        ({"resolution": 20, "target_points": 2**31 - 1}, "limit of 67108864; ask for no more"),
     ],
     ids=str,
 )
-def test_what_would_not_fit_memory_is_refused_at_once(settings: dict):
-    with pytest.raises(vx.MemoryLimitError, match=r"use a (voxel size|spacing) of at least"):
+def test_what_would_not_fit_memory_is_refused_at_once(settings: dict, message: str):
+    with pytest.raises(vx.MemoryLimitError, match=message):
         vx.Model.from_mesh(trimesh.creation.box(), **settings)
 
 

@@ -133,6 +133,13 @@ def test_origin_is_the_mesh_origin_wherever_the_mass_lies():
     assert np.linalg.norm(body.pose[:3, 3] - turned[:3, 3]) > 0.1
 
 
+@pytest.mark.parametrize("inertia", [np.eye(3), [1.0, 1.0, 1.0], 1.0, None])
+def test_an_inertia_of_another_type_is_refused_with_what_is_allowed(brick, inertia):
+    """numpy's "truth value of an array is ambiguous" came out."""
+    with pytest.raises(vx.InputTypeError, match=r"inertia must be 'solid', .* a MassProperties"):
+        vx.World().add(brick, inertia=inertia)
+
+
 def test_inertia_kinds_and_given_mass_properties(brick):
     def spin(**inertia):
         """Angular speed about x, after a while, of a free body spun about a skew axis."""

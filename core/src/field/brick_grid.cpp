@@ -130,13 +130,32 @@ double advise_voxel_size(const TriangleMesh& mesh, const GridFieldSettings& sett
   return advised;
 }
 
+/// What to use instead of settings that are too large.
+std::string advise(const TriangleMesh& mesh, GridFieldSettings settings, double longest_side) {
+  std::string advice;
+  // It is the padding's size then, and no finer voxel's.
+  if (settings.padding > longest_side) {
+    settings.padding = with_three_digits(longest_side);
+    advice = format_text("a padding of at most %.3g m", settings.padding);
+    if (estimate(mesh, settings.padding, settings.voxel_size, settings.memory_limit).fits) {
+      return advice;
+    }
+    advice += " and ";
+  }
+  const double voxel_size = advise_voxel_size(mesh, settings);
+  return advice + format_text("a voxel size of at least %.3g m (a resolution of at most %.0f)",
+                              voxel_size, std::floor(longest_side / voxel_size));
+}
+
 Error too_large(const Demand& refused, const TriangleMesh& mesh,
                 const GridFieldSettings& settings) {
+  const double longest_side = mesh.bounds().extents()[mesh.bounds().longest_axis()];
   return {ErrorCode::kTooLarge,
-          format_text("a distance field of voxel size %.3g m would need %.3g GB or more to build "
-                      "(%.3g voxels along its longest side); use a voxel size of at least %.3g m",
-                      settings.voxel_size, refused.bytes() / 1e9, refused.longest,
-                      advise_voxel_size(mesh, settings))};
+          format_text("a distance field of voxel size %.3g m and padding %.3g m, of a mesh whose "
+                      "longest side is %.3g m, would need %.3g GB or more to build (%.3g voxels "
+                      "along its longest side); use %s",
+                      settings.voxel_size, settings.padding, longest_side, refused.bytes() / 1e9,
+                      refused.longest, advise(mesh, settings, longest_side).c_str())};
 }
 
 }  // namespace

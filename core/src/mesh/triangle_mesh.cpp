@@ -28,6 +28,30 @@ Vec3 without_negative_zero(const Vec3& p) { return p + Vec3{0.0, 0.0, 0.0}; }
 
 Error invalid_mesh(std::string message) { return {ErrorCode::kInvalidMesh, std::move(message)}; }
 
+Result<std::monostate> check_finite(std::span<const Vec3> vertices) {
+  const auto is_wrong = [](const Vec3& vertex) { return !is_finite(vertex); };
+  const auto first = std::find_if(vertices.begin(), vertices.end(), is_wrong);
+  if (first == vertices.end()) return std::monostate{};
+  return invalid_mesh(format_text(
+      "%td of %zu vertices of the mesh are not finite (first: vertex %td); remove "
+      "them, or export the mesh again",
+      std::count_if(first, vertices.end(), is_wrong), vertices.size(), first - vertices.begin()));
+}
+
+Error no_such_vertex(std::size_t triangle, std::uint32_t vertex, std::size_t vertices) {
+  return invalid_mesh(
+      format_text("triangle %zu of the mesh uses vertex %u, but there are %zu, counted from 0; "
+                  "remove the triangle, or export the mesh again",
+                  triangle, vertex, vertices));
+}
+
+Error no_area(std::size_t triangles) {
+  return invalid_mesh(format_text(
+      "mesh has no triangle with an area above zero, of %zu; export it again, with more "
+      "digits",
+      triangles));
+}
+
 /// Queries work on fourth powers of lengths in float32: beyond these they would over- or underflow.
 Result<std::monostate> check_size(const Bounds& bounds) {
   constexpr double kSmallestSide = 1e-9;      // metres
@@ -92,11 +116,7 @@ std::vector<HalfEdge> sort_half_edges(std::span<const Triangle> triangles, std::
 Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
                                           std::span<const Triangle> triangles) {
   if (triangles.empty()) return invalid_mesh("mesh has no triangles");
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!is_finite(vertices[i])) {
-      return invalid_mesh(format_text("vertex %zu of the mesh is not finite", i));
-    }
-  }
+  if (auto finite = check_finite(vertices); !finite) return finite.error();
 
   TriangleMesh mesh;
   std::unordered_map<Vec3, std::uint32_t, SamePlaceHash> index_at;
@@ -106,11 +126,7 @@ Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
     std::array<Vec3, 3> places{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint32_t index = triangles[i][corner];
-      if (index >= vertices.size()) {
-        return invalid_mesh(
-            format_text("triangle %zu of the mesh uses vertex %u, but there are %zu", i, index,
-                        vertices.size()));
-      }
+      if (index >= vertices.size()) return no_such_vertex(i, index, vertices.size());
       places[corner] = without_negative_zero(vertices[index]);
     }
     if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]) continue;
@@ -132,9 +148,7 @@ Result<TriangleMesh> TriangleMesh::create(std::span<const Vec3> vertices,
   if (!mesh.triangles_.empty()) {
     if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
   }
-  if (!(mesh.compute_area() > 0.0)) {
-    return invalid_mesh("mesh has no triangle with an area above zero");
-  }
+  if (!(mesh.compute_area() > 0.0)) return no_area(triangles.size());
   return mesh;
 }
 
@@ -144,22 +158,14 @@ Result<TriangleMesh> TriangleMesh::from_parts(std::vector<Vec3> vertices,
   TriangleMesh mesh;
   mesh.vertices_ = std::move(vertices);
   mesh.triangles_ = std::move(triangles);
-  for (std::size_t i = 0; i < mesh.vertices_.size(); ++i) {
-    if (!is_finite(mesh.vertices_[i])) {
-      return invalid_mesh(format_text("vertex %zu of the mesh is not finite", i));
-    }
-    mesh.bounds_.extend(mesh.vertices_[i]);
-  }
+  if (auto finite = check_finite(mesh.vertices_); !finite) return finite.error();
+  for (const Vec3& vertex : mesh.vertices_) mesh.bounds_.extend(vertex);
   if (auto sized = check_size(mesh.bounds_); !sized) return sized.error();
   std::vector<bool> is_used(mesh.vertices_.size());
   for (std::size_t i = 0; i < mesh.triangles_.size(); ++i) {
     const auto [a, b, c] = mesh.triangles_[i];
     for (const std::uint32_t index : {a, b, c}) {
-      if (index >= mesh.vertices_.size()) {
-        return invalid_mesh(
-            format_text("triangle %zu of the mesh uses vertex %u, but there are %zu", i, index,
-                        mesh.vertices_.size()));
-      }
+      if (index >= mesh.vertices_.size()) return no_such_vertex(i, index, mesh.vertices_.size());
       is_used[index] = true;
     }
     if (a == b || b == c || c == a) {
@@ -171,9 +177,7 @@ Result<TriangleMesh> TriangleMesh::from_parts(std::vector<Vec3> vertices,
     return invalid_mesh(format_text("vertex %zu of the mesh is of no triangle",
                                     static_cast<std::size_t>(unused - is_used.begin())));
   }
-  if (!(mesh.compute_area() > 0.0)) {
-    return invalid_mesh("mesh has no triangle with an area above zero");
-  }
+  if (!(mesh.compute_area() > 0.0)) return no_area(mesh.triangles_.size());
   return mesh;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "field/brick_grid.h"
 
 namespace voxshell {
 namespace {
@@ -13,6 +14,19 @@ constexpr int kDefaultResolution = 100;
 
 Error invalid_argument(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+double longest_side(const TriangleMesh& mesh) {
+  return mesh.bounds().extents()[mesh.bounds().longest_axis()];
+}
+
+/// A size above the mesh's own is one in another unit.
+Result<std::monostate> check_unit(const char* name, double size, const TriangleMesh& mesh) {
+  if (!(size > longest_side(mesh)) || std::isinf(size)) return std::monostate{};
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh has a longest side of %.6g m, below the %s of %.6g m: check their "
+                           "units (a scale of 0.001 brings a mesh from millimetres to metres)",
+                           longest_side(mesh), name, size)};
 }
 
 Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& settings) {
@@ -29,8 +43,7 @@ Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& 
     return invalid_argument(format_text(
         "resolution must be at least 2 voxels along the longest side, not %d", resolution));
   }
-  const Bounds& bounds = mesh.bounds();
-  return bounds.extents()[bounds.longest_axis()] / resolution;
+  return longest_side(mesh) / resolution;
 }
 
 /// Points and samples are float32 in the mesh's frame: its origin must not be too far away.
@@ -43,12 +56,14 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
   }
   const double ulp = farthest / (1 << 23);
   if (ulp <= kLargestUlp * voxel_size) return std::monostate{};
-  return Error{
-      ErrorCode::kInvalidMesh,
-      format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
-                  "single precision; move it to its origin (put the offset in the pose) or "
-                  "use a voxel size of at least %.3g m",
-                  farthest, voxel_size, 1.02 * ulp / kLargestUlp)};
+  const double advised = 1.02 * ulp / kLargestUlp;
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
+                           "single precision; move it to its origin (put the offset in the pose)",
+                           farthest, voxel_size) +
+                   (advised < longest_side(mesh)
+                        ? format_text(" or use a voxel size of at least %.3g m", advised)
+                        : "")};
 }
 
 /// What a mesh that is not closed has inside is what its field says, to a 64th of its longest side.
@@ -100,15 +115,17 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
                                                   const Progress& progress) {
   const auto voxel_size = choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
+  if (auto unit = check_unit("voxel size", *voxel_size, mesh); !unit) return unit.error();
+  if (auto unit = check_unit("point spacing", settings.point_spacing, mesh); !unit) {
+    return unit.error();
+  }
   if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
 
   PointShellSettings shell_settings{.spacing = settings.point_spacing,
                                     .target_points = settings.target_points,
                                     .threads = settings.threads};
-  if (shell_settings.spacing == 0.0 && shell_settings.target_points == 0) {
-    shell_settings.spacing = *voxel_size;
-  }
-  if (auto checked = PointShell::check(mesh, shell_settings); !checked) return checked.error();
+  const bool as_voxels = shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
+  if (as_voxels) shell_settings.spacing = *voxel_size;
 
   // Two bricks: over a flat face clusters of some size then lie in bricks of its plane alone.
   constexpr double kDefaultPaddingVoxels = 16.0;
@@ -118,6 +135,13 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
                                          .padding = padding,
                                          .sign = settings.sign,
                                          .threads = settings.threads};
+  if (auto checked = PointShell::check(mesh, shell_settings); !checked) {
+    // First what is mostly above its limit too, and asks for the larger voxels.
+    if (auto plan = plan_brick_grid(mesh, field_settings); !plan) return plan.error();
+    Error error = checked.error();
+    if (as_voxels) error.message += " (it is the voxel size where none is given)";
+    return error;
+  }
   auto field = GridField::build(mesh, field_settings, progress);
   if (!field) return field.error();
   if (field->sign_report().was_turned) mesh = mesh.turned();

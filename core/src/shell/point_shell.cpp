@@ -251,12 +251,13 @@ Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
                                      : static_cast<double>(settings.target_points);
   if (expected > static_cast<double>(limit)) {
     constexpr double kSafety = 1.2;  // how far the estimate may be below the number found
+    const double fits = std::max(std::sqrt(kSafety * area / static_cast<double>(limit)),
+                                 kSafety * longest / static_cast<double>(limit));
     return Error{ErrorCode::kTooLarge,
-                 format_text("a point shell of about %.3g points is above the limit of %zu; use a "
-                             "spacing of at least %.3g m",
-                             expected, limit,
-                             std::max(std::sqrt(kSafety * area / static_cast<double>(limit)),
-                                      kSafety * longest / static_cast<double>(limit)))};
+                 format_text("a point shell of about %.3g points is above the limit of %zu; ",
+                             expected, limit) +
+                     (by_spacing ? format_text("use a point spacing of at least %.3g m", fits)
+                                 : "ask for no more points")};
   }
   return std::monostate{};
 }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from voxshell.errors import FileAccessError, MeshError, ModelFileError, SettingsError
+from voxshell.meshes import MODEL_SUFFIX
 from voxshell.model import Model
 from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from voxshell.queries import Collidable
-
-SUFFIX = ".vxs"
-"""Of model files."""
 
 _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., Collidable]]] = {
     "plane": (("nx", "ny", "nz", "offset"), lambda x, y, z, offset: Plane((x, y, z), offset)),
@@ -68,7 +66,7 @@ DEFAULTS = ModelOptions()
 
 def is_model_file(path: Path) -> bool:
     """Whether a file is called a model."""
-    return path.suffix.lower() == SUFFIX
+    return path.suffix.lower() == MODEL_SUFFIX
 
 
 def require_file(path: Path) -> None:

@@ -45,8 +45,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
                 )
                 sys.stdout.flush()
         except CycloptsError as error:
-            words = [word for word in arguments if not word.startswith("-")][:1]
-            hint = " ".join(["voxshell", *(w for w in words if w in app), "--help"])
+            hint = f"{' '.join(['voxshell', *_find_command(app, arguments)])} --help"
             _say("error", f"{_describe(error)} ({hint} tells what there is)")
             return WRONG_USE
         except (FileAccessError, MissingExtraError) as error:
@@ -66,6 +65,19 @@ def run(app: App, arguments: Sequence[str]) -> int:
             _say("stopped", "")
             return INTERRUPTED
     return SUCCESS
+
+
+def _find_command(app: App, arguments: Sequence[str]) -> list[str]:
+    """The words of the arguments that name a command, and one of its own."""
+    found = []
+    for word in arguments:
+        if word.startswith("-"):
+            continue
+        if word not in app:
+            break
+        found.append(word)
+        app = app[word]
+    return found
 
 
 def _describe(error: CycloptsError) -> str:

@@ -97,8 +97,6 @@ def _read_scaled(file: Path, scale: float) -> Mesh:
     if not scale > 0.0 or not np.isfinite(scale):
         raise SettingsError(f"scale must be above 0, not {scale:g}")
     mesh = read_mesh(file)
-    if not np.isfinite(mesh.vertices).all():
-        raise MeshError(f"{file}: some vertices are not finite")
     return Mesh(mesh.vertices * scale, mesh.faces)
 
 

@@ -63,15 +63,24 @@ def read_scene(path: Path) -> Scene:
         tables = parse_toml(text)
     except (FileNotFoundError, IsADirectoryError):
         raise SettingsError(f"there is no scene file {path}") from None
-    except (SettingsError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise SettingsError(
+            f"{path} is no scene file, which is a text (TOML); {_for_meshes(path)}"
+        ) from None
+    except SettingsError as error:
         line = re.search(r"at line (\d+)", str(error))
-        raise SettingsError(f"{path}{f':{line[1]}' if line else ''}: {error}") from None
+        hint = "" if path.suffix.lower() == ".toml" else f"; {_for_meshes(path)}"
+        raise SettingsError(f"{path}{f':{line[1]}' if line else ''}: {error}{hint}") from None
     try:
         return _make_scene(path, text, tables)
     except SettingsError as error:
         # What is wrong with a key begins with its name.
         keys = str(error).partition(" ")[0].partition("[")[0].split(".")
         raise _locate(path, text, tuple(keys), str(error)) from None
+
+
+def _for_meshes(path: Path) -> str:
+    return f"if it is a mesh, use voxshell simulate drop {path}"
 
 
 def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:

@@ -78,6 +78,24 @@ COMMANDS = [
     ("simulate scene.toml", "--out requires an argument"),
     ("simulate missing.toml --out x", "there is no scene file missing.toml"),
     ("simulate scene.toml --out cone.stl", "cone.stl is a file; --out names a folder"),
+    ("simulate cone.stl --out x", "is no scene file, which is a text (TOML); if it is a mesh, use"),
+    ("simulate cone.stl --out x", "voxshell simulate drop cone.stl"),
+    ("simulate words.obj --out x", "if it is a mesh, use voxshell simulate drop words.obj"),
+    ("simulate cone.stl", "(voxshell simulate --help tells"),
+    ("simulate drop --steps x", "(voxshell simulate drop --help tells"),
+    ("simulate drop cone.vxs --out folder", "cone.vxs is a model already: "),
+    (
+        "simulate drop nan.obj --out folder",
+        "nan.obj: 2 of 4 vertices of the mesh are not finite (first:",
+    ),
+    ("info nan.obj", "nan.obj: 2 of 4 vertices of the mesh are not finite (first:"),
+    ("info beyond.ply", "beyond.ply: 1 of 36 face indices are not of the 8 vertices"),
+    (
+        "build cone.stl -o x.vxs --voxel-size 100",
+        "cone.stl: mesh has a longest side of 60 m, below the",
+    ),
+    ("build cone.stl -o x.vxs --padding 1e6", "use a padding of at most 60 m"),
+    ("build cone.stl -o x.vxs --voxel-size 5e-3", "use a voxel size of at least"),
     ("simulate drop --steps 0", "steps must be at least 1"),
     ("simulate drop missing.stl --out x", "missing.stl"),
     ("reproduce tower", "Unknown command"),
@@ -212,6 +230,12 @@ def things(tmp_path_factory, cone_path, cone_model_path):
     line.export(folder / "line.stl")
     box = trimesh.creation.box()
     trimesh.Trimesh(box.vertices, box.faces[:-1]).export(folder / "open.ply")
+    (folder / "words.obj").write_text("v a b c\nf 1 2 3\n")
+    corners = ["v 0 0 0", "v 1 0 0", "v nan 1 0", "v 0 0 inf"]
+    (folder / "nan.obj").write_text("\n".join([*corners, "f 1 2 3", "f 1 2 4", ""]))
+    box.export(folder / "beyond.ply", encoding="ascii")
+    text = (folder / "beyond.ply").read_text()
+    (folder / "beyond.ply").write_text(text.replace("\n3 1 3 0", "\n3 1 999 0"))
     (folder / "poses.csv").write_text("x,y,z\n0,0,1\n0,zero,1\n")
     (folder / "short.csv").write_text("0,0,1\n0,1\n")
     (folder / "none.csv").write_text("x,y,z\n")

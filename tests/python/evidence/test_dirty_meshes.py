@@ -161,7 +161,7 @@ def test_a_vertex_that_is_no_number_is_refused_by_its_name(folder: Path, tmp_pat
     wrong = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
     told = build(folder / NOT_FINITE, np.zeros((1, 3)), tmp_path)
     assert told["error"] == "MeshError"
-    named = re.search(r"vertex (\d+) of the mesh is not finite", told["refused"])
+    named = re.search(r"not finite \(first: vertex (\d+)\)", told["refused"])
     assert named, told["refused"]
     assert int(named[1]) in wrong
 

@@ -93,6 +93,30 @@ TEST(GridFieldBuild, RefusesAGridBeyondTheMemoryLimitAndAdvisesASizeThatFits) {
   }
 }
 
+TEST(GridFieldBuild, NamesThePaddingWhereItIsWhatIsTooLarge) {
+  Random random(81);
+  const TriangleMesh mesh = make_icosphere(0.1, 2).mesh();
+  int both = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    GridFieldSettings settings{.voxel_size = std::pow(10.0, random.uniform(-4, -2)),
+                               .padding = std::pow(10.0, random.uniform(2, 6))};
+    settings.memory_limit = 20'000'000;
+    const auto refused = GridField::build(mesh, settings);
+    expect_error(refused, ErrorCode::kTooLarge, "use a padding of at most 0.2 m");
+    if (refused) return;
+    const std::string& message = refused.error().message;
+    settings.padding = 0.2;
+    const std::string before_number = "and a voxel size of at least ";
+    if (const std::size_t at = message.find(before_number); at != std::string::npos) {
+      ++both;
+      settings.voxel_size = std::stod(message.substr(at + before_number.size()));
+    }
+    EXPECT_TRUE(GridField::build(mesh, settings)) << message;
+  }
+  EXPECT_GT(both, 0);
+  EXPECT_LT(both, 20);
+}
+
 TEST(GridFieldBuild, RefusesMoreSamplesThanCanBeNumberedBeforeItBegins) {
   const TriangleMesh mesh = make_icosphere(0.1, 2).mesh();
   bool has_begun = false;
@@ -101,7 +125,7 @@ TEST(GridFieldBuild, RefusesMoreSamplesThanCanBeNumberedBeforeItBegins) {
         has_begun = true;
         return false;
       });
-  expect_error(refused, ErrorCode::kTooLarge, "voxel size of");
+  expect_error(refused, ErrorCode::kTooLarge, "padding of at most");
   EXPECT_FALSE(has_begun);
 }
 

@@ -185,7 +185,8 @@ TEST(TriangleMesh, RefusesAnEmptyMesh) {
 TEST(TriangleMesh, RefusesAnIndexOutOfRange) {
   Soup soup = make_box({1, 1, 1});
   soup.triangles[5][1] = 8;
-  expect_invalid(create(soup), "triangle 5 of the mesh uses vertex 8, but there are 8");
+  expect_invalid(create(soup),
+                 "triangle 5 of the mesh uses vertex 8, but there are 8, counted from 0; remove");
   soup.triangles[5][1] = 0xFFFFFFFFu;
   expect_invalid(create(soup), "vertex 4294967295");
   expect_invalid(TriangleMesh::create({}, soup.triangles), "but there are 0");
@@ -198,14 +199,18 @@ TEST(TriangleMesh, RefusesCoordinatesThatAreNotFinite) {
     for (int axis = 0; axis < 3; ++axis) {
       Soup soup = make_box({1, 1, 1});
       soup.vertices[6][axis] = bad;
-      expect_invalid(create(soup), "vertex 6 of the mesh is not finite");
+      const std::string where = "not finite (first: vertex 6); remove them";
+      expect_invalid(create(soup), "1 of 8 vertices of the mesh are " + where);
+      soup.vertices[7][axis] = bad;
+      expect_invalid(create(soup), "2 of 8 vertices of the mesh are " + where);
     }
   }
 }
 
 TEST(TriangleMesh, RefusesAMeshWithoutArea) {
   expect_invalid(create({{{1, 1, 1}, {2, 2, 2}, {3, 3, 3}}, {{0, 1, 2}}}), "area above zero");
-  expect_invalid(create({{{1, 1, 1}, {2, 2, 2}}, {{0, 1, 1}, {0, 0, 0}}}), "area above zero");
+  expect_invalid(create({{{1, 1, 1}, {2, 2, 2}}, {{0, 1, 1}, {0, 0, 0}}}),
+                 "area above zero, of 2; export it again");
 }
 
 TEST(TriangleMesh, RefusesSizesThatFloat32ArithmeticCannotHold) {

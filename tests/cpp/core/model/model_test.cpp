@@ -75,6 +75,49 @@ TEST(Model, RefusesSettingsThatContradict) {
       ErrorCode::kInvalidArgument, "either a point spacing or a number of target points");
 }
 
+TEST(Model, RefusesSizesAboveTheMeshAsOnesInAnotherUnit) {
+  const TriangleMesh needle = make_box({0.1, 1e-3, 1e-3}).mesh();
+  expect_error(Model::build(needle, {.voxel_size = 100}), ErrorCode::kInvalidMesh,
+               "a longest side of 0.2 m, below the voxel size of 100 m: check their units");
+  expect_error(Model::build(needle, {.resolution = 10, .point_spacing = 0.21}),
+               ErrorCode::kInvalidMesh, "below the point spacing of 0.21 m: check their units");
+  EXPECT_TRUE(Model::build(needle, {.voxel_size = 0.2}));
+}
+
+TEST(Model, AdvisesASettingThatFitsFieldAndShell) {
+  // A sphere's shell was refused first, with the advice of a spacing that nobody had given.
+  const TriangleMesh sphere = make_icosphere(0.1, 3).mesh();
+  const auto refused = Model::build(sphere, {.voxel_size = 2e-5});
+  expect_error(refused, ErrorCode::kTooLarge, "distance field of voxel size 2e-05 m");
+  if (refused) return;
+  const std::string& message = refused.error().message;
+  const std::string before_number = "use a voxel size of at least ";
+  const std::size_t at = message.find(before_number);
+  ASSERT_NE(at, std::string::npos) << message;
+  const auto at_work = [](std::string_view, double) { return false; };
+  const double advised = std::stod(message.substr(at + before_number.size()));
+  expect_error(Model::build(sphere, {.voxel_size = advised}, at_work), ErrorCode::kCancelled, "");
+  const std::string before_count = "a resolution of at most ";
+  const std::size_t count_at = message.find(before_count);
+  ASSERT_NE(count_at, std::string::npos) << message;
+  const int resolution = std::stoi(message.substr(count_at + before_count.size()));
+  expect_error(Model::build(sphere, {.resolution = resolution}, at_work), ErrorCode::kCancelled,
+               "");
+}
+
+TEST(Model, SaysThatASpacingWasTheVoxelSizeWhereNoneWasGiven) {
+  // Four hundred sheets in one place: a shell of as many times the points, in a field of one.
+  const Soup box = make_box({0.5, 0.5, 0.5});
+  Soup sheets;
+  for (int i = 0; i < 400; ++i) sheets = together(sheets, box);
+  expect_error(Model::build(sheets.mesh(), {.resolution = 200}), ErrorCode::kTooLarge,
+               "m (it is the voxel size where none is given)");
+  const auto refused = Model::build(sheets.mesh(), {.resolution = 200, .point_spacing = 0.005});
+  expect_error(refused, ErrorCode::kTooLarge, "use a point spacing of at least");
+  if (refused) return;
+  EXPECT_EQ(refused.error().message.find("where none"), std::string::npos);
+}
+
 TEST(Model, RefusesSettingsThatMakeNoSense) {
   const Soup soup = make_box({0.5, 0.5, 0.5});
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -135,7 +178,7 @@ TEST(Model, TakesOpenNestedAndInvertedMeshesUnlessToldOtherwise) {
 TEST(Model, RefusesBodiesTooFarFromTheirOriginForFloat32AndAdvisesAVoxelSize) {
   const Soup near = make_box({0.5, 0.5, 0.5});
   EXPECT_TRUE(Model::build(moved(near, {80, 0, 0}).mesh(), {.voxel_size = 0.02}));
-  for (const Vec3& offset : {Vec3{1e4, 0, 0}, Vec3{0, -1e4, 0}, Vec3{0, 0, 1e4}}) {
+  for (const Vec3& offset : {Vec3{1e3, 0, 0}, Vec3{0, -1e3, 0}, Vec3{0, 0, 1e3}}) {
     const Soup far = moved(near, offset);
     const auto refused = Model::build(far.mesh(), {.voxel_size = 0.05});
     expect_error(refused, ErrorCode::kInvalidMesh, "move it to its origin");
@@ -155,7 +198,10 @@ TEST(Model, RefusesBodiesTooFarFromTheirOriginForFloat32AndAdvisesAVoxelSize) {
     expect_error(refused, ErrorCode::kInvalidMesh, "move it to its origin");
     if (refused) return;
     const std::string& message = refused.error().message;
-    const double advised = std::stod(message.substr(message.rfind("at least ") + 9));
+    const std::size_t at = message.find("at least ");
+    if (at == std::string::npos) continue;  // no voxel size below the mesh's own would do
+    const double advised = std::stod(message.substr(at + 9));
+    EXPECT_LT(advised, 1e-3) << message;
     const auto again = Model::build(far.mesh(), {.voxel_size = advised});
     EXPECT_TRUE(again || again.error().code != ErrorCode::kInvalidMesh) << message;
   }

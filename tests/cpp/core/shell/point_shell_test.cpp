@@ -459,7 +459,7 @@ TEST(PointShell, RefusesAWireOfMorePointsThanTheLimitThoughItHasNoArea) {
   // Its voxels follow from its length: ten million, where its area would give sixty.
   const TriangleMesh wire = make_box({0.5, 1e-13, 1e-13}).mesh();
   expect_error(PointShell::build(wire, {.spacing = 1e-7, .point_limit = 1'000'000}),
-               ErrorCode::kTooLarge, "limit of 1000000; use a spacing of at least 1.2e-06 m");
+               ErrorCode::kTooLarge, "limit of 1000000; use a point spacing of at least 1.2e-06 m");
 }
 
 TEST(PointShell, FarFromTheOriginMergesPlacesThatFloat32CannotTellApart) {
