@@ -153,7 +153,7 @@ def test_a_damaged_model_is_built_again(folder, core, damage):
     if damage == "folder":
         path.unlink()
         path.mkdir()
-        with pytest.warns(vx.CacheWarning, match="directory"):
+        with pytest.warns(vx.CacheWarning, match="it is a folder"):
             cache.fetch(key_of("a"), build)
         assert build.count == 2
         return

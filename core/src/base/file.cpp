@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <cerrno>
+#include <ctime>
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -14,6 +16,8 @@ namespace voxshell {
 namespace {
 
 constexpr int kClosed = -1;
+constexpr int kMostLinks = 40;  // as Linux follows
+constexpr std::time_t kStaleSeconds = 600;
 
 Error access_error(const char* what, const std::string& path, const std::string& why) {
   return {ErrorCode::kFileAccess, format_text("cannot %s %s: %s", what, path.c_str(), why.c_str())};
@@ -32,6 +36,52 @@ std::string folder_of(const std::string& path) {
 Result<std::monostate> check_name(const char* what, const std::string& path) {
   if (path.find('\0') == std::string::npos) return std::monostate{};
   return access_error(what, path, "its name holds a null character");
+}
+
+const char* describe_irregular(mode_t mode) {
+  return S_ISDIR(mode) ? "it is a folder" : "it is not a regular file";
+}
+
+/// The file that is written where `path` is: where links lead, whether or not there is one yet.
+Result<std::string> find_target(const std::string& path) {
+  std::string target = path;
+  for (int links = 0; links <= kMostLinks; ++links) {
+    struct stat status{};
+    if (::lstat(target.c_str(), &status) != 0) {
+      if (errno == ENOENT) return target;
+      return last_error("write", path);
+    }
+    if (S_ISREG(status.st_mode)) return target;
+    if (!S_ISLNK(status.st_mode)) {
+      return access_error("write", path, describe_irregular(status.st_mode));
+    }
+    std::error_code error;
+    const std::string link = std::filesystem::read_symlink(target, error).string();
+    if (error) return access_error("write", path, error.message());
+    const std::size_t kept = link.starts_with('/') ? 0 : target.rfind('/') + 1;
+    target.replace(kept, std::string::npos, link);
+  }
+  return access_error("write", path, std::generic_category().message(ELOOP));
+}
+
+/// Removes unfinished files of writers that were killed. Which of them still run cannot be told:
+/// they may be on other machines. But none leaves its file alone for so long, by the clock of the
+/// disk that both are on.
+void remove_stale_files(const std::string& folder, std::time_t now) {
+  const std::string prefix = OutputFile::kUnfinishedPrefix;
+  const std::string suffix = OutputFile::kUnfinishedSuffix;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    struct stat status{};
+    if (name.starts_with(prefix) && name.ends_with(suffix) &&
+        name.find_first_not_of("0123456789-", prefix.size()) == name.size() - suffix.size() &&
+        ::lstat(entry->path().c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+        status.st_mtime < now - kStaleSeconds) {
+      ::unlink(entry->path().c_str());
+    }
+  }
 }
 
 /// Calls again where a signal came in between.
@@ -59,8 +109,7 @@ Result<InputFile> InputFile::open(const std::string& path) {
   }
   if (!S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return access_error("read", path,
-                        S_ISDIR(status.st_mode) ? "it is a directory" : "it is not a regular file");
+    return access_error("read", path, describe_irregular(status.st_mode));
   }
   return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size));
 }
@@ -97,17 +146,23 @@ Result<std::monostate> InputFile::read(std::uint64_t offset, std::span<std::byte
 
 Result<OutputFile> OutputFile::create(const std::string& path) {
   if (auto checked = check_name("write", path); !checked) return checked.error();
+  auto target = find_target(path);
+  if (!target) return target.error();
+  const std::string folder = folder_of(*target);
   // The name of this process and a number tell all writers apart; what a dead process of the same
   // number left behind is stepped over.
   static std::atomic<unsigned> counter{0};
   constexpr int kMostTrials = 10'000;
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    std::string unfinished = folder_of(path) + "/" + kUnfinishedPrefix +
-                             std::to_string(::getpid()) + "-" +
+    std::string unfinished = folder + "/" + kUnfinishedPrefix + std::to_string(::getpid()) + "-" +
                              std::to_string(counter.fetch_add(1)) + kUnfinishedSuffix;
     const int descriptor = retry(
         [&] { return ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
-    if (descriptor >= 0) return OutputFile(descriptor, std::move(unfinished), path);
+    if (descriptor >= 0) {
+      struct stat status{};
+      if (::fstat(descriptor, &status) == 0) remove_stale_files(folder, status.st_mtime);
+      return OutputFile(descriptor, std::move(unfinished), *std::move(target));
+    }
     if (errno != EEXIST) break;
   }
   return last_error("write", path);

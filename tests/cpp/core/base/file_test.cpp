@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
@@ -112,11 +113,60 @@ void expect_unwritable(const std::string& path, const std::string& reason) {
 TEST_F(File, CannotBeWrittenWhereThereIsNoFolderOrIsOne) {
   expect_unwritable(path("missing/a"), "No such file or directory");
   std::filesystem::create_directory(folder_.path() / "folder");
-  expect_unwritable(path("folder"), "Is a directory");
+  expect_unwritable(path("folder"), "it is a folder");
   std::ofstream(path("text")) << "x";
   expect_unwritable(path("text/a"), "Not a directory");
   expect_unwritable(std::string("a\0b", 3), "null character");
   EXPECT_EQ(file_count(), 2);
+}
+
+TEST_F(File, DoesNotTakeThePlaceOfWhatIsNoRegularFile) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("pipe", folder_.path() / "link");
+  for (const char* name : {"pipe", "link"}) {
+    const auto file = OutputFile::create(path(name));
+    ASSERT_FALSE(file) << name;
+    EXPECT_EQ(file.error().code, ErrorCode::kFileAccess);
+    EXPECT_EQ(file.error().message, "cannot write " + path(name) + ": it is not a regular file");
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(folder_.path() / "pipe"));
+  EXPECT_EQ(file_count(), 2);
+}
+
+TEST_F(File, IsWrittenWhereLinksLead) {
+  std::filesystem::create_directory(folder_.path() / "folder");
+  std::ofstream(path("folder/a")) << "before";
+  std::filesystem::create_symlink("folder/a", folder_.path() / "link");
+  std::filesystem::create_symlink(path("link"), folder_.path() / "far");
+  std::filesystem::create_symlink("folder/new", folder_.path() / "dangling");
+  for (const char* name : {"far", "dangling"}) {
+    auto file = OutputFile::create(path(name));
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file_count(), 4) << "not beside the link";
+    ASSERT_TRUE(file->append(bytes_of("after")));
+    ASSERT_TRUE(file->commit());
+    EXPECT_TRUE(std::filesystem::is_symlink(folder_.path() / name));
+  }
+  EXPECT_EQ(content("folder/a"), "after");
+  EXPECT_EQ(content("folder/new"), "after");
+  std::filesystem::create_symlink("round", folder_.path() / "round");
+  expect_unwritable(path("round"), "Too many levels of symbolic links");
+}
+
+TEST_F(File, SweepsWhatKilledWritersLeft) {
+  const auto leave = [&](const std::string& name, int minutes) {
+    std::ofstream(path(name)) << "torn";
+    std::filesystem::last_write_time(
+        path(name), std::filesystem::file_time_type::clock::now() - std::chrono::minutes(minutes));
+  };
+  leave(".voxshell-1-2.tmp", 11);
+  leave(".voxshell-1-3.tmp", 9);
+  leave(".voxshell-notes.tmp", 11);
+  leave(".voxshell-1-2.tmp.vxs", 11);
+  auto file = OutputFile::create(path("a"));
+  ASSERT_TRUE(file && file->commit());
+  EXPECT_FALSE(std::filesystem::exists(path(".voxshell-1-2.tmp")));
+  EXPECT_EQ(file_count(), 4) << "young, or somebody else's";
 }
 
 TEST_F(File, IsReadFromAnyPlace) {
@@ -135,7 +185,7 @@ TEST_F(File, IsReadFromAnyPlace) {
 TEST_F(File, CannotBeReadWhereItIsNoRegularFile) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   for (const auto& [name, reason] :
-       {std::pair{path("missing"), "No such file"}, std::pair{path(""), "is a directory"},
+       {std::pair{path("missing"), "No such file"}, std::pair{path(""), "it is a folder"},
         std::pair{path("pipe"), "not a regular file"},
         std::pair{std::string("/dev/zero"), "not a regular file"},
         std::pair{std::string(), "No such file"}}) {
