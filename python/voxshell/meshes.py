@@ -92,7 +92,7 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
 def _load(path: str) -> trimesh.Trimesh:
     """A mesh from a file; the bodies of a scene become one mesh."""
     if not os.path.isfile(path):
-        reason = "is a directory" if os.path.isdir(path) else "does not exist"
+        reason = "is a folder" if os.path.isdir(path) else "does not exist"
         raise MeshError(f"cannot read mesh {path}: it {reason}")
     if path.lower().endswith(MODEL_SUFFIX):
         raise MeshError(

@@ -6,6 +6,7 @@ A recording is plain data in numpy arrays. It knows nothing of how it is shown;
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -15,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from voxshell._arguments import as_path
+from voxshell._outputs import check_output_file
 from voxshell.errors import RecordingError
 
 # Products of float32 engines are orthonormal to about 1e-6; a scaled or sheared matrix, or a
@@ -299,12 +302,15 @@ class Recording:
         Raises:
             MissingExtraError: If the viewer is not installed.
             RecordingError: If an option makes no sense.
-            OSError: If the file cannot be written.
+            SettingsError: If the path is a folder, or no file's, or there is no folder to write into.
+            FileAccessError: If the file cannot be written.
         """
+        place = Path(os.fsdecode(as_path(path, "path")))
+        check_output_file(place)
         from voxshell.viewer.lanes import Lane
         from voxshell.viewer.replay import save_replay
 
-        return save_replay(path, [Lane(label, self)], title=title, **options)
+        return save_replay(place, [Lane(label, self)], title=title, **options)
 
 
 def _keep(owner: object, name: str, array: NDArray[Any]) -> None:

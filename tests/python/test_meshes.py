@@ -290,7 +290,7 @@ def test_a_model_is_no_mesh_and_is_sent_to_where_it_is_read(tmp_path: Path, name
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("missing.stl", "does not exist"), (".", "is a directory")]
+    ("name", "message"), [("missing.stl", "does not exist"), (".", "is a folder")]
 )
 def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: str):
     path = tmp_path / name

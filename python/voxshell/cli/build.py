@@ -10,6 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
+from voxshell._outputs import check_output_file
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, is_model_file, require_file
 from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
@@ -47,10 +48,7 @@ def build(
     require_file(mesh)
     if is_model_file(mesh):
         raise SettingsError(f"{mesh} is a model already; give the mesh that it was made of")
-    if output.is_dir():
-        raise SettingsError(f"{output} is a folder; name a file, as in {output / 'model.vxs'}")
-    if not output.parent.is_dir():
-        raise SettingsError(f"there is no folder {output.parent} to write into")
+    check_output_file(output)
     if output.exists() and output.samefile(mesh):
         raise SettingsError(f"{output} is the mesh itself; give the model a name of its own")
     start = time.perf_counter()

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from voxshell._outputs import check_output_folder
 from voxshell.cli.progress import Track, open_progress
 from voxshell.errors import SettingsError
 from voxshell.experiments.files import finite
@@ -61,6 +62,7 @@ def peers(
     chosen: PeersSettings = override(
         QUICK if quick else PeersSettings(), tables.get("peers", {}), "peers"
     )
+    check_output_folder(out)
     known = [peer.key for peer in PEERS]
     for key in only:
         if key not in known:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import csv
-import shutil
-import tempfile
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell._outputs import filling
 from voxshell.errors import MissingExtraError
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import write_json
@@ -18,6 +16,7 @@ from voxshell.scenes.scene_run import make_recording, tabulate_contacts, tabulat
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -48,6 +47,18 @@ def check_extras(scene: Scene) -> None:
             )
 
 
+def list_files(scene: Scene) -> list[str]:
+    """The names of what the scene asks for."""
+    outputs = scene.outputs
+    tables = {"poses": outputs.poses, "contacts": outputs.contacts}
+    return [
+        RESULTS,
+        *(f"{name}.{form}" for name, form in tables.items() if form != "none"),
+        *([PLOT] if outputs.plot else []),
+        *([PAGE] if outputs.replay else []),
+    ]
+
+
 def write_outputs(
     out: Path,
     scene: Scene,
@@ -61,19 +72,11 @@ def write_outputs(
         Their paths.
 
     Raises:
-        OSError: A file cannot be written; then none is.
+        FileAccessError: A file cannot be written; then none is.
     """
-    existed = out.is_dir()
-    out.mkdir(parents=True, exist_ok=True)
-    unfinished = Path(tempfile.mkdtemp(dir=out, prefix=".unfinished-"))
-    try:
-        _write_all(unfinished, scene, world, run, progress)
-        names = sorted(path.name for path in unfinished.iterdir())
-        return [(unfinished / name).replace(out / name) for name in names]
-    finally:
-        shutil.rmtree(unfinished, ignore_errors=True)
-        if not existed and not any(out.iterdir()):
-            out.rmdir()
+    with filling(out) as folder:
+        _write_all(folder, scene, world, run, progress)
+    return [out / name for name in sorted(list_files(scene))]
 
 
 def summarise(run: SceneRun) -> list[dict[str, Any]]:

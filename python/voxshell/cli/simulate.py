@@ -11,6 +11,7 @@ from cyclopts import App, Parameter
 from rich.console import Console
 from rich.markup import escape
 
+from voxshell._outputs import check_output_folder, filling
 from voxshell.cli.bodies import require_file
 from voxshell.cli.drop_table import explain, make_table
 from voxshell.cli.progress import open_progress, tracked
@@ -83,15 +84,14 @@ def scene(
         out: The folder to write into; it is made where there is none.
         json_only: Print results.json and nothing else.
     """
-    from voxshell.cli.scene_report import check_extras, describe_results, write_outputs
+    from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs
     from voxshell.scenes.scene_file import read_scene
     from voxshell.scenes.scene_run import run_scene
     from voxshell.scenes.scene_world import build_world
 
     read = read_scene(file)
     check_extras(read)
-    if out.exists() and not out.is_dir():
-        raise SettingsError(f"{out} is a file; --out names a folder")
+    check_output_folder(out, list_files(read))
     with open_progress(Console(quiet=json_only, stderr=True)) as progress:
         with tracked(progress, "build") as track:
             world = build_world(read, track.update)
@@ -153,7 +153,7 @@ def drop(
 
     Prints how long the narrow phase takes, how deep the bodies sink and how calmly they rest, and
     writes into OUT: results.json (all figures, settings and versions), curves.png (time and speed
-    over steps) and index.html (an offline replay).
+    over steps) and index.html (an offline replay). The files appear once all are complete.
 
     For example, the bunny, and a part of one's own with two methods:
 
@@ -194,7 +194,7 @@ def drop(
     wanted = tuple(m for m in METHODS if methods is None or m.key in methods)
     path = find_bunny() if mesh is None else mesh
     require_file(path)
-    out.mkdir(parents=True, exist_ok=True)
+    check_output_folder(out, (RESULTS, CURVES, PAGE))
     runs, summaries = _run(
         path, out, settings, wanted, steps, slow_steps, Console(quiet=json_only, stderr=True)
     )
@@ -232,10 +232,10 @@ def _run(
             with tracked(progress, f"drop {method.label}") as track:
                 runs.append(run_drop(shapes, method, settings, count, track.advance))
         summaries = summarise(runs)
-        with tracked(progress, "write results") as track:
-            write_results(out / RESULTS, str(path), settings, runs, summaries)
+        with tracked(progress, "write results") as track, filling(out) as folder:
+            write_results(folder / RESULTS, str(path), settings, runs, summaries)
             track.update(CURVES, 0.1)
-            draw_curves(out / CURVES, title, runs)
+            draw_curves(folder / CURVES, title, runs)
             track.update(PAGE, 0.3)
-            save_page(out / PAGE, title, runs, summaries)
+            save_page(folder / PAGE, title, runs, summaries)
     return runs, summaries

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
+from voxshell._outputs import check_output_file
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
@@ -51,6 +52,8 @@ def view(
     """
     if not show:
         raise SettingsError("show must name what is seen, as in --show slice points")
+    if export is not None:
+        check_output_file(export)
     import_viser()  # before meshes are made into models, which may take long
     bodies: dict[str, Collidable] = {}
     with open_progress(Console(stderr=True)) as progress:
@@ -62,9 +65,9 @@ def view(
     if not isinstance(model, Model):
         raise SettingsError(f"{body} has no field and no points: name a mesh or a model file first")
     partner = None if other is None else bodies[other]
-    with silent_server(0 if export else port) as server:
+    with silent_server(port if export is None else 0) as server:
         inspector = Inspector(server, model, partner, name=Path(body).name, show=show)
-        if export:
+        if export is not None:
             inspector.save_html(export)
             print(f"wrote {export}")
             return

@@ -14,9 +14,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from voxshell._outputs import replacing
 from voxshell.cache import find_folder, read_capacity
 from voxshell.errors import MeshError, MissingExtraError
-from voxshell.experiments.files import replacing
 from voxshell.meshes import Mesh
 from voxshell.scenes.solids import simplify
 from voxshell.world import BULLET_VERSION

@@ -1,35 +1,19 @@
-"""Writing results so that a file is there whole or not at all."""
+"""Results as JSON."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
-import tempfile
-from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voxshell._outputs import replacing
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path beside ``path`` that takes its place if the block succeeds."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    from pathlib import Path
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Writes JSON; numbers that are not finite become null."""
+    """Writes JSON, whole or not at all; numbers that are not finite become null."""
     with replacing(path) as temporary:
         text = json.dumps(finite(value), indent=2, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")

@@ -6,9 +6,10 @@ import csv
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from voxshell._outputs import replacing
 from voxshell.errors import SettingsError
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import replacing, write_json
+from voxshell.experiments.files import write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.running import run_parts
 from voxshell.experiments.settings import override

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import re
 from html import escape
 from importlib.resources import files
-from pathlib import Path
+from typing import TYPE_CHECKING
 
+from voxshell._outputs import replacing
 from voxshell.errors import RecordingError
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 # The browser itself refuses every fetch from anywhere; what is in the page may run.
 _POLICY = (
@@ -103,12 +106,6 @@ def metric(length: float) -> str:
 
 def write_whole(path: Path, text: str) -> Path:
     """Writes a file so that readers see the old one or the new one, never a part."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        part.replace(path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
     return path

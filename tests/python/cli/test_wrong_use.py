@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -23,6 +24,8 @@ COMMANDS = [
     ("build open.ply -o x.vxs --sign closed", "open.ply: mesh is not"),
     ("build cone.vxs -o x.vxs", "cone.vxs is a model already"),
     ("build cone.stl -o folder", "folder is a folder; name a file"),
+    ("build cone.stl -o pipe", "pipe is not a regular file"),
+    ("build cone.stl -o cone.stl/x.vxs", "there is no folder cone.stl"),
     ("build cone.stl -o nowhere/x.vxs", "there is no folder nowhere"),
     ("build cone.stl -o cone.stl", "cone.stl is the mesh itself"),
     ("build cone.stl -o x.vxs --voxel-size 0", "voxel_size must be above 0"),
@@ -77,7 +80,8 @@ COMMANDS = [
     ("simulate", "requires an argument"),
     ("simulate scene.toml", "--out requires an argument"),
     ("simulate missing.toml --out x", "there is no scene file missing.toml"),
-    ("simulate scene.toml --out cone.stl", "cone.stl is a file; --out names a folder"),
+    ("simulate scene.toml --out cone.stl", "cone.stl is a file; name a folder"),
+    ("simulate scene.toml --out taken", "taken/index.html is a folder"),
     ("simulate cone.stl --out x", "is no scene file, which is a text (TOML); if it is a mesh, use"),
     ("simulate cone.stl --out x", "voxshell simulate drop cone.stl"),
     ("simulate words.obj --out x", "if it is a mesh, use voxshell simulate drop words.obj"),
@@ -98,12 +102,21 @@ COMMANDS = [
     ("build cone.stl -o x.vxs --voxel-size 5e-3", "use a voxel size of at least"),
     ("simulate drop --steps 0", "steps must be at least 1"),
     ("simulate drop missing.stl --out x", "missing.stl"),
+    ("simulate drop noise.stl --out x", "cannot read mesh noise.stl"),
+    ("simulate drop noise.stl --out cone.stl", "cone.stl is a file; name a folder"),
+    ("simulate drop noise.stl --out cone.stl/sub", "cone.stl is a file; name a folder"),
+    ("simulate drop noise.stl --out taken", "taken/index.html is a folder"),
     ("reproduce tower", "Unknown command"),
+    ("reproduce ball --out cone.stl", "cone.stl is a file; name a folder"),
+    ("reproduce peers --out cone.stl/sub", "cone.stl is a file; name a folder"),
     ("reproduce ball --jobs 0 --out x", "jobs must be at least 1"),
     ("reproduce ball --settings missing.toml --out x", "no settings file missing.toml"),
     ("reproduce ball --settings false.toml --out x", "false.toml: no TOML"),
     ("reproduce ball extra --out x", "too many arguments: extra"),
     ("view cone.vxs --show", "show must name what is seen"),
+    ("view noise.stl --export folder", "folder is a folder; name a file"),
+    ("view noise.stl --export pipe", "pipe is not a regular file"),
+    ("view noise.stl --export nowhere/x.html", "there is no folder nowhere"),
     ("cache empty", "Unknown command"),
     ("cache list all", "too many arguments: all"),
 ]
@@ -219,6 +232,8 @@ def things(tmp_path_factory, cone_path, cone_model_path):
     """A folder with good and bad files."""
     folder = tmp_path_factory.mktemp("things")
     (folder / "folder").mkdir()
+    (folder / "taken" / "index.html").mkdir(parents=True)
+    os.mkfifo(folder / "pipe")
     shutil.copy(cone_path, folder / "cone.stl")
     shutil.copy(cone_model_path, folder / "cone.vxs")
     whole = cone_model_path.read_bytes()

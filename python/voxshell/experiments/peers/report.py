@@ -7,7 +7,8 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from voxshell.experiments.files import replacing, write_json
+from voxshell._outputs import replacing
+from voxshell.experiments.files import write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.peers.cases import (
     BOX_HALF_EXTENTS,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell._outputs import replacing
 from voxshell.comparison_shapes import ConvexDecomposition
 from voxshell.experiments import bunny
 from voxshell.experiments.bunny import BunnyFallSettings
@@ -14,7 +15,6 @@ from voxshell.experiments.convex_parts import CONCAVITY, RECIPES
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.drop_report import COLORS, draw_curves, save_page
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.files import replacing
 from voxshell.experiments.hull_tables import read_hulls
 from voxshell.experiments.motion import read_poses
 from voxshell.experiments.report.figures import as_rgb

@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from voxshell._outputs import replacing
 from voxshell.errors import MissingExtraError
-from voxshell.experiments.files import replacing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

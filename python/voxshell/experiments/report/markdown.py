@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from voxshell._outputs import replacing
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import replacing
 from voxshell.experiments.verdict import format_value
 
 if TYPE_CHECKING:

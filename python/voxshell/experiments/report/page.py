@@ -6,8 +6,9 @@ import base64
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from voxshell._outputs import replacing
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import replacing, write_json
+from voxshell.experiments.files import write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.report.markdown import write_markdown
 from voxshell.experiments.reproduction import describe_rows

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell._outputs import replacing
 from voxshell.errors import MissingExtraError
-from voxshell.experiments.files import replacing
 from voxshell.meshes import Mesh
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell._outputs import replacing
 from voxshell.experiments import pour
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.files import replacing
 from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import (
     OURS,

@@ -1,0 +1,165 @@
+"""Places to write to: checked before the work, and filled whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from voxshell.errors import FileAccessError, SettingsError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+
+def check_output_file(path: Path) -> None:
+    """Refuses a place that no file can be written to; before the work that fills it.
+
+    Raises:
+        SettingsError: It is a folder, a device or a pipe, or there is no folder to write it into.
+        FileAccessError: The system does not let it be written.
+    """
+    mode = _find_mode(path)
+    if mode is not None and stat.S_ISDIR(mode):
+        raise SettingsError(f"{path} is a folder; name a file in it")
+    if mode is not None and not stat.S_ISREG(mode):
+        raise SettingsError(f"{path} is not a regular file; name another")
+    parent = _find_mode(path.parent)
+    if parent is None or not stat.S_ISDIR(parent):
+        raise SettingsError(f"there is no folder {path.parent} to write into")
+    _try_folder(_follow(path).parent, path)
+
+
+def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
+    """Refuses a place that no folder of files can be written to; before the work that fills it.
+
+    Args:
+        folder: May not be there yet, nor the folders that it is in.
+        names: The files to be written into it.
+
+    Raises:
+        SettingsError: It, or what it would be in, is no folder; or a name is taken by what is no
+            file.
+        FileAccessError: The system does not let it be written.
+    """
+    nearest = _find_nearest(folder)
+    mode = _find_mode(nearest)
+    if mode is None or not stat.S_ISDIR(mode):
+        raise SettingsError(f"{nearest} is a file; name a folder")
+    for name in names:
+        mode = _find_mode(folder / name)
+        if mode is not None and not stat.S_ISREG(mode):
+            kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+            raise SettingsError(
+                f"{folder / name} is {kind}, and a file is to be written there; name another folder"
+            )
+    _try_folder(nearest, folder)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary path that takes the place of ``path`` if the block succeeds; where links lead.
+
+    Raises:
+        SettingsError: No file can be written there.
+        FileAccessError: The system does not let it be written.
+    """
+    check_output_file(path)
+    target = _follow(path)
+    with _unfinished(target.parent, path) as folder:
+        temporary = folder / target.name
+        with _telling(temporary, path):
+            yield temporary
+            temporary.replace(target)
+
+
+@contextmanager
+def filling(folder: Path) -> Iterator[Path]:
+    """A temporary folder whose files appear in ``folder`` together if the block succeeds.
+
+    A new folder appears with them, by one rename. In one that is there already they take the place of
+    files of their names, once all are complete.
+
+    Raises:
+        SettingsError: The files cannot be written there.
+        FileAccessError: The system does not let them be written.
+    """
+    check_output_folder(folder)
+    target = _follow(folder)
+    with _unfinished(_find_nearest(target), folder) as outer:
+        temporary = outer / "files"
+        with _telling(temporary, folder):
+            temporary.mkdir()
+            yield temporary
+            if not target.exists():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                temporary.rename(target)
+                return
+            names = sorted(path.name for path in temporary.iterdir())
+            check_output_folder(folder, names)
+            for name in names:
+                shutil.move(temporary / name, _follow(target / name))
+
+
+@contextmanager
+def _unfinished(parent: Path, asked: Path) -> Iterator[Path]:
+    """A folder for what is not complete, on the disk that it will stay on."""
+    try:
+        folder = Path(tempfile.mkdtemp(dir=parent, prefix=".unfinished-"))
+    except OSError as error:
+        raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def _telling(temporary: Path, asked: Path) -> Iterator[None]:
+    """Lets errors of the system name the place that was asked for, not the temporary one."""
+    try:
+        yield
+    except FileAccessError as error:
+        raise FileAccessError(str(error).replace(str(temporary), str(asked))) from error
+    except BrokenPipeError:
+        # Of what is printed meanwhile: no pipe is written to here.
+        raise
+    except OSError as error:
+        if isinstance(error.filename, str) and not error.filename.startswith(str(temporary)):
+            raise
+        path = str(error.filename or temporary).replace(str(temporary), str(asked))
+        raise FileAccessError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _try_folder(folder: Path, asked: Path) -> None:
+    try:
+        # Has no name where the system knows such files.
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+
+
+def _find_mode(path: Path) -> int | None:
+    """What is there, where links lead; None where there is nothing."""
+    try:
+        return path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        raise FileAccessError(f"cannot write {path}: {error.strerror}") from error
+
+
+def _find_nearest(folder: Path) -> Path:
+    """The folder itself, or the nearest one above that is there."""
+    return next(
+        (each for each in (folder, *folder.parents) if _find_mode(each) is not None), folder
+    )
+
+
+def _follow(path: Path) -> Path:
+    return Path(os.path.realpath(path))

@@ -1,0 +1,182 @@
+"""Where outputs go: refused before the work, or written whole."""
+
+from __future__ import annotations
+
+import os
+import signal
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell._outputs import check_output_file, check_output_folder, filling, replacing
+from voxshell.errors import FileAccessError, InputTypeError, SettingsError, VoxshellError
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+
+FORBIDDEN = Path("/sys/kernel")
+"""Where not even root may make a file."""
+
+
+def mode(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+@pytest.fixture
+def umask():
+    before = os.umask(0o027)
+    yield
+    os.umask(before)
+
+
+def test_what_the_system_refuses_is_told_with_the_path_that_was_asked_for(tmp_path):
+    with pytest.raises(
+        FileAccessError, match=r"^cannot write /sys/kernel/a\.html: Permission denied$"
+    ):
+        check_output_file(FORBIDDEN / "a.html")
+    with pytest.raises(FileAccessError, match=r"^cannot write /sys/kernel/a/b: Permission denied$"):
+        check_output_folder(FORBIDDEN / "a" / "b")
+    (tmp_path / "round").symlink_to("round")
+    for check in (check_output_file, check_output_folder):
+        with pytest.raises(FileAccessError, match="round: Too many levels of symbolic links"):
+            check(tmp_path / "round")
+
+
+def test_a_full_disk_is_told_with_the_path_that_was_asked_for(tmp_path):
+    with (
+        pytest.raises(FileAccessError) as raised,
+        filling(tmp_path / "out") as folder,
+        replacing(folder / "a.txt") as temporary,
+    ):
+        raise OSError(28, "No space left on device", str(temporary))
+    assert str(raised.value) == f"cannot write {tmp_path}/out/a.txt: No space left on device"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_errors_about_other_files_stay_as_they_are(tmp_path):
+    with pytest.raises(FileNotFoundError, match="elsewhere"), replacing(tmp_path / "a"):
+        Path("/elsewhere").read_text()
+
+
+def test_a_file_takes_the_place_of_an_older_one(tmp_path, umask):
+    path = tmp_path / "a.txt"
+    path.write_text("older")
+    with replacing(path) as temporary:
+        temporary.write_text("newer")
+        assert temporary.suffix == ".txt"
+        assert path.read_text() == "older"
+    assert path.read_text() == "newer"
+    assert mode(path) == 0o640
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_pipe_is_not_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with (
+            pytest.raises(SettingsError, match=f"{name} is not a regular file"),
+            replacing(tmp_path / name),
+        ):
+            pytest.fail("the block is reached")
+    assert (tmp_path / "pipe").is_fifo()
+    model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
+    with pytest.raises(FileAccessError, match="pipe: it is not a regular file"):
+        model.save(tmp_path / "pipe")
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_links_stay_and_what_they_lead_to_is_written(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "a").write_text("older")
+    for name in ("a", "new"):
+        (tmp_path / name).symlink_to(Path("there") / name)
+        with replacing(tmp_path / name) as temporary:
+            temporary.write_text("newer")
+        assert (tmp_path / name).is_symlink()
+        assert (tmp_path / "there" / name).read_text() == "newer"
+    (tmp_path / "folder").symlink_to("made")
+    with filling(tmp_path / "folder") as folder:
+        (folder / "b").write_text("b")
+    assert (tmp_path / "folder").is_symlink()
+    (tmp_path / "made" / "c").symlink_to(tmp_path / "there" / "a")
+    with filling(tmp_path / "folder") as folder:
+        (folder / "c").write_text("c")
+    assert (tmp_path / "made" / "c").is_symlink()
+    assert (tmp_path / "there" / "a").read_text() == "c"
+
+
+def test_a_new_folder_appears_with_its_files(tmp_path, umask):
+    out = tmp_path / "a" / "b"
+    with filling(out) as folder:
+        (folder / "one").write_text("1")
+        (folder / "two").write_text("2")
+        assert not (tmp_path / "a").exists()
+    assert sorted(path.name for path in out.iterdir()) == ["one", "two"]
+    assert (mode(out), mode(out / "one")) == (0o750, 0o640)
+    assert list(tmp_path.iterdir()) == [tmp_path / "a"]
+
+
+def test_files_of_an_older_run_are_replaced_together(tmp_path):
+    for name in ("one", "two", "mine"):
+        (tmp_path / name).write_text("older")
+    with filling(tmp_path) as folder:
+        (folder / "one").write_text("newer")
+        (folder / "two").write_text("newer")
+        assert (tmp_path / "one").read_text() == "older"
+    texts = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert texts == {"one": "newer", "two": "newer", "mine": "older"}
+
+
+def test_a_name_that_is_taken_leaves_the_other_files_as_they_were(tmp_path):
+    def fill() -> None:
+        with filling(tmp_path) as folder:
+            (folder / "one").write_text("1")
+            (folder / "two").write_text("2")
+
+    (tmp_path / "two").mkdir()
+    with pytest.raises(SettingsError, match="two is a folder, and a file"):
+        fill()
+    assert [path.name for path in tmp_path.iterdir()] == ["two"]
+
+
+def test_a_killed_writer_leaves_no_half_of_the_files(tmp_path):
+    (tmp_path / "older").mkdir()
+    (tmp_path / "older" / "one").write_text("older")
+    code = """
+import os, signal, sys
+from pathlib import Path
+from voxshell._outputs import filling
+with filling(Path(sys.argv[1])) as folder:
+    (folder / "one").write_text("newer")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    for name in ("older", "new"):
+        ended = subprocess.run([sys.executable, "-c", code, tmp_path / name])
+        assert ended.returncode == -signal.SIGKILL
+    assert not (tmp_path / "new").exists()
+    assert [path.name for path in (tmp_path / "older").glob("[!.]*")] == ["one"]
+    assert (tmp_path / "older" / "one").read_text() == "older"
+
+
+def test_a_replay_is_refused_before_it_is_made(tmp_path, monkeypatch):
+    from voxshell.viewer import replay
+
+    monkeypatch.setattr(replay, "save_replay", lambda *_, **__: pytest.fail("it is made"))
+    track = BodyTrack("flag", np.eye(3), np.array([[0, 1, 2]]), None, np.eye(4)[None])
+    recording = Recording(0.01, (track,), ContactTrack.empty(1))
+    for path, kind in [
+        (tmp_path, SettingsError),
+        (tmp_path / "missing" / "a.html", SettingsError),
+        (FORBIDDEN / "a.html", FileAccessError),
+        ("", FileAccessError),
+        ("a\0b", FileAccessError),
+        (3.0, InputTypeError),
+    ]:
+        with pytest.raises(VoxshellError) as raised:
+            recording.save_html(path)
+        assert raised.type is kind
+    assert list(tmp_path.iterdir()) == []
