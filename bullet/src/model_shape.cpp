@@ -16,13 +16,6 @@
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
-namespace {
-
-/// Contact points of a model never merge: two points of a shell are two contacts.
-constexpr btScalar kBreakingThreshold = btScalar(1e-6);
-
-}  // namespace
-
 BodyFrame compute_principal_frame(const MassProperties& mass_properties) {
   // Jacobi rotations in float64, whatever Bullet's own precision.
   std::array<Vec3, 3> inertia{mass_properties.inertia.row_x, mass_properties.inertia.row_y,
@@ -128,8 +121,6 @@ void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const 
       body_from_model_.rotation * solid.inertia * body_from_model_.rotation.transposed();
   inertia = to_bullet(Vec3{in_body.row_x.x, in_body.row_y.y, in_body.row_z.z});
 }
-
-btScalar ModelShape::getContactBreakingThreshold(btScalar) const { return kBreakingThreshold; }
 
 void ModelShape::setLocalScaling(const btVector3& scaling) {
   if (scaling == unit_scaling_) return;

@@ -39,7 +39,6 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   void getAabb(const btTransform& world_from_body, btVector3& lower, btVector3& upper)
       const override;
   void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
-  btScalar getContactBreakingThreshold(btScalar default_threshold) const override;
   const char* getName() const override { return "voxshell::Model"; }
   void setLocalScaling(const btVector3& scaling) override;
   const btVector3& getLocalScaling() const override { return unit_scaling_; }
