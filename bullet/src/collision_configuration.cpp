@@ -38,6 +38,23 @@ class RefusingCreateFunc : public btCollisionAlgorithmCreateFunc {
   }
 };
 
+/// For pairs of types that are served, though some shapes of them may not be.
+class ServingCreateFunc : public ModelAlgorithmCreateFunc {
+ public:
+  using ModelAlgorithmCreateFunc::ModelAlgorithmCreateFunc;
+
+  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                 const btCollisionObjectWrapper* a,
+                                                 const btCollisionObjectWrapper* b) override {
+    for (const btCollisionObjectWrapper* side : {a, b}) {
+      if (meeting_with(*side->getCollisionShape()) == Meeting::kUnserved) {
+        return RefusingCreateFunc().CreateCollisionAlgorithm(info, a, b);
+      }
+    }
+    return ModelAlgorithmCreateFunc::CreateCollisionAlgorithm(info, a, b);
+  }
+};
+
 /// The pools of the base class must hold our algorithm, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
   info.m_customCollisionAlgorithmMaxElementSize = std::max(
@@ -48,7 +65,7 @@ btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo 
 }  // namespace
 
 Result<std::monostate> check_served(const btCollisionShape& shape) {
-  if (meeting_with(shape.getShapeType()) == Meeting::kUnserved) {
+  if (meeting_with(shape) == Meeting::kUnserved) {
     return Error{ErrorCode::kInvalidArgument, refusal_of(shape.getName())};
   }
   if (shape.isCompound()) {
@@ -64,12 +81,12 @@ struct CollisionConfiguration::CreateFunctions {
   explicit CreateFunctions(const ContactSettings& contact_settings) : settings(contact_settings) {}
 
   ContactSettings settings;
-  ModelAlgorithmCreateFunc simulation{settings, Purpose::kSimulation};
-  ModelAlgorithmCreateFunc contact_test{settings, Purpose::kContactTest};
+  ServingCreateFunc simulation{settings, Purpose::kSimulation};
+  ServingCreateFunc contact_test{settings, Purpose::kContactTest};
   RefusingCreateFunc refusing;
 
   /// Ours for a pair of types, or null.
-  btCollisionAlgorithmCreateFunc* of(int type0, int type1, ModelAlgorithmCreateFunc& served) {
+  btCollisionAlgorithmCreateFunc* of(int type0, int type1, ServingCreateFunc& served) {
     switch (meeting_of(type0, type1).value_or(Meeting::kNever)) {
       case Meeting::kModel:
       case Meeting::kField:

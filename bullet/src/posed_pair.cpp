@@ -6,6 +6,7 @@
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
@@ -54,10 +55,20 @@ Meeting meeting_with(int shape_type) {
   return btBroadphaseProxy::isConvex(shape_type) ? Meeting::kConvex : Meeting::kUnserved;
 }
 
+Meeting meeting_with(const btCollisionShape& shape) {
+  // Of GImpact's compounds, processAllTriangles() is empty.
+  if (shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
+      static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() ==
+          CONST_GIMPACT_COMPOUND_SHAPE) {
+    return Meeting::kUnserved;
+  }
+  return meeting_with(shape.getShapeType());
+}
+
 Side::Side(const btCollisionObjectWrapper& wrap)
     : wrap_(wrap), world_from_geometry_(from_bullet(wrap.getWorldTransform())) {
   const btCollisionShape& shape = *wrap.getCollisionShape();
-  switch (meeting_with(shape.getShapeType())) {
+  switch (meeting_with(shape)) {
     case Meeting::kModel: {
       const auto& model_shape = static_cast<const ModelShape&>(shape);
       world_from_geometry_ = world_from_geometry_ * model_shape.body_from_model();

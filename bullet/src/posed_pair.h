@@ -23,6 +23,8 @@ enum class Meeting {
   kUnserved,   ///< not at all: see check_served()
 };
 Meeting meeting_with(int shape_type);
+/// Of shapes of one type, some may be kUnserved.
+Meeting meeting_with(const btCollisionShape& shape);
 
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
 class Side {

@@ -205,6 +205,14 @@ const std::vector<Partner>& partners() {
          mesh.updateBound();
          return mesh;
        }},
+      {"btGImpactCompoundShape", 0.1,
+       [](TestWorld& w) -> btCollisionShape& {
+         auto& compound = w.make<btGImpactCompoundShape>();
+         compound.addChildShape(btTransform::getIdentity(),
+                                &w.make<btBoxShape>(to_bullet(Vec3{0.3, 0.3, 0.1})));
+         compound.updateBound();
+         return compound;
+       }},
       {"btCompoundShape", 0.1,
        [](TestWorld& w) -> btCollisionShape& {
          auto& compound = w.make<btCompoundShape>();
@@ -294,7 +302,9 @@ const char* way_of(const std::string& shape) {
   if (shape == "voxshell ModelShape") return "shell of the one in the field of the other";
   if (shape == "btCompoundShape") return "child by child";
   if (shape == "btEmptyShape") return "has nothing to touch";
-  if (shape == "btSdfCollisionShape") return "`std::logic_error`";
+  if (shape == "btSdfCollisionShape" || shape == "btGImpactCompoundShape") {
+    return "`std::logic_error`";
+  }
   for (const char* analytic : {"btBoxShape", "btSphereShape", "btCapsuleShape", "btCylinderShape",
                                "btConeShape", "btStaticPlaneShape"}) {
     if (shape == analytic) return "shell in an analytic field";

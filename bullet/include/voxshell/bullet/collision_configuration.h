@@ -12,8 +12,8 @@
 namespace voxshell::bullet {
 
 /// Whether a shape, and what it is composed of, can meet a ModelShape. Error kInvalidArgument, with
-/// the reason, where it cannot: btSdfCollisionShape and other concave shapes of user types, soft
-/// bodies, fluids. docs/bullet-pairs.md lists all.
+/// the reason, where it cannot: btSdfCollisionShape and other concave shapes of user types,
+/// btGImpactCompoundShape, soft bodies, fluids. docs/bullet-pairs.md lists all.
 Result<std::monostate> check_served(const btCollisionShape& shape);
 
 /// Use it in place of btDefaultCollisionConfiguration: the same, with algorithms for ModelShape
