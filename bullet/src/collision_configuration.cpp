@@ -7,6 +7,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <LinearMath/btPoolAllocator.h>
 
 #include "model_algorithm.h"
 #include "posed_pair.h"
@@ -57,6 +58,13 @@ class ServingCreateFunc : public ModelAlgorithmCreateFunc {
 
 /// The pools of the base class must hold our algorithm, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
+  const btPoolAllocator* pool = info.m_collisionAlgorithmPool;
+  if (pool != nullptr && pool->getElementSize() < static_cast<int>(sizeof(ModelAlgorithm))) {
+    throw std::logic_error(
+        "the pool for collision algorithms has elements of " +
+        std::to_string(pool->getElementSize()) + " bytes, an algorithm of voxshell's takes " +
+        std::to_string(sizeof(ModelAlgorithm)) + ": give a pool of larger elements, or none");
+  }
   info.m_customCollisionAlgorithmMaxElementSize = std::max(
       info.m_customCollisionAlgorithmMaxElementSize, static_cast<int>(sizeof(ModelAlgorithm)));
   return info;

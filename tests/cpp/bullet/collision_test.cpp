@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
+#include <LinearMath/btPoolAllocator.h>
 #include <gtest/gtest.h>
 
 #include "support/touching_pair.h"
@@ -195,6 +198,22 @@ TEST(CollisionConfiguration, MakesRoomInAPoolOfTheCallers) {
   EXPECT_GT(dispatcher.getNumManifolds(), 0);
   world.removeCollisionObject(&a);
   world.removeCollisionObject(&b);
+}
+
+TEST(CollisionConfiguration, RefusesAPoolThatAnAlgorithmWouldOverrun) {
+  btPoolAllocator small(128, 16);
+  btDefaultCollisionConstructionInfo info;
+  info.m_collisionAlgorithmPool = &small;
+  try {
+    CollisionConfiguration configuration({}, info);
+    FAIL() << "took a pool of elements that are too small";
+  } catch (const std::logic_error& error) {
+    EXPECT_NE(std::string(error.what()).find("128 bytes"), std::string::npos) << error.what();
+  }
+  btPoolAllocator large(4096, 16);
+  info.m_collisionAlgorithmPool = &large;
+  CollisionConfiguration configuration({}, info);
+  EXPECT_EQ(configuration.getCollisionAlgorithmPool(), &large);
 }
 
 }  // namespace

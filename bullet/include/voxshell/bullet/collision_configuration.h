@@ -21,6 +21,8 @@ Result<std::monostate> check_served(const btCollisionShape& shape);
 /// check_served() refuses a shape, the first overlap of its bounds with a model's throws
 /// std::logic_error out of the world's step, or of the query: no pair passes through in silence.
 ///
+/// A pool of the caller's for algorithms whose elements are too small throws std::logic_error.
+///
 /// For true rebounds, set m_splitImpulsePenetrationThreshold of the world's solver info to 0.
 class CollisionConfiguration : public btDefaultCollisionConfiguration {
  public:
