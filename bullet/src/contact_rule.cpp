@@ -183,7 +183,8 @@ Vec3 ContactRule::slip_of(const Contact& contact) const {
 ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
   const double v = impact.approach;
   const double gap = std::max(impact.gap, 0.0);
-  if (gap == 0.0 && owed_ == 0.0) return {restitution_ * v, 0.0};
+  // Without a step there is nothing that a gap is crossed in.
+  if (time_step_ == 0.0 || (gap == 0.0 && owed_ == 0.0)) return {restitution_ * v, 0.0};
   const double g_dt = impact.approach_of_forces;
   const double climb = 2.0 * gap * g_dt / time_step_;
   const double energy = std::max(restitution_ * restitution_ * (v * v + climb + g_dt * v), owed_);
@@ -228,7 +229,7 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
     world.rolling_friction = lever;
   }
   world.restitution = restitution_;
-  if (!(impact.approach > 0.0)) return world;
+  if (!(impact.approach > 0.0) || time_step_ == 0.0) return world;
   // A point that only stops approaching: if those that come later rebounded as well, ten iterations
   // of Bullet's solver would leave the body with too much energy.
   if (!is_first(impact)) {

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -85,6 +86,22 @@ TEST(FarAndNan, TheNarrowPhaseSurvivesAnyTransform) {
     }
   }
   blob.setWorldTransform(btTransform::getIdentity());
+}
+
+TEST(FarAndNan, PointsFoundBeforeTheFirstStepAreFinite) {
+  for (const double gap : {-1e-3, 0.0, 5e-5, 1e-4}) {
+    TestWorld world;
+    world.add_model(slab_model(), 0).setRestitution(1);
+    btRigidBody& cube = world.add_model(cube_model(), 1, {{}, {0, 0, kCubeHalf + gap}});
+    cube.setRestitution(scalar(0.5));
+    cube.setLinearVelocity(btVector3(0, 0, -1));
+    world.world.performDiscreteCollisionDetection();
+    EXPECT_FALSE(world.points().empty());
+    for (const btManifoldPoint* point : world.points()) {
+      EXPECT_EQ(point->m_combinedRestitution, scalar(0.5)) << gap;
+      EXPECT_TRUE(std::isfinite(point->m_appliedImpulse)) << gap;
+    }
+  }
 }
 
 TEST(FarAndNan, ABodyThatBecomesNanIsPutOutOfTheSimulation) {
