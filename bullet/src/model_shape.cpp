@@ -9,6 +9,7 @@
 
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btMatrix3x3.h>
 
 #include "rest_margin.h"
@@ -145,7 +146,22 @@ void ModelShape::processAllTriangles(btTriangleCallback* callback, const btVecto
   std::call_once(triangles_built_, [&] {
     triangles_ = std::make_unique<Triangles>(model_->mesh(), body_from_model_);
   });
-  triangles_->shape.processAllTriangles(callback, lower, upper);
+  btBvhTriangleMeshShape& mesh = triangles_->shape;
+  // Bullet asks meshes of its own for the triangles along a ray, others for all in the ray's box.
+  if (auto* ray = dynamic_cast<btTriangleRaycastCallback*>(callback)) {
+    mesh.performRaycast(ray, ray->m_from, ray->m_to);
+  } else if (auto* sweep = dynamic_cast<btTriangleConvexcastCallback*>(callback)) {
+    const btTransform body_from_world = sweep->m_triangleToWorld.inverse();
+    const btVector3 from = body_from_world * sweep->m_convexShapeFrom.getOrigin();
+    const btVector3 to = body_from_world * sweep->m_convexShapeTo.getOrigin();
+    btVector3 first = from;
+    btVector3 last = from;
+    first.setMin(to);
+    last.setMax(to);
+    mesh.performConvexcast(sweep, from, to, lower - first, upper - last);
+  } else {
+    mesh.processAllTriangles(callback, lower, upper);
+  }
 }
 
 }  // namespace voxshell::bullet

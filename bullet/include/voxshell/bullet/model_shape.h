@@ -48,7 +48,8 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   /// The mesh's triangles that may touch a box of the body's frame: how Bullet's ray and sweep
   /// tests, its debug drawing, and its algorithms for shapes that voxshell has none for, see a
-  /// model. The first call builds their tree.
+  /// model. The first call builds their tree. Callbacks of rays and sweeps see those that lie along
+  /// the way.
   void processAllTriangles(btTriangleCallback * callback, const btVector3& lower,
                            const btVector3& upper) const override;
 
