@@ -96,7 +96,12 @@ struct ModelShape::Triangles {
 ModelShape::~ModelShape() = default;
 
 ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model)
-    : model_(std::move(model)), body_from_model_(body_from_model) {
+    : model_(std::move(model)),
+      body_from_model_(body_from_model),
+      centre_(static_cast<Vec3>(model_->shell().tree().spheres(1)[0].centre)) {
+  for (const Vec3& vertex : model_->mesh().vertices()) {
+    radius_ = std::max(radius_, length(vertex - centre_));
+  }
   // The one concave type that Bullet itself uses nowhere. CUSTOM_CONCAVE_SHAPE_TYPE equals Bullet's
   // SDF type: shapes of that id are cast to its class.
   m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
@@ -105,15 +110,22 @@ ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from
 
 void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
                          btVector3& upper) const {
-  const Bounds box =
-      transform_bounds(from_bullet(world_from_body) * body_from_model_, model_->bounds());
+  const Pose world_from_model = from_bullet(world_from_body) * body_from_model_;
+  const Bounds box = transform_bounds(world_from_model, model_->bounds());
+  // Turned, the box of a round body is up to three times as large as the body's.
+  const Vec3 centre = world_from_model.transform_point(centre_);
+  const Vec3 radii{radius_, radius_, radius_};
   // Compounds compare the bounds of children without Bullet's own slack for contacts: points within
   // the rest margin must lie inside.
   const btScalar reach =
       m_collisionMargin + static_cast<btScalar>(default_rest_margin(model_->shell()));
   const btVector3 margin(reach, reach, reach);
-  lower = to_bullet(box.lower) - margin;
-  upper = to_bullet(box.upper) + margin;
+  lower = to_bullet(box.lower);
+  upper = to_bullet(box.upper);
+  lower.setMax(to_bullet(centre - radii));
+  upper.setMin(to_bullet(centre + radii));
+  lower -= margin;
+  upper += margin;
 }
 
 void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {

@@ -1,5 +1,6 @@
 #include "voxshell/bullet/model_shape.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -68,6 +69,33 @@ TEST(ModelShape, BoundsOfABoxAreTight) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(static_cast<double>(lower[axis]), exact.lower[axis], slack);
       EXPECT_NEAR(static_cast<double>(upper[axis]), exact.upper[axis], slack);
+    }
+  }
+}
+
+TEST(ModelShape, BoundsOfRoundBodiesAreNoLargerThanTheirSpheres) {
+  Random random(5);
+  for (const auto& model : {ball_model(), torus_model()}) {
+    double radius = 0.0;
+    for (const Vec3& v : model->mesh().vertices()) radius = std::max(radius, length(v));
+    for (int i = 0; i < 200; ++i) {
+      const Pose body_from_model = random.pose(0.5);
+      const Pose world_from_model = random.pose(2.0) * body_from_model;
+      const ModelShape shape(model, body_from_model);
+      btVector3 lower;
+      btVector3 upper;
+      shape.getAabb(to_bullet(world_from_model * body_from_model.inverse()), lower, upper);
+      Bounds exact;
+      for (const Vec3& v : model->mesh().vertices()) {
+        exact.extend(world_from_model.transform_point(v));
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto low = static_cast<double>(lower[axis]);
+        const auto high = static_cast<double>(upper[axis]);
+        ASSERT_LE(low, exact.lower[axis] + 5e-7);
+        ASSERT_GE(high, exact.upper[axis] - 5e-7);
+        ASSERT_LT(high - low, 2.02 * radius);
+      }
     }
   }
 }

@@ -58,6 +58,8 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   std::shared_ptr<const Model> model_;
   Pose body_from_model_;
+  Vec3 centre_;          ///< of a sphere around the mesh, in the model's frame
+  double radius_ = 0.0;  ///< the sphere's, metres
   btVector3 unit_scaling_{1, 1, 1};
   mutable std::once_flag triangles_built_;
   mutable std::unique_ptr<Triangles> triangles_;
