@@ -233,7 +233,7 @@ def _run(
                 runs.append(run_drop(shapes, method, settings, count, track.advance))
         summaries = summarise(runs)
         with tracked(progress, "write results") as track, filling(out) as folder:
-            write_results(folder / RESULTS, str(path), settings, runs, summaries)
+            write_results(folder / RESULTS, str(path), settings, shapes, runs, summaries)
             track.update(CURVES, 0.1)
             draw_curves(folder / CURVES, title, runs)
             track.update(PAGE, 0.3)

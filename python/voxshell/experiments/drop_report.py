@@ -12,13 +12,13 @@ from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import write_json
 from voxshell.experiments.units import format_time
-from voxshell.scenes.drop import GROUND_HALF_EXTENTS
+from voxshell.scenes.drop import BULLET_MARGIN, GROUND_HALF_EXTENTS
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from voxshell.experiments.drop import DropRun, DropSummary
-    from voxshell.scenes.drop import DropSettings
+    from voxshell.scenes.drop import DropSettings, DropShapes
 
 COLORS = {
     "vps-fine": "#0b6e4f",
@@ -38,16 +38,29 @@ def write_results(
     path: Path,
     mesh_name: str,
     settings: DropSettings,
+    shapes: DropShapes,
     runs: list[DropRun],
     summaries: list[DropSummary],
 ) -> None:
-    """All figures, settings, versions and every step's values as JSON."""
+    """All figures, settings, shapes, versions and every step's values as JSON.
+
+    "world_arguments" are those in which a method's world differs from :class:`voxshell.World`'s defaults.
+    """
     write_json(
         path,
         {
             "experiment": "drop",
-            "mesh": mesh_name,
-            "settings": asdict(settings) | {"ground_half_extents": GROUND_HALF_EXTENTS},
+            "mesh": {
+                "name": mesh_name,
+                "vertices": len(shapes.mesh.vertices),
+                "triangles": len(shapes.mesh.faces),
+            },
+            "settings": asdict(settings)
+            | {
+                "ground_half_extents": GROUND_HALF_EXTENTS,
+                "inertia": shapes.mass_properties.inertia.tolist(),
+                "margin_of_bullets_shapes": BULLET_MARGIN,
+            },
             "full_operation_steps": FULL_OPERATION,
             "rest_steps": REST_STEPS,
             "environment": describe_environment(),
@@ -55,6 +68,11 @@ def write_results(
             "methods": [
                 asdict(run.method)
                 | asdict(summary)
+                | {
+                    "shape": repr(shapes.bodies[run.method.key]),
+                    "ground_shape": repr(shapes.grounds[run.method.ground]),
+                    "world_arguments": run.method.solver,
+                }
                 | {
                     "curves": {
                         name: getattr(run, name).tolist()

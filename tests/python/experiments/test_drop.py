@@ -81,16 +81,21 @@ def test_summary_is_of_the_steps_it_names(runs):
     assert summarise(runs[1:])[0].ratio != summarise(runs[1:])[0].ratio  # no fine run: NaN
 
 
-def test_results_are_complete_json(tmp_path, runs):
+def test_results_are_complete_json(tmp_path, shapes, runs):
     path = tmp_path / "results.json"
     short = [replace(run, narrow_phase=run.narrow_phase[:10]) for run in runs]
-    write_results(path, "bunny", SETTINGS, short, summarise(short))
+    write_results(path, "bunny", SETTINGS, shapes, short, summarise(short))
     results = json.loads(path.read_text(), parse_constant=pytest.fail)
     assert results["settings"]["fine_points"] == 35_596
     assert results["environment"]["cpu"]
     assert results["environment"]["bullet"].startswith("3.")
+    assert "commit" in results["environment"]
+    assert results["mesh"]["triangles"] == len(shapes.mesh.faces)
     row = results["methods"][0]
     assert row["key"] == "vps-fine"
+    assert f"{len(shapes.bodies['vps-fine'].shell)} points" in row["shape"]
+    assert "voxel size 0.002 m" in row["ground_shape"]
+    assert row["world_arguments"] == {}
     assert row["median"] is None  # ten steps have none in full operation
     assert len(row["curves"]["speed"]) == 700
     assert sorted(path.name for path in tmp_path.iterdir()) == ["results.json"]
