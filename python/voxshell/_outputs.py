@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import stat
@@ -14,6 +15,9 @@ from voxshell.errors import FileAccessError, SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+_OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
+"""What the system says of a file without its name; other errors without one are not of files."""
 
 
 def check_output_file(path: Path) -> None:
@@ -57,6 +61,8 @@ def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
             raise SettingsError(
                 f"{folder / name} is {kind}, and a file is to be written there; name another folder"
             )
+        if (folder / name).is_symlink():
+            check_output_file(_follow(folder / name))
     _try_folder(nearest, folder)
 
 
@@ -71,7 +77,7 @@ def replacing(path: Path) -> Iterator[Path]:
     check_output_file(path)
     target = _follow(path)
     with _unfinished(target.parent, path) as folder:
-        temporary = folder / target.name
+        temporary = folder / path.name
         with _telling(temporary, path):
             yield temporary
             temporary.replace(target)
@@ -82,7 +88,7 @@ def filling(folder: Path) -> Iterator[Path]:
     """A temporary folder whose files appear in ``folder`` together if the block succeeds.
 
     A new folder appears with them, by one rename. In one that is there already they take the place of
-    files of their names, once all are complete.
+    files of their names one by one, each whole, once all are complete.
 
     Raises:
         SettingsError: The files cannot be written there.
@@ -102,7 +108,9 @@ def filling(folder: Path) -> Iterator[Path]:
             names = sorted(path.name for path in temporary.iterdir())
             check_output_folder(folder, names)
             for name in names:
-                shutil.move(temporary / name, _follow(target / name))
+                # Links may lead to another disk, where only what lies there already is whole at once.
+                with replacing(target / name) as place:
+                    shutil.move(temporary / name, place)
 
 
 @contextmanager
@@ -129,7 +137,8 @@ def _telling(temporary: Path, asked: Path) -> Iterator[None]:
         # Of what is printed meanwhile: no pipe is written to here.
         raise
     except OSError as error:
-        if isinstance(error.filename, str) and not error.filename.startswith(str(temporary)):
+        named = isinstance(error.filename, str)
+        if not (error.filename.startswith(str(temporary)) if named else error.errno in _OF_WRITING):
             raise
         path = str(error.filename or temporary).replace(str(temporary), str(asked))
         raise FileAccessError(f"cannot write {path}: {error.strerror or error}") from error

@@ -105,6 +105,10 @@ def _load(path: str) -> trimesh.Trimesh:
         try:
             # Without process, vertices stay as they are in the file; the core merges equal ones.
             mesh = trimesh.load(path, force="mesh", process=False)
+        except MemoryError:
+            raise
+        except OSError as error:
+            raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
         except Exception as error:  # of which readers of damaged files raise every kind
             raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
@@ -118,13 +122,14 @@ def _explain(path: str, error: Exception) -> str:
     """Why trimesh could not read a file, and what to do."""
     from trimesh.exchange.load import available_formats, mesh_formats
 
+    if isinstance(error, ImportError):
+        return f"its reader is not there: {error}"
     if not path.lower().endswith(tuple(f".{each}" for each in available_formats())):
         known = ", ".join(sorted(mesh_formats()))
         return f"its ending is none of a format that can be read here ({known}); convert it to one"
     # Its reader of OBJ files takes indices for granted.
-    if beyond := re.search(
-        r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error)
-    ):
+    beyond = re.search(r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error))
+    if beyond and path.lower().endswith(".obj"):
         return (
             f"a face has the vertex {beyond[1]}, counted from 0, of {beyond[2]}; the file is "
             "damaged: export it again"

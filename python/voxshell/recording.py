@@ -302,7 +302,7 @@ class Recording:
         Raises:
             MissingExtraError: If the viewer is not installed.
             RecordingError: If an option makes no sense.
-            SettingsError: If the path is a folder, or no file's, or there is no folder to write into.
+            SettingsError: If the path is a folder, a device or a pipe, or there is no folder to write into.
             FileAccessError: If the file cannot be written.
         """
         place = Path(os.fsdecode(as_path(path, "path")))

@@ -192,7 +192,8 @@ class World:
                 do without.
             rolling_friction: Lever of the torque that withstands rolling, metres; see
                 :attr:`Body.rolling_friction`.
-            spinning_friction: The same of spinning about the contact's normal.
+            spinning_friction: The same of spinning about the contact's normal; Bullet heeds it only
+                beside rolling friction.
             linear_damping: Share of the velocity that is lost in a second, 0 to 1.
             angular_damping: The same of the angular velocity.
             group: Bits of the groups that the body is in.

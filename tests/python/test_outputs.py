@@ -19,6 +19,7 @@ from voxshell.recording import BodyTrack, ContactTrack, Recording
 
 FORBIDDEN = Path("/sys/kernel")
 """Where not even root may make a file."""
+REFUSED = "(Permission denied|Read-only file system)"
 
 
 def mode(path: Path) -> int:
@@ -33,11 +34,9 @@ def umask():
 
 
 def test_what_the_system_refuses_is_told_with_the_path_that_was_asked_for(tmp_path):
-    with pytest.raises(
-        FileAccessError, match=r"^cannot write /sys/kernel/a\.html: Permission denied$"
-    ):
+    with pytest.raises(FileAccessError, match=rf"^cannot write /sys/kernel/a\.html: {REFUSED}$"):
         check_output_file(FORBIDDEN / "a.html")
-    with pytest.raises(FileAccessError, match=r"^cannot write /sys/kernel/a/b: Permission denied$"):
+    with pytest.raises(FileAccessError, match=rf"^cannot write /sys/kernel/a/b: {REFUSED}$"):
         check_output_folder(FORBIDDEN / "a" / "b")
     (tmp_path / "round").symlink_to("round")
     for check in (check_output_file, check_output_folder):

@@ -57,6 +57,9 @@ ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
 """Of which is measured how long they roll. On a plane all but the hull of 42 vertices are the same body:
 nothing else of it than its convex hull can touch."""
 
+CHOSEN_ON = 20
+"""Orientations, the first ones, on which the rolling friction was chosen."""
+
 FRAME_SECONDS = 0.05
 """Of which the largest angular speed is kept."""
 
@@ -69,8 +72,8 @@ class RestSettings(BunnySettings):
     """Settings of rest.
 
     Attributes:
-        others: How many further orientations bunnies lie down in with rolling friction: its value was
-            chosen on the first ones.
+        others: How many orientations after those of :data:`CHOSEN_ON` bunnies lie down in with rolling
+            friction.
         height: Of the lowest vertex at the start, metres.
         rate: Steps a second.
         settle_seconds: After the first contact, until rest is looked at.
@@ -94,7 +97,12 @@ class RestSettings(BunnySettings):
             as_positive(getattr(self, name), name)
         for rate in self.roll_rates:
             as_positive(rate, "roll_rates")
-        as_integer(self.others, "others", 0, len(ORIENTATIONS_WXYZ) - self.orientations)
+        as_integer(self.others, "others", 0, len(ORIENTATIONS_WXYZ) - self.first_other)
+
+    @property
+    def first_other(self) -> int:
+        """The number of the first of the other orientations."""
+        return max(self.orientations, CHOSEN_ON)
 
     @property
     def fall_seconds(self) -> float:
@@ -143,7 +151,7 @@ def _plan_rests(
     held: bool,
     others: bool = False,
 ) -> Part:
-    first = settings.orientations if others else 0
+    first = settings.first_other if others else 0
     count = settings.others if others else settings.orientations
     seconds = settings.settle_seconds + settings.drift_seconds
     return Part(

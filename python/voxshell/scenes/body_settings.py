@@ -42,7 +42,8 @@ class BodySettings:
         height: Of a cone, metres.
         mass: Kilograms; 0: static. A plane has none.
         inertia: Of the solid, or of a skin on the surface.
-        friction, rolling_friction, spinning_friction, restitution: As for :meth:`voxshell.World.add`.
+        friction, rolling_friction, spinning_friction, restitution: As for :meth:`voxshell.World.add`;
+            spinning friction counts only beside rolling friction.
         position: Of the body's origin, three numbers, metres.
         quaternion_xyzw: Its orientation, of unit length; or
         rotation_vector: axis times angle, radians.

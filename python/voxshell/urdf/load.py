@@ -58,7 +58,7 @@ def load_urdf(
         path: Of the file. Meshes are looked for from its folder; ``package://`` from there upwards.
         pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
         fixed_base: Whether the root is fixed to the world; it then needs no mass.
-        voxel_size: Of the models, metres.
+        voxel_size: Of the models, metres; of smaller links their longest side.
         resolution: Instead: voxels along the longest side of each model; 100 if neither is given.
         mesh_as: "model", any mesh as it is, or "hull", its convex hull.
         friction: Coulomb coefficient of all links.
@@ -269,8 +269,11 @@ class _Shaper:
                 return ConvexHull(vertices)
             mirrored = np.prod(file.scale) < 0.0
             faces = mesh.faces[:, ::-1] if mirrored else mesh.faces
+            voxel_size = self._voxel_size
+            if voxel_size is not None and len(vertices) > 0:
+                voxel_size = min(voxel_size, float(np.ptp(vertices, axis=0).max()) or voxel_size)
             return Model.from_mesh(
-                (vertices, faces), voxel_size=self._voxel_size, resolution=self._resolution
+                (vertices, faces), voxel_size=voxel_size, resolution=self._resolution
             )
         except MeshError as error:
             self._refuse(link, file, error)

@@ -341,7 +341,8 @@ class Inspector:
         """Writes the scene as it stands as one offline page, to turn and look at.
 
         Raises:
-            OSError: The file cannot be written.
+            SettingsError: No file can be written there, as at a folder or a pipe.
+            FileAccessError: The system does not let it be written.
         """
         # Without a server behind it, nothing would follow a drag.
         self._show_handles(shown=False)

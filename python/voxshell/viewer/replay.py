@@ -62,7 +62,8 @@ def save_replay(
     Raises:
         MissingExtraError: If viser is not installed.
         RecordingError: If there is no lane, or an option makes no sense.
-        OSError: If the file cannot be written.
+        SettingsError: If no file can be written there, as at a folder or a pipe.
+        FileAccessError: If the system does not let it be written.
     """
     lanes = tuple(lanes)
     if not lanes:

@@ -89,7 +89,7 @@ def test_other_orientations_are_others_and_are_counted(rests):
     settings, results = rests
     name = rest.name_rest("plane", "coarse", "auto", held=True, others=True)
     runs = results[name]["runs"]
-    np.testing.assert_array_equal(runs["orientation"], [2, 3])
+    np.testing.assert_array_equal(runs["orientation"], [20, 21])
     calm = {
         other: {"runs": tables["runs"] | {"angular_speed": np.zeros(2), "drift": np.zeros(2), "asleep": np.ones(2)}}
         for other, tables in results.items()

@@ -80,7 +80,7 @@ def describe(settings: BunnyFallSettings) -> str:
         "directions, and convex decompositions: V-HACD's and HACD's 8 hulls of at most 100 vertices (HACD of "
         "Bullet's extras, with the settings of its demo, on the mesh simplified to within "
         f"{1e3 * RECIPES['hacd'].tolerance * settings.size:.1f} mm), and CoACD's with its own settings, a "
-        f"concavity of {CONCAVITY:g}; each with Bullet's own settings and "
+        f"concavity of {CONCAVITY:g}; each with Bullet's own settings (GImpact with two friction directions) and "
         f"the least margin that keeps all of them on the block. Full operation: steps {first} to "
         f"{last}. Medians over {settings.orientations} orientations; then every method in "
         f"{settings.equal_poses} equal poses of the fine fall. Pinned to one core, nothing else running."

@@ -202,7 +202,7 @@ def _tell_environment(environment: dict[str, Any]) -> str:
         for number, quaternion in enumerate(ORIENTATIONS_WXYZ)
     )
     return f"""<h2>Made with</h2>
-<p>Peers run at their best: the same Bullet with the same build flags, Bullet's own solver settings, and
+<p>Peers run at their best: the same Bullet with the same build flags, Bullet's own solver settings (GImpact with two friction directions), and
 the least collision margin (of 1, 5, 10 and 20 mm) with which all of them stay on the block; GImpact on
 the full mesh; the hull in the 42 directions of btShapeHull; V-HACD's 8 hulls of at most 100 vertices;
 HACD's, as many and as large, of the mesh simplified to within 0.5 % of its size, concavity 100, compacity 0.1;
