@@ -18,7 +18,7 @@ enum class PairBody { kA, kB };
 /// Which body's points are tested against the other's field.
 enum class ShellChoice {
   /// The body with fewer points (thesis, section 5.3), a where they are equal; the other where
-  /// these points lie farther apart than its own and half its shortest side, so that it could slip
+  /// these points lie farther apart than its own and its shortest side, so that it could slip
   /// between them, or where that one encloses it: see is_enclosed().
   kAutomatic,
   kA,

@@ -8,11 +8,10 @@ namespace {
 
 /// Whether a model could lie between the points of a coarser shell, unseen.
 bool fits_between(const Participant& body, const PointShell& shell) {
-  constexpr double kOfShortestSide = 0.5;
   const auto* grid = std::get_if<GridField>(body.field);
   if (grid == nullptr || body.shell->spacing() >= shell.spacing()) return false;
   const Vec3 sides = grid->surface_bounds().extents();
-  return shell.spacing() > kOfShortestSide * std::min({sides.x, sides.y, sides.z});
+  return shell.spacing() > std::min({sides.x, sides.y, sides.z});
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(ChooseShell, AutomaticTakesTheFinerOneWhereItFitsBetweenThePointsOfTheOther
     EXPECT_EQ(*choose_shell(coarse, fine, ShellChoice::kAutomatic) == PairBody::kB, is_cube);
     return is_cube;
   };
-  EXPECT_TRUE(takes_the_cube(make_box({5, 5, 1}), 0.4));
+  EXPECT_TRUE(takes_the_cube(make_box({5, 5, 1}), 0.8));
   EXPECT_FALSE(takes_the_cube(make_box({1, 1, 0.5}), 0.2));
 }
 
