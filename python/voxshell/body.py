@@ -246,9 +246,9 @@ class Body(WorldPart):
 
     @property
     def spinning_friction(self) -> float:
-        """The same of spinning about the contact's normal, metres.
+        """Lever of the torque that withstands spinning about the contact's normal, metres.
 
-        Bullet's solver heeds it only where there is rolling friction, too.
+        As :attr:`rolling_friction`; Bullet's solver heeds it only where there is that, too.
         """
         return self._simulation.material(self.number).spinning_friction
 

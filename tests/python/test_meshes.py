@@ -299,6 +299,26 @@ def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: 
     assert str(path) in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (PermissionError(13, "Permission denied"), "part.stl: Permission denied"),
+        (ImportError("no module named collada"), "its reader is not there: no module"),
+    ],
+)
+def test_what_is_no_fault_of_the_file_is_not_called_damage(tmp_path, monkeypatch, error, words):
+    path = tmp_path / "part.stl"
+    trimesh.creation.box().export(path)
+
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr(trimesh, "load", fail)
+    with pytest.raises(vx.MeshError, match=words) as raised:
+        vx.Model.from_mesh(path, voxel_size=0.1)
+    assert "damaged" not in str(raised.value)
+
+
 def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monkeypatch):
     path = tmp_path / "part.stl"
     trimesh.Trimesh(VERTICES, FACES).export(path)

@@ -206,6 +206,14 @@ def test_links_held_by_fixed_joints_weigh_together(write):
     np.testing.assert_allclose(robot.links["tool"].pose[:3, 3], (0.75, 0, 0))
 
 
+def test_a_link_smaller_than_the_voxel_size_gets_a_smaller_one(write, tmp_path):
+    trimesh.creation.box((0.008, 0.004, 0.004)).export(tmp_path / "screw.stl")
+    mesh = """<collision><geometry><mesh filename="package://some_robot/screw.stl"/></geometry></collision>"""
+    robot = vx.load_urdf(vx.World(), write(link("base", mesh)), voxel_size=0.01)
+    [body] = robot.bodies
+    assert body.shape.field.voxel_size == pytest.approx(0.008)
+
+
 @pytest.mark.parametrize("mesh_as", ["model", "hull"])
 def test_meshes_are_scaled_and_placed(write, tmp_path, mesh_as):
     trimesh.creation.box(bounds=[(0, 0, 0), (10, 20, 40)]).export(tmp_path / "part.stl")

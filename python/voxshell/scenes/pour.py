@@ -16,7 +16,7 @@ from voxshell.comparison_shapes import ConvexDecomposition, GImpact
 from voxshell.meshes import Mesh, read_mesh
 from voxshell.model import Model
 from voxshell.scenes.bunny import find_bunny
-from voxshell.scenes.drop import BULLET_SOLVER, GIMPACT_SOLVER, decompose
+from voxshell.scenes.drop import choose_bullet_solver, decompose
 from voxshell.scenes.solids import as_mesh, import_manifold
 from voxshell.shapes import Box
 from voxshell.world import World
@@ -147,7 +147,7 @@ def build_world(
     world = World(
         time_step=1.0 / settings.rate,
         sleeping=False,
-        **({} if ours else GIMPACT_SOLVER if method == "gimpact" else BULLET_SOLVER),
+        **({} if ours else choose_bullet_solver(method)),
     )
     if ours:
         world.add(

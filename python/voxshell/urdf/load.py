@@ -270,8 +270,9 @@ class _Shaper:
             mirrored = np.prod(file.scale) < 0.0
             faces = mesh.faces[:, ::-1] if mirrored else mesh.faces
             voxel_size = self._voxel_size
-            if voxel_size is not None and len(vertices) > 0:
-                voxel_size = min(voxel_size, float(np.ptp(vertices, axis=0).max()) or voxel_size)
+            side = float(np.ptp(vertices, axis=0).max()) if len(vertices) > 0 else 0.0
+            if voxel_size is not None and side > 0.0:
+                voxel_size = min(voxel_size, side)
             return Model.from_mesh(
                 (vertices, faces), voxel_size=voxel_size, resolution=self._resolution
             )

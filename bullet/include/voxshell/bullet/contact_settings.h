@@ -40,8 +40,8 @@ struct ContactSettings {
   double margin = -1.0;
 
   /// Where bodies move farther than this in a step, metres, points that are going to touch within
-  /// the step are contacts before they do, so that models of any speed stop at the surface of
-  /// models and of shapes with a field, thin ones included. Negative: a voxel. Infinity: never.
+  /// the step are contacts before they do, so that fast models stop at the surface of models
+  /// and of shapes with a field, thin ones included. Negative: a voxel. Infinity: never.
   double sweep_beyond = -1.0;
 
   /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from

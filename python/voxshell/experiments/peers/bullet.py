@@ -10,7 +10,7 @@ from voxshell import Box, ConvexDecomposition, ConvexHull, GImpact, Plane, World
 from voxshell.body_shapes import mesh_of
 from voxshell.errors import SettingsError
 from voxshell.experiments.peers import ours
-from voxshell.scenes.drop import BULLET_MARGIN, BULLET_SOLVER, GIMPACT_SOLVER
+from voxshell.scenes.drop import BULLET_MARGIN, choose_bullet_solver
 from voxshell.world import BULLET_VERSION
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Worlds:
         self.version = BULLET_VERSION
         self._job = job
         self._is_model = variant in ("voxels", "analytic")
-        self._solver = GIMPACT_SOLVER if variant == "gimpact" else BULLET_SOLVER
+        self._solver = {} if self._is_model else choose_bullet_solver(variant)
         self._has_pairs = variant != "analytic"
         below = np.eye(4)
         below[2, 3] = -job.box_half_extents[2]
@@ -101,7 +101,7 @@ class Worlds:
             gravity=(0.0, 0.0, -9.81 if gravity else 0.0),
             time_step=time_step,
             sleeping=False,
-            **({} if self._is_model else self._solver),
+            **self._solver,
         )
 
 
