@@ -12,15 +12,36 @@
 namespace voxshell::bullet {
 namespace {
 
-/// The model that the pair's scales are taken from: the shell's, or the one that meets triangles.
-const Model& measure(const PosedPair& pair) {
-  const Model* model = pair.shell_side().model();
-  return model != nullptr ? *model : *pair.field_side().model();
-}
-
 /// Bodies are still that cannot rise by a larger share of the rest margin than this.
 constexpr double kStillWithin = 0.15;
+constexpr double kTouching = 0.05;  ///< of the finer body's detail
 constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// Where a place touches a field on its way, by conservative advancement (Xu and Barbic 2016).
+struct Touch {
+  double share;  ///< of the way
+  Vec3f place;
+  double gap;  ///< that is left there, metres
+};
+
+/// @param gap     From the start to the surface, metres.
+/// @param offset  How much less that is than the field's distance: of balls, and of Bullet's
+/// margins.
+template <class F>
+std::optional<Touch> find_touch(const F& field, const Vec3& start, const Vec3& way, double gap,
+                                double offset, double touching) {
+  constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
+  constexpr int kMostSteps = 64;
+  const double length_of_way = length(way);
+  Touch touch{0.0, static_cast<Vec3f>(start), gap};
+  for (int i = 0; touch.gap > touching && i < kMostSteps; ++i) {
+    touch.share += kOfDistance * touch.gap / length_of_way;
+    if (!(touch.share <= 1.0)) return std::nullopt;
+    touch.place = static_cast<Vec3f>(start + touch.share * way);
+    touch.gap = static_cast<double>(field.distance(touch.place)) - offset;
+  }
+  return touch;
+}
 
 }  // namespace
 
@@ -29,30 +50,24 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
     : pair_(pair),
       time_step_(time_step),
       memory_(memory),
-      rest_margin_(settings.margin >= 0.0 ? settings.margin
-                                          : default_rest_margin(measure(pair).shell())),
-      radius_(static_cast<double>(measure(pair).shell().tree().spheres(1)[0].radius)),
       motion_a_(Motion::of(*pair.a.wrap().getCollisionObject(), time_step)),
       motion_b_(Motion::of(*pair.b.wrap().getCollisionObject(), time_step)),
       restitution_(static_cast<double>(gCalculateCombinedRestitutionCallback(
           pair.a.wrap().getCollisionObject(), pair.b.wrap().getCollisionObject()))),
       rolling_at_rest_(settings.rolling_at_rest),
-      margin_(rest_margin_),
-      voxel_(measure(pair).shell().spacing()),
+      detail_(std::min(pair.a.detail(), pair.b.detail())),
       owed_(memory.owed),
       first_touch_(kNever),
       first_count_(0) {
-  for (const Side* side : {&pair.a, &pair.b}) {
-    if (side->model() != nullptr) {
-      voxel_ = std::min(voxel_, side->model()->grid().voxel_size());
-    }
-  }
-  // The relative velocity is affine in the place: no point of the sphere moves farther.
-  const Side& measured = pair.has_triangles() ? pair.field_side() : pair.shell_side();
-  const Sphere& sphere = measure(pair).shell().tree().spheres(1)[0];
-  const Vec3 centre =
-      measured.world_from_geometry().transform_point(static_cast<Vec3>(sphere.centre));
-  const Vec3 drift = motion_a_.velocity_at(centre) - motion_b_.velocity_at(centre);
+  const Ball ball_a = pair.a.bounding_ball();
+  const Ball ball_b = pair.b.bounding_ball();
+  if (ball_a.radius != ball_b.radius) larger_ = ball_b.radius < ball_a.radius ? &pair.a : &pair.b;
+  const Ball& ball = larger_ == &pair.a ? ball_b : ball_a;
+  radius_ = ball.radius;
+  rest_margin_ = settings.margin >= 0.0 ? settings.margin : default_rest_margin(radius_);
+  // The relative velocity is affine in the place: no point of the ball moves farther, and bodies
+  // touch within it.
+  const Vec3 drift = motion_a_.velocity_at(ball.centre) - motion_b_.velocity_at(ball.centre);
   const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
   const double of_spin = length(motion_a_.angular_velocity - motion_b_.angular_velocity) * radius_;
   const double farthest = (length(drift + of_forces) + of_spin) * time_step;
@@ -61,13 +76,14 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
       std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;
   is_still_ = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
-  sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : voxel_);
+  sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : detail_);
   // The solver may make points faster than they are.
   constexpr double kTurned = 2.0;
-  if (sweeps_) margin_ = std::max(rest_margin_, kTurned * farthest);
+  margin_ = sweeps_ ? std::max(rest_margin_, kTurned * farthest) : rest_margin_;
 }
 
-void ContactRule::apply(std::vector<Contact>& contacts) {
+void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature> features) {
+  features_ = features;
   motion_ = RelativeMotion::of(pair_.shell_is_a ? motion_a_ : motion_b_,
                                pair_.shell_is_a ? motion_b_ : motion_a_,
                                pair_.shell_side().world_from_geometry());
@@ -77,7 +93,6 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(contact);
     Contact judged = contact;
-    double time = impact.time();
     if (!(impact.gap < 0.0) && !is_resting(impact)) {
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
@@ -85,16 +100,18 @@ void ContactRule::apply(std::vector<Contact>& contacts) {
         const auto swept = sweep(contact);
         if (!swept) continue;
         judged = *swept;
-        time = impact_of(judged).time();
         touches = true;
       }
     } else {
       touches = true;
     }
     contacts[kept++] = judged;
-    first_touch_ = std::min(first_touch_, time);
   }
   contacts.resize(touches ? kept : 0);
+  drop_beside(contacts);
+  for (const Contact& contact : contacts) {
+    first_touch_ = std::min(first_touch_, impact_of(contact).time());
+  }
   if (is_still_ && touches) {
     constexpr double kBandOfMargin = 0.5;
     memory_.patch.settle(contacts, pair_.thickness(), kBandOfMargin * rest_margin_);
@@ -255,38 +272,68 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
   return world;
 }
 
-/// Follows the point by conservative advancement, its velocity constant, until it touches or the
-/// step ends.
+/// Contacts beside the body count where there are no others: a body that leaves another from inside
+/// is in contact all the way.
+void ContactRule::drop_beside(std::vector<Contact>& contacts) const {
+  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return;
+  const auto is_beside = [&](const Contact& contact) { return this->is_beside(contact); };
+  if (!std::ranges::all_of(contacts, is_beside)) std::erase_if(contacts, is_beside);
+}
+
+/// Whether a point of the larger body lies beside the smaller one rather than under it: that its
+/// surface goes on in front of it, so that nothing can come at it from where the normal says. On a
+/// ground of points as far apart as the body is large, those in front of its sides would stop it.
+bool ContactRule::is_beside(const Contact& contact) const {
+  constexpr float kAgainst = -0.3f;  // cosine of the angle between the normals
+  if (contact.id >= kFirstFeature) return false;
+  const PointShell& shell = pair_.shell();
+  if (dot(shell.normals()[contact.id], contact.normal) < kAgainst) return false;
+  const auto spacing = static_cast<float>(shell.spacing());
+  if (contact.depth > spacing) return false;
+  const Vec3f in_front = contact.point - spacing * contact.normal;
+  return pair_.shell_side().model()->grid().distance(in_front) < -kAgainst * spacing;
+}
+
+/// Follows the point, its velocity constant, until it touches or the step ends.
 std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
+  if (contact.id >= kFirstFeature) return sweep_feature(contact.id);
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 way = field_from_shell_.rotate(
       time_step_ * (motion_.velocity_at(point) + motion_.velocity_of_forces));
-  const double length_of_way = length(way);
   const Vec3 start = field_from_shell_.transform_point(point);
+  const double gap = -static_cast<double>(contact.depth) - pair_.thickness();
   return std::visit(
       [&](const auto& field) -> std::optional<Contact> {
-        constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
-        constexpr double kTouching = 0.05;   // voxels
-        constexpr int kMostSteps = 64;
-        double share = 0.0;
-        Vec3f place = static_cast<Vec3f>(start);
-        double gap = -static_cast<double>(contact.depth) - pair_.thickness();
-        for (int i = 0; gap > kTouching * voxel_ && i < kMostSteps; ++i) {
-          share += kOfDistance * gap / length_of_way;
-          if (!(share <= 1.0)) return std::nullopt;
-          place = static_cast<Vec3f>(start + share * way);
-          gap = static_cast<double>(field.distance(place)) - pair_.thickness();
-        }
-        const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(place)));
+        const auto touch =
+            find_touch(field, start, way, gap, pair_.thickness(), kTouching * detail_);
+        if (!touch) return std::nullopt;
+        const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(touch->place)));
         const double approach = -dot(way, normal);
         if (!(approach > 0.0)) return std::nullopt;
         Contact touching = contact;
         touching.normal = static_cast<Vec3f>(field_from_shell_.inverse().rotate(normal));
-        touching.depth =
-            static_cast<float>(-(share * approach + std::max(gap, 0.0)) - pair_.thickness());
+        touching.depth = static_cast<float>(-(touch->share * approach + std::max(touch->gap, 0.0)) -
+                                            pair_.thickness());
         return touching;
       },
       pair_.field());
+}
+
+/// The same of a feature in the model's field.
+std::optional<Contact> ContactRule::sweep_feature(std::uint32_t id) const {
+  const Feature& feature = features_[id - kFirstFeature];
+  const GridField& field = pair_.shell_side().model()->grid();
+  const Vec3 way = -time_step_ * (motion_.velocity_at(feature.place) + motion_.velocity_of_forces);
+  const double offset = feature.radius + pair_.thickness();
+  const double gap =
+      static_cast<double>(field.distance(static_cast<Vec3f>(feature.place))) - offset;
+  const auto touch = find_touch(field, feature.place, way, gap, offset, kTouching * detail_);
+  if (!touch) return std::nullopt;
+  const Vec3f outwards = normalized(field.gradient(touch->place));
+  const double approach = -dot(way, static_cast<Vec3>(outwards));
+  if (!(approach > 0.0)) return std::nullopt;
+  return contact_of(feature, id, outwards,
+                    -(touch->share * approach + std::max(touch->gap, 0.0)) - pair_.thickness());
 }
 
 }  // namespace voxshell::bullet

@@ -8,6 +8,7 @@
 #include "motion.h"
 #include "posed_pair.h"
 #include "resting_patch.h"
+#include "shape_features.h"
 #include "voxshell/bullet/contact_settings.h"
 
 namespace voxshell::bullet {
@@ -44,8 +45,9 @@ class ContactRule {
   bool is_still() const { return is_still_; }
 
   /// Leaves those of `contacts` that are contacts, as the solver is to see them: a point that is
-  /// going to touch has the normal of the place where it will.
-  void apply(std::vector<Contact>& contacts);
+  /// going to touch has the normal of the place where it will. `features` are those that some of
+  /// them are of.
+  void apply(std::vector<Contact>& contacts, std::span<const Feature> features);
 
   /// The lever of the torque that `contacts` of a still body withstand where it is so short that
   /// the solver would hardly feel it, metres; 0 for others. Not empty.
@@ -80,20 +82,25 @@ class ContactRule {
   Vec3 slip_of(const Contact& contact) const;
   bool is_first(const Impact& impact) const;
   std::optional<Contact> sweep(const Contact& contact) const;
+  std::optional<Contact> sweep_feature(std::uint32_t id) const;
+  void drop_beside(std::vector<Contact>& contacts) const;
+  bool is_beside(const Contact& contact) const;
 
   const PosedPair& pair_;
   double time_step_;
   Memory& memory_;
+  const Side* larger_ = nullptr;  ///< of the bodies, if one is
+  double radius_;                 ///< of the smaller body, metres
   double rest_margin_;
-  double radius_;  ///< of the body that the scales are taken from
   Motion motion_a_;
   Motion motion_b_;
   double restitution_;
-  bool sweeps_ = false;
-  bool is_still_ = false;
+  bool sweeps_;
+  bool is_still_;
   bool rolling_at_rest_;
-  double margin_ = 0.0;
-  double voxel_ = 0.0;
+  double margin_;
+  double detail_;  ///< of the finer body, metres
+  std::span<const Feature> features_;
   RelativeMotion motion_{};  ///< of the shell as the field sees it, in the shell's frame
   Pose field_from_shell_;
   Pose shell_from_held_;     ///< takes a point to where it would be had it not slipped

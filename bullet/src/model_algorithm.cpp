@@ -12,8 +12,8 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include "contact_rule.h"
-#include "extreme_contact.h"
 #include "posed_pair.h"
+#include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/manifold.h"
 
@@ -127,7 +127,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   }
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-    rule->apply(contacts_);
+    rule->apply(contacts_, features_);
     // Of bodies in a pile that move a little, such points carry in the next step.
     const bool lies = rule->is_still() || settings_.mode == ContactMode::kRegular;
     if (takes_all && lies && !contacts_.empty()) {
@@ -173,8 +173,9 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
   };
   ask();
   if (contacts_.empty() && pair.swap_roles_if_enclosed()) ask();
-  if (const auto extreme = find_extreme_contact(pair, static_cast<float>(margin)))
-    contacts_.push_back(*extreme);
+  find_features(pair, features_);
+  if (features_.empty()) return;
+  append_feature_contacts(features_, pair, reach, contacts_);
 }
 
 int ModelAlgorithm::level() const {
@@ -186,7 +187,7 @@ int ModelAlgorithm::level() const {
 
 /// The number that a contact's manifold goes by.
 std::uint32_t ModelAlgorithm::segment_of(const PosedPair& pair, const Contact& contact) const {
-  if (pair.has_triangles() || contact.id == kExtremeContact) return contact.id;
+  if (pair.has_triangles() || contact.id >= kFirstFeature) return contact.id;
   return pair.shell().tree().segment(contact.id, level());
 }
 
@@ -213,11 +214,13 @@ void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
 
 /// Drops points outside the surface that are farther from it than the nearest by more than `band`:
 /// within a margin, points that carry nothing would span the largest area, and those that carry the
-/// body would go without.
+/// body would go without. Features are few, and the ends of what they are of.
 void ModelAlgorithm::drop_idle_points(float band) {
   const auto deepest = std::ranges::max_element(contacts_, {}, &Contact::depth);
   const float least = std::min(deepest->depth - band, 0.0f);
-  std::erase_if(contacts_, [&](const Contact& contact) { return contact.depth < least; });
+  std::erase_if(contacts_, [&](const Contact& contact) {
+    return contact.id < kFirstFeature && contact.depth < least;
+  });
 }
 
 /// Makes active_ the manifolds that contacts_ need, each with how many they are: one for each

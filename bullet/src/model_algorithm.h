@@ -9,6 +9,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "contact_rule.h"
+#include "shape_features.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
@@ -65,6 +66,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   bool sweeps_ = false;      ///< this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
+  std::vector<Feature> features_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
   std::vector<Contact> chosen_;              ///< those of contacts_ that are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points

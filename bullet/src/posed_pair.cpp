@@ -1,5 +1,9 @@
 #include "posed_pair.h"
 
+#include <algorithm>
+#include <limits>
+#include <variant>
+
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
@@ -129,6 +133,27 @@ void Side::make_analytic(const btCollisionShape& shape) {
     default:
       btAssert(!"meeting_with() says which shapes have a field");
   }
+}
+
+Ball Side::bounding_ball() const {
+  if (model_ != nullptr) {
+    const Sphere& sphere = model_->shell().tree().spheres(1)[0];
+    return {world_from_geometry_.transform_point(static_cast<Vec3>(sphere.centre)),
+            static_cast<double>(sphere.radius)};
+  }
+  btVector3 centre;
+  btScalar radius = 0;
+  wrap_.getCollisionShape()->getBoundingSphere(centre, radius);
+  return {from_bullet(wrap_.getWorldTransform() * centre), static_cast<double>(radius)};
+}
+
+double Side::detail() const {
+  if (model_ != nullptr) return std::min(model_->shell().spacing(), model_->grid().voxel_size());
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  if (!analytic_ || std::holds_alternative<PlaneField>(*analytic_)) return kUnbounded;
+  return std::visit(
+      [](const auto& field) { return -0.25 * static_cast<double>(field.distance({})); },
+      *analytic_);
 }
 
 PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap)

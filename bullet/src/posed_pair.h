@@ -26,6 +26,11 @@ Meeting meeting_with(int shape_type);
 /// Of shapes of one type, some may be kUnserved.
 Meeting meeting_with(const btCollisionShape& shape);
 
+struct Ball {
+  Vec3 centre;
+  double radius;  ///< metres
+};
+
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
 class Side {
  public:
@@ -41,6 +46,11 @@ class Side {
   const btCollisionObjectWrapper& wrap() const { return wrap_; }
   /// Bullet's collision margin where the shape is thicker by it than its geometry, metres.
   double thickness() const { return thickness_; }
+  /// All of it is in there, world frame.
+  Ball bounding_ball() const;
+  /// What moves by more in a step may be through it unseen, metres: a voxel of a model, a quarter
+  /// of the depth of another shape's middle.
+  double detail() const;
 
  private:
   void make_analytic(const btCollisionShape& shape);

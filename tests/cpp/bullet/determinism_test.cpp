@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x3e49d277ff4066fe, 0xfa3d947fad98c590, 0xad216b3dc40b93d6, 0xddd65b32dea1224c,
-        0x516cea28bff789de}},
+       {0x19f456026b899983, 0x69dbf3e8e70d8652, 0x750b534628807b60, 0xbafe481cd9cc719a,
+        0x615d8ff24ba4f062}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xbf430724f4a04cc6, 0x46e5b985e416b949, 0x13af69bf85acab2c, 0x7ee5a4dbd1150e4e,
-        0xb4e7ed8b38920d24}},
+       {0xda02d8334e2e7579, 0xf640afacc21bb65b, 0x70da61b7451b314d, 0x6a7783396f8fd9ee,
+        0x4d384c5c87ffb20f}},
   };
   return hashes;
 }

@@ -1,0 +1,160 @@
+#include "shape_features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+#include <variant>
+
+namespace voxshell::bullet {
+namespace {
+
+/// The points of a circle about the z axis that are its corners, and the one that is deepest in
+/// the model's field as its centre sees it.
+void add_rim(double radius, double height, const Pose& model_from_shape, const GridField& field,
+             std::vector<Feature>& features) {
+  constexpr double kHalf = 0.70710678118654752;  // the cosine of 45 degrees
+  constexpr std::array<std::array<double, 2>, 8> kAround{{{1, 0},
+                                                          {kHalf, kHalf},
+                                                          {0, 1},
+                                                          {-kHalf, kHalf},
+                                                          {-1, 0},
+                                                          {-kHalf, -kHalf},
+                                                          {0, -1},
+                                                          {kHalf, -kHalf}}};
+  const auto add = [&](double x, double y) {
+    features.push_back({model_from_shape.transform_point({radius * x, radius * y, height}), 0.0});
+  };
+  for (const auto& [x, y] : kAround) add(x, y);
+  const Vec3 centre = model_from_shape.transform_point({0, 0, height});
+  const Matrix3 shape_from_model = model_from_shape.rotation.transposed();
+  const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(centre)));
+  const double across = std::sqrt(out.x * out.x + out.y * out.y);
+  if (across > 0.0) add(-out.x / across, -out.y / across);
+}
+
+/// Where a model touches a feature, or holds it.
+struct Hold {
+  double distance;  ///< of the feature from the model's surface, metres
+  Vec3f outwards;   ///< the model's normal; zero where it has none
+};
+
+/// The nearest surface. Balls, by steps along their surface to its deepest place (Frank and Wolfe
+/// 1956).
+Hold hold_nearest(const Feature& feature, double distance, const GridField& field) {
+  constexpr int kMostSteps = 8;
+  Hold hold{distance, normalized(field.gradient(static_cast<Vec3f>(feature.place)))};
+  if (feature.radius == 0.0) return hold;
+  const auto below = [&](const Vec3f& normal) {
+    return static_cast<Vec3f>(feature.place - feature.radius * static_cast<Vec3>(normal));
+  };
+  hold.distance = static_cast<double>(field.distance(below(hold.outwards)));
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Vec3f next = normalized(field.gradient(below(hold.outwards)));
+    const auto at_next = static_cast<double>(field.distance(below(next)));
+    if (!(at_next < hold.distance)) break;
+    hold = {at_next, next};
+  }
+  return hold;
+}
+
+/// The surface that the line from a feature inside the model to the shape's middle comes out of;
+/// what `otherwise` says where it does not.
+Hold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const GridField& field,
+                        const Hold& otherwise) {
+  constexpr int kMostSteps = 32;
+  constexpr double kToOtherEnd = 2.0;
+  const Vec3 way = middle - feature.place;
+  const double length_of_way = length(way);
+  double share = 0.0;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Vec3 place = feature.place + share * way;
+    const auto distance = static_cast<double>(field.distance(static_cast<Vec3f>(place)));
+    if (!(distance < -1e-3 * field.voxel_size())) {
+      const Vec3f outwards = normalized(field.gradient(static_cast<Vec3f>(place)));
+      const double depth = share * dot(way, static_cast<Vec3>(outwards));
+      if (!(depth > 0.0)) break;
+      return {-depth - feature.radius, outwards};
+    }
+    share -= distance / length_of_way;
+    if (!(share < kToOtherEnd)) break;
+  }
+  return otherwise;
+}
+
+}  // namespace
+
+void find_features(const PosedPair& pair, std::vector<Feature>& features) {
+  features.clear();
+  const Model* model = pair.shell_side().model();
+  if (model == nullptr || pair.field_side().model() != nullptr) return;
+  const Pose model_from_shape = pair.field_from_shell().inverse();
+  const auto add = [&](const Vec3& place, double radius) {
+    features.push_back({model_from_shape.transform_point(place), radius});
+  };
+  const auto add_circle = [&](double radius, double height) {
+    add_rim(radius, height, model_from_shape, model->grid(), features);
+  };
+  std::visit(
+      [&](const auto& field) {
+        using T = std::decay_t<decltype(field)>;
+        if constexpr (std::is_same_v<T, BoxField>) {
+          const Vec3& h = field.half_extents;
+          for (const double z : {-h.z, h.z}) {
+            for (const double y : {-h.y, h.y}) {
+              for (const double x : {-h.x, h.x}) add({x, y, z}, 0.0);
+            }
+          }
+        } else if constexpr (std::is_same_v<T, SphereField>) {
+          add({}, field.radius);
+        } else if constexpr (std::is_same_v<T, CapsuleField>) {
+          for (const double side : {-0.5, 0.5}) add({0, 0, side * field.length}, field.radius);
+        } else if constexpr (std::is_same_v<T, CylinderField>) {
+          for (const double side : {-0.5, 0.5}) add_circle(field.radius, side * field.length);
+        } else if constexpr (std::is_same_v<T, ConeField>) {
+          add_circle(field.radius, -0.5 * field.height);
+          add({0, 0, 0.5 * field.height}, 0.0);
+        }
+      },
+      pair.field());
+}
+
+void append_feature_contacts(const std::vector<Feature>& features, const PosedPair& pair,
+                             double margin, std::vector<Contact>& contacts) {
+  constexpr std::size_t kLanes = 8;
+  const GridField& field = pair.shell_side().model()->grid();
+  const Vec3 middle = pair.field_from_shell().inverse().translation;
+  const std::size_t count = features.size();
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    EightPoints places;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      places.set(i, static_cast<Vec3f>(features[std::min(first + i, count - 1)].place));
+    }
+    const EightFloats distances = field.distances(places);
+    for (std::size_t i = first; i < std::min(first + kLanes, count); ++i) {
+      const Feature& feature = features[i];
+      // Far from the surface a grid's distances are rough: those of balls are found near it.
+      const double slack = 0.5 * feature.radius;
+      const double distance = static_cast<double>(distances[i - first]) - feature.radius;
+      if (!(distance < margin + slack)) continue;
+      Hold hold = hold_nearest(feature, distance, field);
+      // Nothing pushes a corner away from its shape's middle: it has passed the middle of a wall,
+      // or its edge is nearer than the face that it came through.
+      const double inwards = dot(static_cast<Vec3>(hold.outwards), middle - feature.place);
+      if (hold.distance < 0.0 && feature.place != middle && !(inwards > 0.0)) {
+        hold = hold_on_the_way_in(feature, middle, field, hold);
+      }
+      if (!(hold.distance < margin) || hold.outwards == Vec3f{}) continue;
+      contacts.push_back(contact_of(feature, kFirstFeature + static_cast<std::uint32_t>(i),
+                                    hold.outwards, -hold.distance));
+    }
+  }
+}
+
+Contact contact_of(const Feature& feature, std::uint32_t id, const Vec3f& outwards, double depth) {
+  const Vec3 on_model = feature.place + (depth - feature.radius) * static_cast<Vec3>(outwards);
+  return {id, static_cast<float>(depth), static_cast<Vec3f>(on_model), -outwards};
+}
+
+}  // namespace voxshell::bullet
