@@ -70,24 +70,36 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
   const Vec3 drift = motion_a_.velocity_at(ball.centre) - motion_b_.velocity_at(ball.centre);
   const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
   const double of_spin = length(motion_a_.angular_velocity - motion_b_.angular_velocity) * radius_;
-  const double farthest = (length(drift + of_forces) + of_spin) * time_step;
+  farthest_way_ = (length(drift + of_forces) + of_spin) * time_step;
   const double fastest = length(drift) + of_spin;
   const double weight =
       std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;
   is_still_ = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
-  sweeps_ = farthest > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : detail_);
+  sweeps_ = farthest_way_ > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : detail_);
   // The solver may make points faster than they are.
   constexpr double kTurned = 2.0;
-  margin_ = sweeps_ ? std::max(rest_margin_, kTurned * farthest) : rest_margin_;
+  margin_ = sweeps_ ? std::max(rest_margin_, kTurned * farthest_way_) : rest_margin_;
 }
 
-void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature> features) {
+double ContactRule::touching_gap() const { return kTouching * detail_; }
+
+Pose ContactRule::field_from_shell_after(double share) const {
+  const auto moved = [&](const Side& side) {
+    const Motion& motion = &side == &pair_.a ? motion_a_ : motion_b_;
+    return motion.moved(side.world_from_geometry(), share, time_step_);
+  };
+  return moved(pair_.field_side()).inverse() * moved(pair_.shell_side());
+}
+
+void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature> features,
+                        double share) {
   features_ = features;
   motion_ = RelativeMotion::of(pair_.shell_is_a ? motion_a_ : motion_b_,
                                pair_.shell_is_a ? motion_b_ : motion_a_,
                                pair_.shell_side().world_from_geometry());
   field_from_shell_ = pair_.field_from_shell();
+  if (share > 0.0) carry_back(contacts, share);
   std::size_t kept = 0;
   bool touches = false;
   for (const Contact& contact : contacts) {
@@ -97,7 +109,7 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
       if (closing >= impact.gap) {
-        const auto swept = sweep(contact);
+        const auto swept = pair_.has_triangles() ? contact : sweep(contact);
         if (!swept) continue;
         judged = *swept;
         touches = true;
@@ -294,6 +306,30 @@ bool ContactRule::is_beside(const Contact& contact) const {
   return pair_.shell_side().model()->grid().distance(in_front) < -kAgainst * spacing;
 }
 
+/// To where contacts that are found after a share of the step are at its start.
+void ContactRule::carry_back(std::vector<Contact>& contacts, double share) const {
+  const Pose field_from_shell_then = field_from_shell_after(share);
+  for (Contact& contact : contacts) {
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const double gap = -static_cast<double>(contact.depth) - pair_.thickness();
+    const Vec3 on_field = field_from_shell_then.transform_point(
+        static_cast<Vec3>(contact.point) + static_cast<double>(contact.depth) * normal);
+    put_on_field(contact, on_field);
+    const Impact impact = impact_of(contact);
+    const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
+    contact.depth = static_cast<float>(-std::max(gap, 0.0) - share * closing - pair_.thickness());
+    put_on_field(contact, on_field);
+  }
+  std::erase_if(contacts, [&](const Contact& contact) { return impact_of(contact).gap < 0.0; });
+}
+
+/// Moves a contact, along the surface, to where a place of the field's body is now: bodies are to
+/// be stopped where they are, not where they will touch.
+void ContactRule::put_on_field(Contact& contact, const Vec3& on_field) const {
+  const Vec3 now = field_from_shell_.inverse().transform_point(on_field);
+  contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
+}
+
 /// Follows the point, its velocity constant, until it touches or the step ends.
 std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
   if (contact.id >= kFirstFeature) return sweep_feature(contact.id);
@@ -304,8 +340,7 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
   const double gap = -static_cast<double>(contact.depth) - pair_.thickness();
   return std::visit(
       [&](const auto& field) -> std::optional<Contact> {
-        const auto touch =
-            find_touch(field, start, way, gap, pair_.thickness(), kTouching * detail_);
+        const auto touch = find_touch(field, start, way, gap, pair_.thickness(), touching_gap());
         if (!touch) return std::nullopt;
         const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(touch->place)));
         const double approach = -dot(way, normal);
@@ -327,7 +362,7 @@ std::optional<Contact> ContactRule::sweep_feature(std::uint32_t id) const {
   const double offset = feature.radius + pair_.thickness();
   const double gap =
       static_cast<double>(field.distance(static_cast<Vec3f>(feature.place))) - offset;
-  const auto touch = find_touch(field, feature.place, way, gap, offset, kTouching * detail_);
+  const auto touch = find_touch(field, feature.place, way, gap, offset, touching_gap());
   if (!touch) return std::nullopt;
   const Vec3f outwards = normalized(field.gradient(touch->place));
   const double approach = -dot(way, static_cast<Vec3>(outwards));

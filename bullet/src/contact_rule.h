@@ -41,13 +41,21 @@ class ContactRule {
   double rest_margin() const { return rest_margin_; }
   /// Whether points are followed through the step.
   bool sweeps() const { return sweeps_; }
+  /// No place of the bodies moves by more in the step as the other sees it, metres.
+  double farthest_way() const { return farthest_way_; }
+  /// From which on bodies count as touching, metres.
+  double touching_gap() const;
+  /// Where the bodies are after a share of the step, if nothing stops them.
+  Pose field_from_shell_after(double share) const;
   /// Whether the bodies hardly move, so that they may come to rest on the points that they lie on.
   bool is_still() const { return is_still_; }
 
   /// Leaves those of `contacts` that are contacts, as the solver is to see them: a point that is
-  /// going to touch has the normal of the place where it will. `features` are those that some of
-  /// them are of.
-  void apply(std::vector<Contact>& contacts, std::span<const Feature> features);
+  /// going to touch has the normal of the place where it will.
+  ///
+  /// @param features  Those that some of the contacts are of.
+  /// @param share     Of the step, after which the contacts were looked for: those of triangles.
+  void apply(std::vector<Contact>& contacts, std::span<const Feature> features, double share);
 
   /// The lever of the torque that `contacts` of a still body withstand where it is so short that
   /// the solver would hardly feel it, metres; 0 for others. Not empty.
@@ -81,6 +89,8 @@ class ContactRule {
   double slip_limit() const;
   Vec3 slip_of(const Contact& contact) const;
   bool is_first(const Impact& impact) const;
+  void carry_back(std::vector<Contact>& contacts, double share) const;
+  void put_on_field(Contact& contact, const Vec3& on_field) const;
   std::optional<Contact> sweep(const Contact& contact) const;
   std::optional<Contact> sweep_feature(std::uint32_t id) const;
   void drop_beside(std::vector<Contact>& contacts) const;
@@ -98,6 +108,7 @@ class ContactRule {
   bool sweeps_;
   bool is_still_;
   bool rolling_at_rest_;
+  double farthest_way_;
   double margin_;
   double detail_;  ///< of the finer body, metres
   std::span<const Feature> features_;

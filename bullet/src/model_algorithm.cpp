@@ -117,17 +117,22 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
 
   std::optional<ContactRule> rule;
   bool takes_all = false;
+  double share = 0.0;  // of the step, after which contacts are looked for
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
     rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
     sweeps_ = rule->sweeps();
     // A point a segment is what kSegmented promises of bodies that move.
     takes_all = !sweeps_ && (settings_.mode != ContactMode::kSegmented || rule->is_still());
-    find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    if (sweeps_ && pair.has_triangles()) {
+      share = find_on_the_way(pair, *rule);
+    } else {
+      find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    }
   }
   {
     const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-    rule->apply(contacts_, features_);
+    rule->apply(contacts_, features_, share);
     // Of bodies in a pile that move a little, such points carry in the next step.
     const bool lies = rule->is_still() || settings_.mode == ContactMode::kRegular;
     if (takes_all && lies && !contacts_.empty()) {
@@ -176,6 +181,37 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
   find_features(pair, features_);
   if (features_.empty()) return;
   append_feature_contacts(features_, pair, reach, contacts_);
+}
+
+/// Fills contacts_ with those of the pose at which triangles first touch the model on its way
+/// through the step, by conservative advancement of the whole body: its first contact need not be
+/// where it is nearest now. Returns how much of the step is over then.
+double ModelAlgorithm::find_on_the_way(const PosedPair& pair, const ContactRule& rule) {
+  constexpr double kOfDistance = 0.8;  // grids' distances are rough far from the surface
+  constexpr int kMostSteps = 32;
+  const Model& model = *pair.field_side().model();
+  const double way = rule.farthest_way();
+  const auto reach = [&](double share) {
+    return static_cast<float>((1.0 - share) * way + rule.rest_margin() + pair.thickness());
+  };
+  contacts_.clear();
+  features_.clear();
+  triangle_contacts_.gather(*pair.shell_side().triangles(), model, pair.field_from_shell(),
+                            reach(0.0));
+  double share = 0.0;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const double gap =
+        triangle_contacts_.distance(model, rule.field_from_shell_after(share), reach(share)) -
+        pair.thickness();
+    if (gap <= rule.touching_gap()) break;
+    share += kOfDistance * gap / way;
+    if (!(share < 1.0)) return 0.0;
+  }
+  const std::vector<Contact>& found =
+      triangle_contacts_.find(model, rule.field_from_shell_after(share), level(), reach(share),
+                              2.0f * static_cast<float>(rule.touching_gap()));
+  contacts_.assign(found.begin(), found.end());
+  return share;
 }
 
 int ModelAlgorithm::level() const {

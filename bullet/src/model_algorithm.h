@@ -49,6 +49,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void find_near(PosedPair& pair, double margin, Wanted wanted);
+  double find_on_the_way(const PosedPair& pair, const ContactRule& rule);
   int level() const;
   std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);

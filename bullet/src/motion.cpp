@@ -1,5 +1,6 @@
 #include "motion.h"
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -53,6 +54,21 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
   return {from_bullet(body->getCenterOfMassPosition()), from_bullet(body->getLinearVelocity()),
           from_bullet(body->getAngularVelocity()),
           time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass};
+}
+
+Pose Motion::moved(const Pose& world_from_x, double share, double time_step) const {
+  const Vec3 turn = share * time_step * angular_velocity;
+  const double angle = length(turn);
+  const Vec3 axis = normalized(turn);
+  const auto turned = [&](const Vec3& v) {  // Rodrigues' formula
+    return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
+           (1.0 - std::cos(angle)) * dot(axis, v) * axis;
+  };
+  const Matrix3 columns = world_from_x.rotation.transposed();
+  const Matrix3 rotation =
+      Matrix3{turned(columns.row_x), turned(columns.row_y), turned(columns.row_z)}.transposed();
+  const Vec3 way = share * time_step * (velocity + velocity_of_forces);
+  return {rotation, centre + way + turned(world_from_x.translation - centre)};
 }
 
 RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,

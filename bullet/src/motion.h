@@ -21,6 +21,9 @@ struct Motion {
   Vec3 velocity_at(const Vec3& world_point) const {
     return velocity + cross(angular_velocity, world_point - centre);
   }
+
+  /// Where something of the body that is at `world_from_x` is after a share of the step.
+  Pose moved(const Pose& world_from_x, double share, double time_step) const;
 };
 
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.

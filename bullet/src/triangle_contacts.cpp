@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "transform_bounds.h"
 #include "voxshell/bullet/convert.h"
@@ -44,13 +45,12 @@ struct Lanes {
 /// By value, so that compilers see through it.
 float larger(float a, float b) { return a < b ? b : a; }
 
-/// The contact normal at the deepest place of a triangle. Within the triangle, the field's gradient
-/// is along the triangle's normal, but for the kinks that edges and corners make in the field:
-/// there the gradient is that of a face beside them, and the triangle's normal is the better.
-Vec3f deepest_normal(const Triangle3f& triangle, const Vec3f& place, const Vec3f& gradient) {
+/// Unit length, on the side of `outwards`; zero for triangles without area, and where the place is
+/// on an edge.
+Vec3f normal_within(const Triangle3f& triangle, const Vec3f& place, const Vec3f& outwards) {
   const Vec3f area = cross(triangle.b - triangle.a, triangle.c - triangle.a);
   const float twice_area = length(area);
-  if (!(twice_area > 0.0f)) return gradient;
+  if (!(twice_area > 0.0f)) return {};
   const Vec3f normal = area / twice_area;
   const auto is_beside = [&](const Vec3f& from, const Vec3f& to) {
     constexpr float kOfSize = 1e-4f;
@@ -58,10 +58,15 @@ Vec3f deepest_normal(const Triangle3f& triangle, const Vec3f& place, const Vec3f
   };
   const bool is_within = is_beside(triangle.a, triangle.b) && is_beside(triangle.b, triangle.c) &&
                          is_beside(triangle.c, triangle.a);
-  const float agreement = dot(normal, gradient);
-  constexpr float kMostKink = 0.5f;
-  if (!is_within || std::abs(agreement) < kMostKink) return gradient;
-  return agreement > 0.0f ? normal : -normal;
+  if (!is_within) return {};
+  return dot(normal, outwards) > 0.0f ? normal : -normal;
+}
+
+/// Those of the model and what is within the margin of its surface.
+Bounds bounds_within(const Model& model, float margin) {
+  const double reach = static_cast<double>(margin) + model.grid().interpolation_error();
+  const Vec3 around{reach, reach, reach};
+  return {model.bounds().lower - around, model.bounds().upper + around};
 }
 
 }  // namespace
@@ -74,15 +79,37 @@ float TriangleContacts::sample_spacing(const Model& model) {
 
 std::vector<Contact>& TriangleContacts::find(const btConcaveShape& mesh, const Model& model,
                                              const Pose& model_from_mesh, int level, float margin) {
+  gather(mesh, model, model_from_mesh, margin);
+  return find(model, model_from_mesh, level, margin);
+}
+
+void TriangleContacts::gather(const btConcaveShape& mesh, const Model& model,
+                              const Pose& model_from_mesh, float margin) {
+  corners_.clear();
+  const Bounds in_mesh = transform_bounds(model_from_mesh.inverse(), bounds_within(model, margin));
+  mesh.processAllTriangles(this, to_bullet(in_mesh.lower), to_bullet(in_mesh.upper));
+}
+
+void TriangleContacts::processTriangle(btVector3* corners, int, int) {
+  corners_.push_back({from_bullet(corners[0]), from_bullet(corners[1]), from_bullet(corners[2])});
+}
+
+double TriangleContacts::distance(const Model& model, const Pose& model_from_mesh, float margin) {
+  nearest_alone_ = true;
+  const std::vector<Contact>& found = find(model, model_from_mesh, /*level=*/1, margin);
+  nearest_alone_ = false;
+  return found.empty() ? std::numeric_limits<double>::infinity()
+                       : -static_cast<double>(found[0].depth);
+}
+
+std::vector<Contact>& TriangleContacts::find(const Model& model, const Pose& model_from_mesh,
+                                             int level, float margin, float apart) {
   constexpr int kMostCellsAlongSide = 16;
   field_ = &model.grid();
-  model_from_mesh_ = model_from_mesh;
   margin_ = margin;
   spacing_ = sample_spacing(model);
-  const double reach = static_cast<double>(margin) + field_->interpolation_error();
   bounds_ = model.bounds();
-  within_reach_ = {bounds_.lower - Vec3{reach, reach, reach},
-                   bounds_.upper + Vec3{reach, reach, reach}};
+  within_reach_ = bounds_within(model, margin);
   const Vec3 size = bounds_.extents();
   cell_size_ = std::max({size.x, size.y, size.z}) /
                std::min(1 << std::min(level - 1, 20), kMostCellsAlongSide);
@@ -91,15 +118,13 @@ std::vector<Contact>& TriangleContacts::find(const btConcaveShape& mesh, const M
         std::max(1.0, std::ceil(size[static_cast<int>(k)] / cell_size_ - 1e-9)));
   }
   place_of_cell_.assign(std::size_t{cells_[0]} * cells_[1] * cells_[2], kNone);
-  triangles_.clear();
   best_.clear();
   contacts_.clear();
 
-  const Pose mesh_from_model = model_from_mesh.inverse();
-  const Bounds in_mesh = transform_bounds(mesh_from_model, within_reach_);
-  mesh.processAllTriangles(this, to_bullet(in_mesh.lower), to_bullet(in_mesh.upper));
+  read_triangles(model_from_mesh);
   sample_triangles();
 
+  const Pose mesh_from_model = model_from_mesh.inverse();
   std::ranges::sort(best_, {}, &CellBest::cell);
   refine_best();
   for (std::size_t i = 0; i < best_.size(); ++i) {
@@ -111,24 +136,28 @@ std::vector<Contact>& TriangleContacts::find(const btConcaveShape& mesh, const M
       deepest = other;
     }
     if (deepest->distance < margin_) {
-      contacts_.push_back(contact_of(best_[i].cell, *deepest, mesh_from_model));
+      contacts_.push_back(contact_of(best_[i].cell, *deepest, apart, mesh_from_model));
     }
   }
   return contacts_;
 }
 
-void TriangleContacts::processTriangle(btVector3* corners, int, int) {
-  std::array<Vec3, 3> in_model;
-  for (std::size_t k = 0; k < 3; ++k) {
-    in_model[k] = model_from_mesh_.transform_point(from_bullet(corners[k]));
+/// To the model's frame, without those that the margin does not reach.
+void TriangleContacts::read_triangles(const Pose& model_from_mesh) {
+  triangles_.clear();
+  for (const std::array<Vec3, 3>& corners : corners_) {
+    std::array<Vec3, 3> in_model;
+    for (std::size_t k = 0; k < 3; ++k) in_model[k] = model_from_mesh.transform_point(corners[k]);
+    bool is_within = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [least, most] =
+          std::minmax({in_model[0][axis], in_model[1][axis], in_model[2][axis]});
+      if (least > within_reach_.upper[axis] || most < within_reach_.lower[axis]) is_within = false;
+    }
+    if (!is_within) continue;
+    triangles_.push_back({static_cast<Vec3f>(in_model[0]), static_cast<Vec3f>(in_model[1]),
+                          static_cast<Vec3f>(in_model[2])});
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [least, most] =
-        std::minmax({in_model[0][axis], in_model[1][axis], in_model[2][axis]});
-    if (least > within_reach_.upper[axis] || most < within_reach_.lower[axis]) return;
-  }
-  triangles_.push_back({static_cast<Vec3f>(in_model[0]), static_cast<Vec3f>(in_model[1]),
-                        static_cast<Vec3f>(in_model[2])});
 }
 
 /// Pieces that the field is asked about at once.
@@ -259,7 +288,10 @@ void TriangleContacts::sample_triangles() {
 /// Measured pieces within the margin, in their order: leaves are kept, and from the first that is
 /// none on, all wait.
 void TriangleContacts::take(const Batch& batch) {
-  const auto is_within = [&](std::size_t i) { return batch.values.lower_bound[i] <= margin_; };
+  const auto is_within = [&](std::size_t i) {
+    const float most = nearest_alone_ && !best_.empty() ? best_[0].least : margin_;
+    return batch.values.lower_bound[i] <= most;
+  };
   std::size_t first = 0;
   for (; first < batch.count; ++first) {
     if (!is_within(first)) continue;
@@ -349,12 +381,28 @@ void TriangleContacts::refine_best() {
   }
 }
 
-Contact TriangleContacts::contact_of(std::uint32_t cell, const Refined& refined,
+/// Within the triangle, the field's gradient is along the triangle's normal, but for the kinks that
+/// edges and corners make in the field: there the gradient is that of a face beside them, and the
+/// triangle's normal is the better. Of a place that the model is still away from, the contact is
+/// that of the triangle's plane and the model's point nearest to the place.
+Contact TriangleContacts::contact_of(std::uint32_t cell, const Refined& refined, float apart,
                                      const Pose& mesh_from_model) const {
+  constexpr float kMostKink = 0.5f;
   const Vec3f outwards = normalized(field_->gradient(refined.deepest));
-  const Vec3f normal = deepest_normal(triangles_[refined.triangle], refined.deepest, outwards);
-  return {cell, -refined.distance,
-          static_cast<Vec3f>(mesh_from_model.transform_point(static_cast<Vec3>(refined.deepest))),
+  const Vec3f of_triangle = normal_within(triangles_[refined.triangle], refined.deepest, outwards);
+  const float agreement = dot(of_triangle, outwards);
+  Vec3f place = refined.deepest;
+  Vec3f normal = outwards;
+  float distance = refined.distance;
+  if (distance > apart && agreement > 0.0f) {
+    normal = of_triangle;
+    distance *= agreement;
+    place = place - refined.distance * outwards + distance * normal;
+  } else if (agreement >= kMostKink) {
+    normal = of_triangle;
+  }
+  return {cell, -distance,
+          static_cast<Vec3f>(mesh_from_model.transform_point(static_cast<Vec3>(place))),
           static_cast<Vec3f>(mesh_from_model.rotate(static_cast<Vec3>(normal)))};
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,16 @@ class TriangleContacts : private btTriangleCallback {
   /// The result lives until the next use.
   std::vector<Contact>& find(const btConcaveShape& mesh, const Model& model,
                              const Pose& model_from_mesh, int level, float margin);
+
+  /// The same in parts, for several poses on a way of the margin's length from this one: the
+  /// triangles are looked up once.
+  void gather(const btConcaveShape& mesh, const Model& model, const Pose& model_from_mesh,
+              float margin);
+  /// Places farther than `apart` from the model touch as planes do, metres.
+  std::vector<Contact>& find(const Model& model, const Pose& model_from_mesh, int level,
+                             float margin, float apart = std::numeric_limits<float>::infinity());
+  /// Of the nearest of them from the model, metres; infinity where that is not below `margin`.
+  double distance(const Model& model, const Pose& model_from_mesh, float margin);
 
   /// The voxel, or 1/32 of the model's longest side where that is more. Metres.
   static float sample_spacing(const Model& model);
@@ -64,22 +75,25 @@ class TriangleContacts : private btTriangleCallback {
   };
 
   void processTriangle(btVector3* corners, int part, int index) override;
+  void read_triangles(const Pose& model_from_mesh);
   void sample_triangles();
   void take(const Batch& batch);
   Piece* room_for(const Vec3f& middle, float distance, float bound);
   void refine_best();
-  Contact contact_of(std::uint32_t cell, const Refined& refined, const Pose& mesh_from_model) const;
+  Contact contact_of(std::uint32_t cell, const Refined& refined, float apart,
+                     const Pose& mesh_from_model) const;
   std::uint32_t cell_of(const Vec3f& p) const;
 
   const GridField* field_ = nullptr;
-  Pose model_from_mesh_;
   Bounds bounds_;        ///< what is cut into cells
   Bounds within_reach_;  ///< of the margin: outside, triangles do not matter
   float margin_ = 0.0f;
   float spacing_ = 0.0f;
   double cell_size_ = 0.0;
   std::array<std::uint32_t, 3> cells_{};
-  std::vector<Triangle3f> triangles_;         ///< model's frame
+  bool nearest_alone_ = false;                ///< is looked for, not that of each cell
+  std::vector<std::array<Vec3, 3>> corners_;  ///< of the triangles, mesh's frame
+  std::vector<Triangle3f> triangles_;         ///< those within reach, model's frame
   std::vector<Piece> waiting_;                ///< within the margin, the next one last
   std::vector<std::uint32_t> place_of_cell_;  ///< in best_, or kNone
   std::vector<CellBest> best_;                ///< of the cells that pieces reach

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -187,19 +188,56 @@ TEST(Triangles, AreFoundAsByTheSlowWay) {
   EXPECT_GT(sample_count, 20'000u);
 }
 
+TEST(Triangles, AreAsFarAsTheNearestThatAreFound) {
+  Random random(9);
+  int near = 0;
+  for (const int cells : {1, 40}) {
+    const Terrain terrain(cells, waves);
+    const btBvhTriangleMeshShape mesh(terrain.array.get(), true);
+    TriangleContacts triangles;
+    for (int i = 0; i < 30; ++i) {
+      const Pose model_from_mesh =
+          Pose{random.rotation(), random.in_box({-0.5, -0.5, -0.3}, {0.5, 0.5, 0.3})}.inverse();
+      constexpr float kMargin = 0.15f;
+      triangles.gather(mesh, *blob_model(), model_from_mesh, kMargin);
+      const double distance = triangles.distance(*blob_model(), model_from_mesh, kMargin);
+      const std::vector<Contact> found = triangles.find(*blob_model(), model_from_mesh, 5, kMargin);
+      if (found.empty()) {
+        EXPECT_EQ(distance, std::numeric_limits<double>::infinity());
+        continue;
+      }
+      ++near;
+      const float deepest = std::ranges::max_element(found, {}, &Contact::depth)->depth;
+      EXPECT_NEAR(distance, -static_cast<double>(deepest), 1e-3) << "pose " << i;
+    }
+  }
+  EXPECT_GT(near, 20);
+}
+
 TEST(Triangles, StopABodyThatTheyAreMuchThinnerThanAStepOf) {
   const Terrain terrain(8, flat);
+  Random random(10);
   for (const double speed : {5.0, 50.0}) {
-    TestWorld world;
-    world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0);
-    btRigidBody& body = world.add_model(blob_model(), 1, {{}, {0.1, 0, 1.0}});
-    body.setLinearVelocity(to_bullet(Vec3{0, 0, -speed}));
-    for (int i = 0; i < 60; ++i) {
-      world.step(1, 1.0 / 60.0);
-      const btVector3& place = body.getWorldTransform().getOrigin();
-      if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.8))
-        break;  // it leaves the square
-      ASSERT_GT(place.z(), 0) << "speed " << speed << ", step " << i;
+    for (const double tilt : {0.0, 1.0}) {
+      for (int i = 0; i < 6; ++i) {
+        TestWorld world({}, {0, 0, 0});
+        world.add(world.make<btBvhTriangleMeshShape>(terrain.array.get(), true), 0)
+            .setFriction(scalar(0.5));
+        const Vec3 way{std::sin(tilt), 0, -std::cos(tilt)};
+        Pose pose = random.pose(0.3);
+        pose.translation = Vec3{-0.4, pose.translation.y, 0} - random.uniform(0.5, 1.2) * way;
+        btRigidBody& body = world.add_model(blob_model(), 1, pose);
+        body.setFriction(scalar(0.5));
+        body.setLinearVelocity(to_bullet(speed * way));
+        for (int step = 0; step < 60; ++step) {
+          world.step(1, 1.0 / 60.0);
+          const btVector3& place = body.getWorldTransform().getOrigin();
+          if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.8))
+            break;  // it leaves the square
+          ASSERT_GT(place.z(), 0) << speed << " m/s, tilt " << tilt << ", throw " << i << ", step "
+                                  << step;
+        }
+      }
     }
   }
 }
