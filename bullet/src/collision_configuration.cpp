@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btPoolAllocator.h>
 
+#include "compound_algorithm.h"
 #include "model_algorithm.h"
 #include "posed_pair.h"
 
@@ -92,6 +93,8 @@ struct CollisionConfiguration::CreateFunctions {
   ServingCreateFunc simulation{settings, Purpose::kSimulation};
   ServingCreateFunc contact_test{settings, Purpose::kContactTest};
   RefusingCreateFunc refusing;
+  CompoundCreateFunc compound{/*compound_is_second=*/false};
+  CompoundCreateFunc compound_second{/*compound_is_second=*/true};
 
   /// Ours for a pair of types, or null.
   btCollisionAlgorithmCreateFunc* of(int type0, int type1, ServingCreateFunc& served) {
@@ -118,6 +121,8 @@ CollisionConfiguration::~CollisionConfiguration() = default;
 btCollisionAlgorithmCreateFunc* CollisionConfiguration::getCollisionAlgorithmCreateFunc(int type0,
                                                                                         int type1) {
   if (auto* ours = create_functions_->of(type0, type1, create_functions_->simulation)) return ours;
+  if (btBroadphaseProxy::isCompound(type0)) return &create_functions_->compound;
+  if (btBroadphaseProxy::isCompound(type1)) return &create_functions_->compound_second;
   return btDefaultCollisionConfiguration::getCollisionAlgorithmCreateFunc(type0, type1);
 }
 

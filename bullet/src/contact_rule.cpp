@@ -65,13 +65,11 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
   const Ball& ball = larger_ == &pair.a ? ball_b : ball_a;
   radius_ = ball.radius;
   rest_margin_ = settings.margin >= 0.0 ? settings.margin : default_rest_margin(radius_);
-  // The relative velocity is affine in the place: no point of the ball moves farther, and bodies
-  // touch within it.
-  const Vec3 drift = motion_a_.velocity_at(ball.centre) - motion_b_.velocity_at(ball.centre);
-  const Vec3 of_forces = motion_a_.velocity_of_forces - motion_b_.velocity_of_forces;
-  const double of_spin = length(motion_a_.angular_velocity - motion_b_.angular_velocity) * radius_;
-  farthest_way_ = (length(drift + of_forces) + of_spin) * time_step;
-  const double fastest = length(drift) + of_spin;
+  // Bodies touch within the smaller one's ball.
+  farthest_way_ = find_farthest_way(motion_a_, motion_b_, ball, time_step);
+  const double fastest =
+      length(motion_a_.velocity_at(ball.centre) - motion_b_.velocity_at(ball.centre)) +
+      length(motion_a_.angular_velocity - motion_b_.angular_velocity) * radius_;
   const double weight =
       std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;

@@ -71,6 +71,14 @@ Pose Motion::moved(const Pose& world_from_x, double share, double time_step) con
   return {rotation, centre + way + turned(world_from_x.translation - centre)};
 }
 
+double find_farthest_way(const Motion& a, const Motion& b, const Ball& ball, double time_step) {
+  // The relative velocity is affine in the place.
+  const Vec3 of_centre = a.velocity_at(ball.centre) + a.velocity_of_forces -
+                         b.velocity_at(ball.centre) - b.velocity_of_forces;
+  const double of_spin = length(a.angular_velocity - b.angular_velocity) * ball.radius;
+  return (length(of_centre) + of_spin) * time_step;
+}
+
 RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
                                   const Pose& world_from_frame) {
   const Vec3& origin = world_from_frame.translation;

@@ -2,6 +2,7 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
+#include "ball.h"
 #include "voxshell/pose.h"
 
 namespace voxshell::bullet {
@@ -25,6 +26,10 @@ struct Motion {
   /// Where something of the body that is at `world_from_x` is after a share of the step.
   Pose moved(const Pose& world_from_x, double share, double time_step) const;
 };
+
+/// No place of a ball that one of the bodies is in moves by more in the step, as the other sees it,
+/// metres.
+double find_farthest_way(const Motion& a, const Motion& b, const Ball& ball, double time_step);
 
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
 struct RelativeMotion {

@@ -141,10 +141,7 @@ Ball Side::bounding_ball() const {
     return {world_from_geometry_.transform_point(static_cast<Vec3>(sphere.centre)),
             static_cast<double>(sphere.radius)};
   }
-  btVector3 centre;
-  btScalar radius = 0;
-  wrap_.getCollisionShape()->getBoundingSphere(centre, radius);
-  return {from_bullet(wrap_.getWorldTransform() * centre), static_cast<double>(radius)};
+  return Ball::about(wrap_);
 }
 
 double Side::detail() const {

@@ -5,6 +5,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
+#include "ball.h"
 #include "contact_manifold.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
@@ -25,11 +26,6 @@ enum class Meeting {
 Meeting meeting_with(int shape_type);
 /// Of shapes of one type, some may be kUnserved.
 Meeting meeting_with(const btCollisionShape& shape);
-
-struct Ball {
-  Vec3 centre;
-  double radius;  ///< metres
-};
 
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
 class Side {

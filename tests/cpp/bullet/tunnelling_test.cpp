@@ -100,6 +100,59 @@ TEST(Throws, AreFoundAsFarAsGravityTakesThem) {
   }
 }
 
+/// A compound of two children, neither about its middle.
+btCompoundShape& make_compound(TestWorld& world, btCollisionShape& child) {
+  auto& compound = world.make<btCompoundShape>();
+  compound.addChildShape(to_bullet(Pose{{}, {0.1, 0, 0}}), &child);
+  compound.addChildShape(to_bullet(Pose{{}, {-0.1, 0.05, 0}}), &child);
+  return compound;
+}
+
+// Bullet itself tries children once their bounds overlap those of the other shape.
+TEST(Throws, OfCompoundsStayOnTheirSide) {
+  Random random(5);
+  enum class Child { kModel, kBox };
+  for (const Child child : {Child::kModel, Child::kBox}) {
+    for (const bool onto_compound : {false, true}) {
+      for (const bool ground_first : {false, true}) {
+        for (const double speed : {5.0, 50.0}) {
+          TestWorld world({}, {0, 0, 0});
+          btCollisionShape* slab =
+              child == Child::kModel && !onto_compound
+                  ? &world.make<btBoxShape>(to_bullet(Vec3{0.5, 0.5, 0.025}))
+                  : static_cast<btCollisionShape*>(&world.make<ModelShape>(slab_model()));
+          const double top = slab->isConvex() ? 0.025 : 0.0;
+          if (onto_compound) {
+            auto& compound = world.make<btCompoundShape>();
+            compound.addChildShape(btTransform::getIdentity(), slab);
+            slab = &compound;
+          }
+          if (ground_first) world.add(*slab, 0).setFriction(1);
+          btCollisionShape& part =
+              child == Child::kModel
+                  ? static_cast<btCollisionShape&>(world.make<ModelShape>(blob_model()))
+                  : world.make<btBoxShape>(to_bullet(Vec3{0.02, 0.03, 0.04}));
+          Pose pose = random.pose(0.0);
+          pose.translation = {0.0, 0.0, random.uniform(0.5, 1.0)};
+          btRigidBody& body = world.add(make_compound(world, part), 1, pose);
+          if (!ground_first) world.add(*slab, 0).setFriction(1);
+          body.setFriction(1);
+          body.setLinearVelocity(btVector3(0, 0, scalar(-speed)));
+          for (int step = 0; step < 40; ++step) {
+            world.step(1, 1.0 / 60.0);
+            const btVector3& place = body.getWorldTransform().getOrigin();
+            if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.3)) break;
+            ASSERT_GT(height(body), top - 0.01)
+                << (child == Child::kModel ? "models" : "boxes") << " at "
+                << (onto_compound ? "a compound" : "a slab") << ", speed " << speed << ", step "
+                << step;
+          }
+        }
+      }
+    }
+  }
+}
+
 // What stops a body early must not stop it where it would have passed.
 TEST(Throws, PassBesideAnEdge) {
   TestWorld world({}, {0, 0, 0});
