@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "voxshell/result.h"
@@ -21,10 +22,12 @@ class ConvexField {
  public:
   static constexpr std::size_t kMostFaces = 4096;
 
-  /// Triangles in one plane, to 1e-6 of the mesh's longest side, become one face.
+  /// Triangles in one plane, to 1e-6 of the mesh's longest side, become one face. Planes that touch
+  /// the mesh at an edge or a corner, of which `tangents` are the outward unit normals, bring the
+  /// distances beyond it nearer to the true ones; they count as faces.
   /// Errors: kInvalidMesh (not closed, inside out; not convex, or thinner than, 1e-5 of its longest
   /// side), kTooLarge (more than kMostFaces faces).
-  static Result<ConvexField> create(const TriangleMesh& mesh);
+  static Result<ConvexField> create(const TriangleMesh& mesh, std::span<const Vec3> tangents = {});
 
   float distance(const Vec3f& p) const;
 

@@ -22,6 +22,7 @@ constexpr double kCoplanarTo = 1e-6;
 constexpr double kLowest = 1e-10;
 /// Between the normals of triangles of one face: those of slivers may be this far off.
 constexpr double kCoplanarCosine = 0.5;
+constexpr double kFarOut = std::numeric_limits<double>::infinity();
 
 struct Face {
   Vec3 normal;
@@ -53,6 +54,13 @@ double longest_edge(const std::array<Vec3, 3>& corners) {
   return std::max({length(b - a), length(c - b), length(a - c)});
 }
 
+Error too_many_faces(const TriangleMesh& mesh) {
+  return {ErrorCode::kTooLarge,
+          format_text("a convex polyhedron of more than %zu faces is slower than a model; build a "
+                      "model of this mesh of %zu triangles, or simplify it",
+                      ConvexField::kMostFaces, mesh.triangles().size())};
+}
+
 Result<std::vector<Face>> find_faces(const TriangleMesh& mesh, double size) {
   std::vector<Face> faces;
   for (const auto& [area, index] : rank_by_area(mesh)) {
@@ -67,12 +75,7 @@ Result<std::vector<Face>> find_faces(const TriangleMesh& mesh, double size) {
       });
     });
     if (is_known) continue;
-    if (faces.size() == ConvexField::kMostFaces) {
-      return Error{ErrorCode::kTooLarge,
-                   format_text("a convex polyhedron of more than %zu faces is slower than a model; "
-                               "build a model of this mesh of %zu triangles, or simplify it",
-                               ConvexField::kMostFaces, mesh.triangles().size())};
-    }
+    if (faces.size() == ConvexField::kMostFaces) return too_many_faces(mesh);
     faces.push_back({normal, dot(normal, a), index});
   }
   return faces;
@@ -121,12 +124,15 @@ Result<std::monostate> enclose(const TriangleMesh& mesh, double size, std::vecto
 
 }  // namespace
 
-Result<ConvexField> ConvexField::create(const TriangleMesh& mesh) {
+Result<ConvexField> ConvexField::create(const TriangleMesh& mesh, std::span<const Vec3> tangents) {
   if (auto checked = check_encloses_volume(mesh); !checked) return checked.error();
   const Bounds& bounds = mesh.bounds();
   const double size = bounds.extents()[bounds.longest_axis()];
   auto faces = find_faces(mesh, size);
   if (!faces) return faces.error();
+  if (faces->size() + tangents.size() > kMostFaces) return too_many_faces(mesh);
+  // enclose() moves them to where they touch.
+  for (const Vec3& normal : tangents) faces->push_back({normal, kFarOut, 0});
   if (auto checked = enclose(mesh, size, *faces); !checked) return checked.error();
 
   ConvexField field;

@@ -87,6 +87,32 @@ TEST(ConvexField, HasNegativeDistancesInsideAndPositiveOnesOutside) {
   }
 }
 
+TEST(ConvexField, IsNearerToTheTruthBeyondEdgesByTangentsAndTheSameInside) {
+  const Vec3 half{0.3, 0.1, 0.7};
+  const Vec3 tangents[] = {normalized(Vec3{1, 1, 0}), normalized(Vec3{1, 1, 1})};
+  const auto mesh = make_box(half).mesh();
+  const ConvexField plain = *ConvexField::create(mesh);
+  const ConvexField touched = *ConvexField::create(mesh, tangents);
+  const auto at = [](const ConvexField& field, const Vec3& p) {
+    return field.distance(static_cast<Vec3f>(p));
+  };
+  for (const Vec3& tangent : tangents) {
+    const Vec3 beyond = half + 0.2 * tangent;
+    EXPECT_LT(at(plain, beyond), 0.15f);
+    EXPECT_NEAR(at(touched, tangent.z == 0.0 ? Vec3{beyond.x, beyond.y, 0.2} : beyond), 0.2, 1e-6);
+  }
+  Random random(32);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 p = random.in_cube(1.0);
+    const float distance = at(plain, p);
+    if (distance < 0.0f) {
+      EXPECT_EQ(at(touched, p), distance);
+    }
+    EXPECT_GE(at(touched, p), distance);
+    EXPECT_LE(at(touched, p), BoxField{half}.distance(static_cast<Vec3f>(p)) + 1e-6f);
+  }
+}
+
 TEST(ConvexField, MergesTrianglesOfOneFace) {
   Random random(33);
   for (int i = 0; i < 10; ++i) {
