@@ -1,15 +1,21 @@
 #include "voxshell/bullet/collision_configuration.h"
 
 #include <algorithm>
+#include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btPoolAllocator.h>
 
 #include "compound_algorithm.h"
+#include "hull.h"
 #include "model_algorithm.h"
 #include "posed_pair.h"
 
@@ -40,21 +46,44 @@ class RefusingCreateFunc : public btCollisionAlgorithmCreateFunc {
   }
 };
 
-/// For pairs of types that are served, though some shapes of them may not be.
-class ServingCreateFunc : public ModelAlgorithmCreateFunc {
+/// For pairs of types that are served, though some shapes of them may not be, or by Bullet's own
+/// algorithms.
+class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
  public:
-  using ModelAlgorithmCreateFunc::ModelAlgorithmCreateFunc;
+  ServingCreateFunc(const ContactSettings& settings, Purpose purpose, Hulls& hulls,
+                    btDefaultCollisionConfiguration& bullet)
+      : settings_(settings), purpose_(purpose), hulls_(hulls), bullet_(bullet) {}
 
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
+    std::shared_ptr<const Hull> hull;
     for (const btCollisionObjectWrapper* side : {a, b}) {
-      if (meeting_with(*side->getCollisionShape()) == Meeting::kUnserved) {
+      const btCollisionShape& shape = *side->getCollisionShape();
+      const Meeting meeting = meeting_with(shape);
+      if (meeting == Meeting::kUnserved) {
         return RefusingCreateFunc().CreateCollisionAlgorithm(info, a, b);
       }
+      if (meeting == Meeting::kHull) {
+        hull = hulls_.of(static_cast<const btConvexShape&>(shape));
+        if (!hull) return of_bullet(*a, *b).CreateCollisionAlgorithm(info, a, b);
+      }
     }
-    return ModelAlgorithmCreateFunc::CreateCollisionAlgorithm(info, a, b);
+    void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(ModelAlgorithm));
+    return new (memory) ModelAlgorithm(info, settings_, purpose_, std::move(hull));
   }
+
+ private:
+  btCollisionAlgorithmCreateFunc& of_bullet(const btCollisionObjectWrapper& a,
+                                            const btCollisionObjectWrapper& b) {
+    return *bullet_.btDefaultCollisionConfiguration::getCollisionAlgorithmCreateFunc(
+        a.getCollisionShape()->getShapeType(), b.getCollisionShape()->getShapeType());
+  }
+
+  const ContactSettings& settings_;
+  Purpose purpose_;
+  Hulls& hulls_;
+  btDefaultCollisionConfiguration& bullet_;
 };
 
 /// The pools of the base class must hold our algorithm, whatever the caller asked for.
@@ -87,11 +116,15 @@ Result<std::monostate> check_served(const btCollisionShape& shape) {
 }
 
 struct CollisionConfiguration::CreateFunctions {
-  explicit CreateFunctions(const ContactSettings& contact_settings) : settings(contact_settings) {}
+  CreateFunctions(const ContactSettings& contact_settings, btDefaultCollisionConfiguration& bullet)
+      : settings(contact_settings),
+        simulation(settings, Purpose::kSimulation, hulls, bullet),
+        contact_test(settings, Purpose::kContactTest, hulls, bullet) {}
 
   ContactSettings settings;
-  ServingCreateFunc simulation{settings, Purpose::kSimulation};
-  ServingCreateFunc contact_test{settings, Purpose::kContactTest};
+  Hulls hulls;
+  ServingCreateFunc simulation;
+  ServingCreateFunc contact_test;
   RefusingCreateFunc refusing;
   CompoundCreateFunc compound{/*compound_is_second=*/false};
   CompoundCreateFunc compound_second{/*compound_is_second=*/true};
@@ -101,6 +134,7 @@ struct CollisionConfiguration::CreateFunctions {
     switch (meeting_of(type0, type1).value_or(Meeting::kNever)) {
       case Meeting::kModel:
       case Meeting::kField:
+      case Meeting::kHull:
       case Meeting::kTriangles:
         return &served;
       case Meeting::kUnserved:
@@ -114,7 +148,7 @@ struct CollisionConfiguration::CreateFunctions {
 CollisionConfiguration::CollisionConfiguration(const ContactSettings& settings,
                                                btDefaultCollisionConstructionInfo info)
     : btDefaultCollisionConfiguration(with_room(info)),
-      create_functions_(std::make_unique<CreateFunctions>(settings)) {}
+      create_functions_(std::make_unique<CreateFunctions>(settings, *this)) {}
 
 CollisionConfiguration::~CollisionConfiguration() = default;
 

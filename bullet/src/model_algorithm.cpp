@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <new>
 #include <optional>
 #include <span>
 #include <typeinfo>
+#include <utility>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -84,8 +84,9 @@ ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
 }  // namespace
 
 ModelAlgorithm::ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
-                               const ContactSettings& settings, Purpose purpose)
-    : btCollisionAlgorithm(info), settings_(settings), purpose_(purpose) {}
+                               const ContactSettings& settings, Purpose purpose,
+                               std::shared_ptr<const Hull> hull)
+    : btCollisionAlgorithm(info), settings_(settings), purpose_(purpose), hull_(std::move(hull)) {}
 
 ModelAlgorithm::~ModelAlgorithm() { release_manifolds(); }
 
@@ -103,7 +104,8 @@ void ModelAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) {
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {
-  PosedPair pair(*a, *b);
+  if (hull_) renew_hull(*a, *b);
+  PosedPair pair(*a, *b, hull_.get());
   // A contact test without a threshold takes the step's algorithms for the children of compounds;
   // its result is of a class of its own.
   const bool simulates =
@@ -152,6 +154,18 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   } else {
     // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
     fill(pair, *rule, takes_all && settings_.mode == ContactMode::kRegular);
+  }
+}
+
+/// Of a shape that was given points or scaled, if they still have a hull.
+void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
+                                const btCollisionObjectWrapper& b) {
+  const btCollisionShape* shape = a.getCollisionShape();
+  if (!shape->isConvex()) shape = b.getCollisionShape();
+  const auto& convex = static_cast<const btConvexShape&>(*shape);
+  if (hull_->is_of(convex)) return;
+  if (auto made = Hull::create(Hull::points_of(convex))) {
+    hull_ = std::make_shared<const Hull>(*std::move(made));
   }
 }
 
@@ -335,13 +349,6 @@ btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {
   // the threshold, and their impulses with them. Here, ManifoldFiller alone decides.
   manifold->setContactBreakingThreshold(BT_LARGE_FLOAT);
   return manifold;
-}
-
-btCollisionAlgorithm* ModelAlgorithmCreateFunc::CreateCollisionAlgorithm(
-    btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper*,
-    const btCollisionObjectWrapper*) {
-  void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(ModelAlgorithm));
-  return new (memory) ModelAlgorithm(info, settings_, purpose_);
 }
 
 }  // namespace voxshell::bullet

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
-#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "contact_rule.h"
+#include "hull.h"
 #include "shape_features.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
@@ -21,11 +22,12 @@ namespace voxshell::bullet {
 /// once.
 enum class Purpose { kSimulation, kContactTest };
 
-/// Narrow phase of a ModelShape and a shape that it meets by a field, a shell or triangles.
+/// Narrow phase of a ModelShape and a shape that it meets by a field, a shell or triangles. `hull`
+/// is of the shape that is met by one, else null.
 class ModelAlgorithm : public btCollisionAlgorithm {
  public:
   ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const ContactSettings& settings,
-                 Purpose purpose);
+                 Purpose purpose, std::shared_ptr<const Hull> hull);
   ~ModelAlgorithm() override;
   ModelAlgorithm(const ModelAlgorithm&) = delete;
   ModelAlgorithm& operator=(const ModelAlgorithm&) = delete;
@@ -48,6 +50,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   };
   enum class Wanted { kAll, kOneASegment };
 
+  void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
   void find_near(PosedPair& pair, double margin, Wanted wanted);
   double find_on_the_way(const PosedPair& pair, const ContactRule& rule);
   int level() const;
@@ -62,6 +65,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
 
   const ContactSettings& settings_;
   Purpose purpose_;
+  std::shared_ptr<const Hull> hull_;
   ContactRule::Memory memory_;
   QueryScratch scratch_;
   bool sweeps_ = false;      ///< this step
@@ -73,21 +77,6 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step
   std::vector<btPersistentManifold*> idle_;  ///< empty ones, kept for later steps
-};
-
-/// Makes ModelAlgorithms for the dispatcher.
-class ModelAlgorithmCreateFunc : public btCollisionAlgorithmCreateFunc {
- public:
-  ModelAlgorithmCreateFunc(const ContactSettings& settings, Purpose purpose)
-      : settings_(settings), purpose_(purpose) {}
-
-  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                 const btCollisionObjectWrapper* a,
-                                                 const btCollisionObjectWrapper* b) override;
-
- private:
-  const ContactSettings& settings_;
-  Purpose purpose_;
 };
 
 }  // namespace voxshell::bullet

@@ -43,6 +43,11 @@ Meeting meeting_with(int shape_type) {
     case CYLINDER_SHAPE_PROXYTYPE:
     case CONE_SHAPE_PROXYTYPE:
       return Meeting::kField;
+    case CONVEX_HULL_SHAPE_PROXYTYPE:
+    case CONVEX_POINT_CLOUD_SHAPE_PROXYTYPE:
+    case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE:
+    case TETRAHEDRAL_SHAPE_PROXYTYPE:
+      return Meeting::kHull;
     case TRIANGLE_MESH_SHAPE_PROXYTYPE:
     case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
     case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
@@ -69,7 +74,7 @@ Meeting meeting_with(const btCollisionShape& shape) {
   return meeting_with(shape.getShapeType());
 }
 
-Side::Side(const btCollisionObjectWrapper& wrap)
+Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
     : wrap_(wrap), world_from_geometry_(from_bullet(wrap.getWorldTransform())) {
   const btCollisionShape& shape = *wrap.getCollisionShape();
   switch (meeting_with(shape)) {
@@ -83,6 +88,11 @@ Side::Side(const btCollisionObjectWrapper& wrap)
     case Meeting::kTriangles:
       triangles_ = static_cast<const btConcaveShape*>(&shape);
       thickness_ = static_cast<double>(triangles_->getMargin());
+      return;
+    case Meeting::kHull:
+      hull_ = hull;
+      participant_ = {&hull_->field(), nullptr};
+      thickness_ = static_cast<double>(shape.getMargin());
       return;
     default:
       break;
@@ -144,18 +154,22 @@ Ball Side::bounding_ball() const {
   return Ball::about(wrap_);
 }
 
+Vec3 Side::middle() const { return hull_ != nullptr ? hull_->middle() : Vec3{}; }
+
 double Side::detail() const {
   if (model_ != nullptr) return std::min(model_->shell().spacing(), model_->grid().voxel_size());
   constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-  if (!analytic_ || std::holds_alternative<PlaneField>(*analytic_)) return kUnbounded;
+  const Field* field = participant_.field;
+  if (field == nullptr || std::holds_alternative<PlaneField>(*field)) return kUnbounded;
+  const auto at = static_cast<Vec3f>(middle());
   return std::visit(
-      [](const auto& field) { return -0.25 * static_cast<double>(field.distance({})); },
-      *analytic_);
+      [&](const auto& typed) { return -0.25 * static_cast<double>(typed.distance(at)); }, *field);
 }
 
-PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap)
-    : a(a_wrap),
-      b(b_wrap),
+PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,
+                     const Hull* hull)
+    : a(a_wrap, hull),
+      b(b_wrap, hull),
       // One of the two is a model, or the algorithm would not have been made.
       shell_is_a(a.triangles() != nullptr ||
                  (b.triangles() == nullptr &&

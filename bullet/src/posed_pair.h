@@ -7,6 +7,7 @@
 
 #include "ball.h"
 #include "contact_manifold.h"
+#include "hull.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 #include "voxshell/pair.h"
@@ -17,6 +18,7 @@ namespace voxshell::bullet {
 enum class Meeting {
   kModel,      ///< by its field and shell
   kField,      ///< by an analytic field: the model is the shell
+  kHull,       ///< the same by the field of its hull, where it has one; else as kConvex
   kTriangles,  ///< by its triangles in the model's field
   kConvex,     ///< by Bullet's own algorithm, with the model's triangles
   kCompound,   ///< child by child
@@ -27,10 +29,12 @@ Meeting meeting_with(int shape_type);
 /// Of shapes of one type, some may be kUnserved.
 Meeting meeting_with(const btCollisionShape& shape);
 
-/// One side of a pair as the core sees it. Analytic fields live here, models in their shapes.
+/// One side of a pair as the core sees it. Analytic fields live here, models in their shapes, hulls
+/// where the pair's algorithm is.
 class Side {
  public:
-  explicit Side(const btCollisionObjectWrapper& wrap);
+  /// `hull` is of a shape that meets the model by it; else null.
+  Side(const btCollisionObjectWrapper& wrap, const Hull* hull);
   Side(const Side&) = delete;
   Side& operator=(const Side&) = delete;
 
@@ -38,12 +42,16 @@ class Side {
   const Model* model() const { return model_; }
   /// Of sides that meet a model by triangles; else null.
   const btConcaveShape* triangles() const { return triangles_; }
+  /// Of sides that meet a model by their hull; else null.
+  const Hull* hull() const { return hull_; }
   const Pose& world_from_geometry() const { return world_from_geometry_; }
   const btCollisionObjectWrapper& wrap() const { return wrap_; }
   /// Bullet's collision margin where the shape is thicker by it than its geometry, metres.
   double thickness() const { return thickness_; }
   /// All of it is in there, world frame.
   Ball bounding_ball() const;
+  /// Of the geometry's frame, a place that is well inside.
+  Vec3 middle() const;
   /// What moves by more in a step may be through it unseen, metres: a voxel of a model, a quarter
   /// of the depth of another shape's middle.
   double detail() const;
@@ -57,12 +65,15 @@ class Side {
   Participant participant_;
   const Model* model_ = nullptr;
   const btConcaveShape* triangles_ = nullptr;
+  const Hull* hull_ = nullptr;
   double thickness_ = 0.0;
 };
 
 /// The two sides with their roles settled. Where one is made of triangles, they are the shell.
 struct PosedPair {
-  PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap);
+  /// `hull` is of the shape that meets the model by it, if one does, and outlives this.
+  PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,
+            const Hull* hull = nullptr);
 
   const Side& shell_side() const { return shell_is_a ? a : b; }
   const Side& field_side() const { return shell_is_a ? b : a; }

@@ -115,6 +115,8 @@ void find_features(const PosedPair& pair, std::vector<Feature>& features) {
         } else if constexpr (std::is_same_v<T, ConeField>) {
           add_circle(field.radius, -0.5 * field.height);
           add({0, 0, 0.5 * field.height}, 0.0);
+        } else if constexpr (std::is_same_v<T, ConvexField>) {
+          for (const Vec3& corner : pair.field_side().hull()->corners()) add(corner, 0.0);
         }
       },
       pair.field());
@@ -124,7 +126,7 @@ void append_feature_contacts(const std::vector<Feature>& features, const PosedPa
                              double margin, std::vector<Contact>& contacts) {
   constexpr std::size_t kLanes = 8;
   const GridField& field = pair.shell_side().model()->grid();
-  const Vec3 middle = pair.field_from_shell().inverse().translation;
+  const Vec3 middle = pair.field_from_shell().inverse().transform_point(pair.field_side().middle());
   const std::size_t count = features.size();
   for (std::size_t first = 0; first < count; first += kLanes) {
     EightPoints places;

@@ -67,10 +67,16 @@ TEST_P(Allocation, IsNoneInASettledStep) {
   auto& compound = world.make<btCompoundShape>();
   compound.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
   world.add_model(slab_model(), 0, {{}, {0, 2, 0.1}}).setFriction(1);
+  auto& hull = world.make<btConvexHullShape>();
+  for (const Vec3& v : voxshell::test_support::make_box({0.1, 0.1, 0.1}).vertices) {
+    hull.addPoint(to_bullet(v));
+  }
+  world.add_model(slab_model(), 0, {{}, {0, 4, 0.1}}).setFriction(1);
   btRigidBody* const bodies[] = {&world.add_model(cube_model(), 1, {{}, {0, 0, 0.1}}),
                                  &world.add_model(torus_model(), 1, {{}, {0, 2, 0.13}}),
                                  &world.add_model(cube_model(), 1, {{}, {1, 0, 0.3}}),
-                                 &world.add(compound, 1, {{}, {2, 0, 0.1}})};
+                                 &world.add(compound, 1, {{}, {2, 0, 0.1}}),
+                                 &world.add(hull, 1, {{}, {0, 4, 0.25}})};
   for (btRigidBody* body : bodies) {
     body->setFriction(scalar(0.8));
     body->setActivationState(DISABLE_DEACTIVATION);
@@ -80,7 +86,7 @@ TEST_P(Allocation, IsNoneInASettledStep) {
   of_bullet.add(of_bullet.make<btBoxShape>(to_bullet(Vec3{0.1, 0.1, 0.1})), 1, {{}, {0, 0, 0.1}})
       .setActivationState(DISABLE_DEACTIVATION);
   EXPECT_EQ(count_in(world), count_in(of_bullet));
-  EXPECT_GE(world.points().size(), 12u);
+  EXPECT_GE(world.points().size(), 16u);
 }
 
 TEST_P(Allocation, IsNoneInASettledStepOfAMultiBody) {

@@ -69,6 +69,20 @@ btTriangleIndexVertexArray* flat_mesh() {
   return mesh.array.get();
 }
 
+/// A box of 0.6 x 0.6 x 0.2 m.
+btTriangleMesh* box_mesh() {
+  static const auto mesh = [] {
+    auto triangles = std::make_unique<btTriangleMesh>();
+    const auto box = voxshell::test_support::make_box({0.3, 0.3, 0.1});
+    for (const auto& [a, b, c] : box.triangles) {
+      triangles->addTriangle(to_bullet(box.vertices[a]), to_bullet(box.vertices[b]),
+                             to_bullet(box.vertices[c]));
+    }
+    return triangles;
+  }();
+  return mesh.get();
+}
+
 /// Every tenth of whose size is that of flat_mesh().
 btTriangleIndexVertexArray* large_flat_mesh() {
   static FlatMesh mesh(10.0);
@@ -124,6 +138,14 @@ const std::vector<Partner>& partners() {
          }
          return with_margin(hull);
        }},
+      {"btConvexHullShape that is flat", kMargin,
+       [](TestWorld& w) -> btCollisionShape& {
+         auto& flat = w.make<btConvexHullShape>();
+         for (const double x : {-0.3, 0.3}) {
+           for (const double y : {-0.3, 0.3}) flat.addPoint(to_bullet(Vec3{x, y, 0.0}));
+         }
+         return with_margin(flat);
+       }},
       {"btConvexPointCloudShape", 0.1 + kMargin,
        [](TestWorld& w) -> btCollisionShape& {
          static std::vector<btVector3> points;
@@ -135,9 +157,9 @@ const std::vector<Partner>& partners() {
          return with_margin(w.make<btConvexPointCloudShape>(
              points.data(), static_cast<int>(points.size()), btVector3(1, 1, 1)));
        }},
-      {"btConvexTriangleMeshShape", kMargin,
+      {"btConvexTriangleMeshShape", 0.1 + kMargin,
        [](TestWorld& w) -> btCollisionShape& {
-         return with_margin(w.make<btConvexTriangleMeshShape>(flat_mesh()));
+         return with_margin(w.make<btConvexTriangleMeshShape>(box_mesh()));
        }},
       {"btBU_Simplex1to4", kMargin,
        [](TestWorld& w) -> btCollisionShape& {
@@ -308,6 +330,10 @@ const char* way_of(const std::string& shape) {
   for (const char* analytic : {"btBoxShape", "btSphereShape", "btCapsuleShape", "btCylinderShape",
                                "btConeShape", "btStaticPlaneShape"}) {
     if (shape == analytic) return "shell in an analytic field";
+  }
+  for (const char* hull : {"btConvexHullShape", "btConvexPointCloudShape",
+                           "btConvexTriangleMeshShape", "btBU_Simplex1to4"}) {
+    if (shape == hull) return "shell in the field of its hull";
   }
   for (const char* mesh :
        {"btBvhTriangleMeshShape", "btScaledBvhTriangleMeshShape",
