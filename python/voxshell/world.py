@@ -68,11 +68,12 @@ class World:
             moving or not.
         level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters, and for
             "auto" 5 in steps in which bodies are fast.
-        margin: How near slow points count as contacts, metres; a thousandth of the shell's diameter
-            by default. Without it, resting bodies rock.
+        margin: How near slow points count as contacts, metres; a thousandth of the smaller body's
+            diameter by default. Without it, resting bodies rock.
         sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch
-            within the step are contacts before they do, so that nothing tunnels; a voxel by default.
-            Infinity: never, as the thesis does it.
+            within the step are contacts before they do, so that nothing tunnels; by default a voxel, or
+            a quarter of the inner radius of a box, ball or hull. Infinity: never, as the thesis
+            does it.
         sleeping: Whether bodies at rest are put to sleep.
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
             here, penetration is resolved without adding velocity, which models need to rebound

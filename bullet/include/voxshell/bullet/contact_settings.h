@@ -32,16 +32,18 @@ struct ContactSettings {
   int level = 0;
 
   /// Slow points this close to a surface count as contacts, metres: without them a resting body
-  /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the shell's
-  /// diameter. "Slow" is an approach that takes longer than a step to cross the margin, so that
-  /// impacts keep their rebound: a contact reported before touching makes the solver close the gap
-  /// instead of reversing the velocity. Where a btCompoundShape takes part, give the ModelShape a
-  /// margin above the default with setMargin() too: compounds skip children whose bounds are apart.
+  /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the smaller
+  /// body's diameter. "Slow" is an approach that takes longer than a step to cross the margin, so
+  /// that impacts keep their rebound: a contact reported before touching makes the solver close the
+  /// gap instead of reversing the velocity. Where a btCompoundShape takes part, give the ModelShape
+  /// a margin above the default with setMargin() too: compounds skip children whose bounds are
+  /// apart.
   double margin = -1.0;
 
   /// Where bodies move farther than this in a step, metres, points that are going to touch within
-  /// the step are contacts before they do, so that fast models stop at the surface of models
-  /// and of shapes with a field, thin ones included. Negative: a voxel. Infinity: never.
+  /// the step are contacts before they do, so that fast bodies stop at surfaces, thin ones
+  /// included. Negative: a voxel, or a quarter of the inner radius of a box, ball, hull ...,
+  /// whichever is less. Infinity: never.
   double sweep_beyond = -1.0;
 
   /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from
