@@ -1,7 +1,7 @@
 #pragma once
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 
 #include "voxshell/bullet/convert.h"
 
@@ -14,9 +14,14 @@ struct Ball {
 
   /// About all of the object, as its shape says.
   static Ball about(const btCollisionObjectWrapper& wrap) {
+    const btCollisionShape& shape = *wrap.getCollisionShape();
     btVector3 centre;
     btScalar radius = 0;
-    wrap.getCollisionShape()->getBoundingSphere(centre, radius);
+    shape.getBoundingSphere(centre, radius);
+    // That of its box.
+    if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
+      radius = static_cast<const btSphereShape&>(shape).getRadius();
+    }
     return {from_bullet(wrap.getWorldTransform() * centre), static_cast<double>(radius)};
   }
 };

@@ -86,7 +86,9 @@ class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
   btDefaultCollisionConfiguration& bullet_;
 };
 
-/// The pools of the base class must hold our algorithm, whatever the caller asked for.
+static_assert(sizeof(CompoundAlgorithm) <= sizeof(ModelAlgorithm));
+
+/// The pools of the base class must hold our algorithms, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
   const btPoolAllocator* pool = info.m_collisionAlgorithmPool;
   if (pool != nullptr && pool->getElementSize() < static_cast<int>(sizeof(ModelAlgorithm))) {

@@ -16,24 +16,6 @@
 namespace voxshell::bullet {
 namespace {
 
-struct Aabb {
-  btVector3 lower;
-  btVector3 upper;
-
-  Aabb(const btCollisionShape& shape, const btTransform& world_from_shape, double reach) {
-    shape.getAabb(world_from_shape, lower, upper);
-    const auto around = static_cast<btScalar>(reach);
-    lower -= btVector3(around, around, around);
-    upper += btVector3(around, around, around);
-  }
-
-  /// Half of the shortest side, metres.
-  double half_thickness() const {
-    const btVector3 half = btScalar(0.5) * (upper - lower);
-    return static_cast<double>(half[half.minAxis()]);
-  }
-};
-
 bool has_model(const btCollisionShape& shape) {
   if (meeting_with(shape) == Meeting::kModel) return true;
   if (!shape.isCompound()) return false;
@@ -46,80 +28,136 @@ bool has_model(const btCollisionShape& shape) {
 
 }  // namespace
 
+CompoundAlgorithm::~CompoundAlgorithm() {
+  for (const OnTheWay& entry : on_the_way_) release(entry);
+}
+
+void CompoundAlgorithm::release(const OnTheWay& entry) {
+  entry.algorithm->~btCollisionAlgorithm();
+  m_dispatcher->freeCollisionAlgorithm(entry.algorithm);
+}
+
+void CompoundAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) {
+  btCompoundCollisionAlgorithm::getAllContactManifolds(manifolds);
+  for (const OnTheWay& entry : on_the_way_) entry.algorithm->getAllContactManifolds(manifolds);
+}
+
 void CompoundAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                          const btCollisionObjectWrapper* b,
                                          const btDispatcherInfo& info, btManifoldResult* result) {
   btCompoundCollisionAlgorithm::processCollision(a, b, info, result);
   const bool simulates = typeid(*result) == typeid(btManifoldResult);
-  if (simulates)
-    try_children_on_the_way(m_isSwapped ? *b : *a, m_isSwapped ? *a : *b, info, *result);
-}
-
-/// Those that Bullet has left out. Of a child that is slow beside its size, nothing is lost.
-void CompoundAlgorithm::try_children_on_the_way(const btCollisionObjectWrapper& compound,
-                                                const btCollisionObjectWrapper& other,
-                                                const btDispatcherInfo& info,
-                                                btManifoldResult& result) {
-  constexpr double kOfThickness = 0.25;
-  const auto time_step = static_cast<double>(info.m_timeStep);
+  if (!simulates) return;
+  const btCollisionObjectWrapper& compound = m_isSwapped ? *b : *a;
+  const btCollisionObjectWrapper& other = m_isSwapped ? *a : *b;
   const Ball ball = std::min(Ball::about(compound), Ball::about(other),
                              [](const Ball& x, const Ball& y) { return x.radius < y.radius; });
+  const auto time_step = static_cast<double>(info.m_timeStep);
   const double way =
       find_farthest_way(Motion::of(*compound.getCollisionObject(), time_step),
                         Motion::of(*other.getCollisionObject(), time_step), ball, time_step);
-  const Aabb reached(*other.getCollisionShape(), other.getWorldTransform(), way);
+  find_on_the_way(compound, other, way);
+  try_on_the_way(compound, other, info, *result);
+}
+
+/// Fills children_ with those that Bullet has left out and whose bounds the way may bring to those
+/// of the other shape.
+void CompoundAlgorithm::find_on_the_way(const btCollisionObjectWrapper& compound,
+                                        const btCollisionObjectWrapper& other, double way) {
+  children_.clear();
   const auto& shape = *static_cast<const btCompoundShape*>(compound.getCollisionShape());
-  for (int i = 0; i < shape.getNumChildShapes(); ++i) {
-    if (m_childCollisionAlgorithms[i] != nullptr) continue;
-    const btCollisionShape& child = *shape.getChildShape(i);
-    const btTransform world_from_child = compound.getWorldTransform() * shape.getChildTransform(i);
-    const Aabb aabb(child, world_from_child, 0.0);
-    if (!(way > kOfThickness * aabb.half_thickness())) continue;
-    if (!TestAabbAgainstAabb2(aabb.lower, aabb.upper, reached.lower, reached.upper)) continue;
+  btVector3 lower;
+  btVector3 upper;
+  const btTransform compound_from_other =
+      compound.getWorldTransform().inverse() * other.getWorldTransform();
+  other.getCollisionShape()->getAabb(compound_from_other, lower, upper);
+  const auto reach = static_cast<btScalar>(way);
+  lower -= btVector3(reach, reach, reach);
+  upper += btVector3(reach, reach, reach);
+  const auto try_child = [&](int index) {
+    if (m_childCollisionAlgorithms[index] != nullptr) return;
+    const btCollisionShape* child = shape.getChildShape(index);
+    btVector3 child_lower;
+    btVector3 child_upper;
+    child->getAabb(shape.getChildTransform(index), child_lower, child_upper);
+    if (!TestAabbAgainstAabb2(child_lower, child_upper, lower, upper)) return;
     if (gCompoundChildShapePairCallback != nullptr &&
-        !gCompoundChildShapePairCallback(other.getCollisionShape(), &child)) {
-      continue;
+        !gCompoundChildShapePairCallback(other.getCollisionShape(), child)) {
+      return;
     }
-    const btCollisionObjectWrapper wrap(&compound, &child, compound.getCollisionObject(),
-                                        world_from_child, -1, i);
-    process_child(i, wrap, other, info, result);
+    children_.push_back(index);
+  };
+  if (const btDbvt* tree = shape.getDynamicAabbTree()) {
+    struct Collector : btDbvt::ICollide {
+      explicit Collector(const decltype(try_child)& each) : use(each) {}
+      void Process(const btDbvtNode* leaf) override { use(leaf->dataAsInt); }
+      const decltype(try_child)& use;
+    } collector(try_child);
+    tree->collideTVNoStackAlloc(tree->m_root, btDbvtVolume::FromMM(lower, upper), stack_,
+                                collector);
+    std::ranges::sort(children_);
+  } else {
+    for (int i = 0; i < shape.getNumChildShapes(); ++i) try_child(i);
   }
 }
 
-/// As Bullet does it. The algorithm is kept with those that it made; it drops what no longer
-/// overlaps.
-void CompoundAlgorithm::process_child(int index, const btCollisionObjectWrapper& child,
-                                      const btCollisionObjectWrapper& other,
-                                      const btDispatcherInfo& info, btManifoldResult& result) {
-  btCollisionAlgorithm*& algorithm = m_childCollisionAlgorithms[index];
-  algorithm =
-      m_dispatcher->findAlgorithm(&child, &other, m_sharedManifold, BT_CONTACT_POINT_ALGORITHMS);
-  const bool is_first = result.getBody0Internal() == child.getCollisionObject();
-  const btCollisionObjectWrapper* const before =
-      is_first ? result.getBody0Wrap() : result.getBody1Wrap();
-  if (is_first) {
-    result.setBody0Wrap(&child);
-    result.setShapeIdentifiersA(-1, index);
-  } else {
-    result.setBody1Wrap(&child);
-    result.setShapeIdentifiersB(-1, index);
+/// Their algorithms are kept from step to step while they are on the way.
+void CompoundAlgorithm::try_on_the_way(const btCollisionObjectWrapper& compound,
+                                       const btCollisionObjectWrapper& other,
+                                       const btDispatcherInfo& info, btManifoldResult& result) {
+  const auto& shape = *static_cast<const btCompoundShape*>(compound.getCollisionShape());
+  const bool is_changed = revision_ != shape.getUpdateRevision();
+  revision_ = shape.getUpdateRevision();
+  next_.clear();
+  auto known = on_the_way_.begin();
+  for (const int index : children_) {
+    for (; known != on_the_way_.end() && (is_changed || known->child < index); ++known) {
+      release(*known);
+    }
+    const btTransform world_from_child =
+        compound.getWorldTransform() * shape.getChildTransform(index);  // the wrapper refers to it
+    const btCollisionObjectWrapper child(&compound, shape.getChildShape(index),
+                                         compound.getCollisionObject(), world_from_child, -1,
+                                         index);
+    const bool is_known = known != on_the_way_.end() && known->child == index;
+    next_.push_back({index, is_known ? (known++)->algorithm
+                                     : m_dispatcher->findAlgorithm(&child, &other, m_sharedManifold,
+                                                                   BT_CONTACT_POINT_ALGORITHMS)});
+    // As Bullet does it.
+    const bool is_first = result.getBody0Internal() == compound.getCollisionObject();
+    const btCollisionObjectWrapper* const before =
+        is_first ? result.getBody0Wrap() : result.getBody1Wrap();
+    if (is_first) {
+      result.setBody0Wrap(&child);
+      result.setShapeIdentifiersA(-1, index);
+    } else {
+      result.setBody1Wrap(&child);
+      result.setShapeIdentifiersB(-1, index);
+    }
+    next_.back().algorithm->processCollision(&child, &other, info, &result);
+    if (is_first) {
+      result.setBody0Wrap(before);
+    } else {
+      result.setBody1Wrap(before);
+    }
   }
-  algorithm->processCollision(&child, &other, info, &result);
-  if (is_first) {
-    result.setBody0Wrap(before);
-  } else {
-    result.setBody1Wrap(before);
-  }
+  for (; known != on_the_way_.end(); ++known) release(*known);
+  on_the_way_.swap(next_);
 }
 
 btCollisionAlgorithm* CompoundCreateFunc::CreateCollisionAlgorithm(
     btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a,
     const btCollisionObjectWrapper* b) {
-  if (has_model(*a->getCollisionShape()) || has_model(*b->getCollisionShape())) {
+  const bool are_compounds =
+      a->getCollisionShape()->isCompound() && b->getCollisionShape()->isCompound();
+  // Its filter of pairs of children is known to its own algorithm alone.
+  const bool is_filtered = are_compounds && gCompoundCompoundChildShapePairCallback != nullptr;
+  const bool has_models = has_model(*a->getCollisionShape()) || has_model(*b->getCollisionShape());
+  if (has_models && !is_filtered) {
     void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(CompoundAlgorithm));
     return new (memory) CompoundAlgorithm(info, a, b, m_swapped);
   }
-  if (a->getCollisionShape()->isCompound() && b->getCollisionShape()->isCompound()) {
+  if (are_compounds) {
     return btCompoundCompoundCollisionAlgorithm::CreateFunc().CreateCollisionAlgorithm(info, a, b);
   }
   void* memory =

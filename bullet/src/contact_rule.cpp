@@ -100,25 +100,30 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
   if (share > 0.0) carry_back(contacts, share);
   std::size_t kept = 0;
   bool touches = false;
+  bool touches_from_above = false;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(contact);
     Contact judged = contact;
+    bool is_touching = true;
     if (!(impact.gap < 0.0) && !is_resting(impact)) {
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
-      if (closing >= impact.gap) {
+      is_touching = closing >= impact.gap;
+      if (is_touching) {
         const auto swept = pair_.has_triangles() ? contact : sweep(contact);
         if (!swept) continue;
         judged = *swept;
-        touches = true;
       }
-    } else {
-      touches = true;
     }
+    touches = touches || is_touching;
+    touches_from_above = touches_from_above || (is_touching && !is_beside(judged));
     contacts[kept++] = judged;
   }
   contacts.resize(touches ? kept : 0);
-  drop_beside(contacts);
+  // A body that leaves another from inside is in contact all the way, if only with such.
+  if (touches_from_above) {
+    std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
+  }
   for (const Contact& contact : contacts) {
     first_touch_ = std::min(first_touch_, impact_of(contact).time());
   }
@@ -282,26 +287,20 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
   return world;
 }
 
-/// Contacts beside the body count where there are no others: a body that leaves another from inside
-/// is in contact all the way.
-void ContactRule::drop_beside(std::vector<Contact>& contacts) const {
-  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return;
-  const auto is_beside = [&](const Contact& contact) { return this->is_beside(contact); };
-  if (!std::ranges::all_of(contacts, is_beside)) std::erase_if(contacts, is_beside);
-}
-
 /// Whether a point of the larger body lies beside the smaller one rather than under it: that its
 /// surface goes on in front of it, so that nothing can come at it from where the normal says. On a
 /// ground of points as far apart as the body is large, those in front of its sides would stop it.
 bool ContactRule::is_beside(const Contact& contact) const {
   constexpr float kAgainst = -0.3f;  // cosine of the angle between the normals
+  constexpr float kFree = 0.3f;      // spacings
+  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return false;
   if (contact.id >= kFirstFeature) return false;
   const PointShell& shell = pair_.shell();
   if (dot(shell.normals()[contact.id], contact.normal) < kAgainst) return false;
   const auto spacing = static_cast<float>(shell.spacing());
   if (contact.depth > spacing) return false;
   const Vec3f in_front = contact.point - spacing * contact.normal;
-  return pair_.shell_side().model()->grid().distance(in_front) < -kAgainst * spacing;
+  return pair_.shell_side().model()->grid().distance(in_front) < kFree * spacing;
 }
 
 /// To where contacts that are found after a share of the step are at its start.
@@ -321,8 +320,9 @@ void ContactRule::carry_back(std::vector<Contact>& contacts, double share) const
   std::erase_if(contacts, [&](const Contact& contact) { return impact_of(contact).gap < 0.0; });
 }
 
-/// Moves a contact, along the surface, to where a place of the field's body is now: bodies are to
-/// be stopped where they are, not where they will touch.
+/// Moves a contact, along the surface, to where a place of the field's body is now. Of two places
+/// that will touch, solvers are to see that of the smaller body where it is: with the lever of the
+/// other it would be turned, not stopped.
 void ContactRule::put_on_field(Contact& contact, const Vec3& on_field) const {
   const Vec3 now = field_from_shell_.inverse().transform_point(on_field);
   contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
@@ -347,6 +347,10 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
         touching.normal = static_cast<Vec3f>(field_from_shell_.inverse().rotate(normal));
         touching.depth = static_cast<float>(-(touch->share * approach + std::max(touch->gap, 0.0)) -
                                             pair_.thickness());
+        if (larger_ == &pair_.shell_side()) {
+          const double apart = std::max(touch->gap, 0.0) + pair_.thickness();
+          put_on_field(touching, static_cast<Vec3>(touch->place) - apart * normal);
+        }
         return touching;
       },
       pair_.field());

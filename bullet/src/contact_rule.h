@@ -16,7 +16,7 @@ namespace voxshell::bullet {
 /// Which points near a surface are contacts of this step, and what the solver is told of them:
 ///   - points that penetrate;
 ///   - slow points within the rest margin, or a resting body loses and finds its contacts in turn;
-///   - where the bodies move by more than a voxel in this step: points that are going to touch
+///   - where the bodies move by more than their detail in this step: points that are going to touch
 ///     within it (Xu and Barbic 2016), with the gap that is left to them; and where there are any
 ///     contacts, those that move on might after the solver has turned the body.
 /// docs/decisions/0003-contact-rule.md says why, and what it was measured to do.
@@ -93,7 +93,6 @@ class ContactRule {
   void put_on_field(Contact& contact, const Vec3& on_field) const;
   std::optional<Contact> sweep(const Contact& contact) const;
   std::optional<Contact> sweep_feature(std::uint32_t id) const;
-  void drop_beside(std::vector<Contact>& contacts) const;
   bool is_beside(const Contact& contact) const;
 
   const PosedPair& pair_;

@@ -13,6 +13,7 @@
 #include <LinearMath/btConvexHullComputer.h>
 
 #include "voxshell/bullet/convert.h"
+#include "voxshell/mass_properties.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -176,13 +177,15 @@ std::optional<Hull> Hull::create(std::vector<Vec3> points) {
   auto field = ConvexField::create(*mesh, polyhedron.tangents());
   if (!field) return std::nullopt;
   const std::span<const Vec3> corners = mesh->vertices();
-  return Hull(std::move(points), {corners.begin(), corners.end()}, *std::move(field));
+  return Hull(std::move(points), {corners.begin(), corners.end()},
+              compute_solid_mass_properties(*mesh).centre_of_mass, *std::move(field));
 }
 
-Hull::Hull(std::vector<Vec3> points, std::vector<Vec3> corners, Field field)
-    : points_(std::move(points)), corners_(std::move(corners)), field_(std::move(field)) {
-  for (const Vec3& corner : corners_) middle_ += corner / static_cast<double>(corners_.size());
-}
+Hull::Hull(std::vector<Vec3> points, std::vector<Vec3> corners, const Vec3& middle, Field field)
+    : points_(std::move(points)),
+      corners_(std::move(corners)),
+      middle_(middle),
+      field_(std::move(field)) {}
 
 bool Hull::is_of(const btConvexShape& shape) const {
   // Of its mesh, Bullet's shape cannot say what has changed.

@@ -28,13 +28,13 @@ class Hull {
   const std::vector<Vec3>& points() const { return points_; }
   const Field& field() const { return field_; }
   const std::vector<Vec3>& corners() const { return corners_; }
-  /// The mean of the corners.
+  /// The centre of mass.
   const Vec3& middle() const { return middle_; }
   /// Whether the shape still has the points that this was made of, by their number and the last.
   bool is_of(const btConvexShape& shape) const;
 
  private:
-  Hull(std::vector<Vec3> points, std::vector<Vec3> corners, Field field);
+  Hull(std::vector<Vec3> points, std::vector<Vec3> corners, const Vec3& middle, Field field);
 
   std::vector<Vec3> points_;
   std::vector<Vec3> corners_;

@@ -162,8 +162,12 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
                                 const btCollisionObjectWrapper& b) {
   const btCollisionShape* shape = a.getCollisionShape();
   if (!shape->isConvex()) shape = b.getCollisionShape();
+  if (meeting_with(*shape) != Meeting::kHull) return;
   const auto& convex = static_cast<const btConvexShape&>(*shape);
-  if (hull_->is_of(convex)) return;
+  const Vec3 scaling = from_bullet(convex.getLocalScaling());
+  const bool is_scaled = hull_scaling_ && !(*hull_scaling_ == scaling);
+  hull_scaling_ = scaling;
+  if (!is_scaled && hull_->is_of(convex)) return;
   if (auto made = Hull::create(Hull::points_of(convex))) {
     hull_ = std::make_shared<const Hull>(*std::move(made));
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -66,6 +67,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   const ContactSettings& settings_;
   Purpose purpose_;
   std::shared_ptr<const Hull> hull_;
+  std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
   ContactRule::Memory memory_;
   QueryScratch scratch_;
   bool sweeps_ = false;      ///< this step

@@ -163,7 +163,10 @@ double Side::detail() const {
   if (field == nullptr || std::holds_alternative<PlaneField>(*field)) return kUnbounded;
   const auto at = static_cast<Vec3f>(middle());
   return std::visit(
-      [&](const auto& typed) { return -0.25 * static_cast<double>(typed.distance(at)); }, *field);
+      [&](const auto& typed) {
+        return 0.25 * (thickness_ - static_cast<double>(typed.distance(at)));
+      },
+      *field);
 }
 
 PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,

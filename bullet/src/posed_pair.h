@@ -73,7 +73,7 @@ class Side {
 struct PosedPair {
   /// `hull` is of the shape that meets the model by it, if one does, and outlives this.
   PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,
-            const Hull* hull = nullptr);
+            const Hull* hull);
 
   const Side& shell_side() const { return shell_is_a ? a : b; }
   const Side& field_side() const { return shell_is_a ? b : a; }

@@ -31,7 +31,13 @@ void add_rim(double radius, double height, const Pose& model_from_shape, const G
   const Matrix3 shape_from_model = model_from_shape.rotation.transposed();
   const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(centre)));
   const double across = std::sqrt(out.x * out.x + out.y * out.y);
-  if (across > 0.0) add(-out.x / across, -out.y / across);
+  // Of a rim that lies flat, no point is the deepest.
+  constexpr double kFlat = 0.1;
+  if (across > kFlat) {
+    add(-out.x / across, -out.y / across);
+  } else {
+    add(1.0, 0.0);
+  }
 }
 
 /// Where a model touches a feature, or holds it.

@@ -66,6 +66,12 @@ TEST_P(Allocation, IsNoneInASettledStep) {
   world.add(world.make<btBoxShape>(to_bullet(Vec3{0.3, 0.3, 0.1})), 0, {{}, {1, 0, 0.1}});
   auto& compound = world.make<btCompoundShape>();
   compound.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
+  // One child lies half a millimetre over a box, near enough to be tried without touching.
+  world.add(world.make<btBoxShape>(to_bullet(Vec3{0.4, 0.4, 0.1})), 0, {{}, {0, 6, 0.1}});
+  auto& lifted = world.make<btCompoundShape>();
+  lifted.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
+  lifted.addChildShape(to_bullet(Pose{{}, {0.25, 0, 0.0005}}),
+                       &world.make<ModelShape>(cube_model()));
   world.add_model(slab_model(), 0, {{}, {0, 2, 0.1}}).setFriction(1);
   auto& hull = world.make<btConvexHullShape>();
   for (const Vec3& v : voxshell::test_support::make_box({0.1, 0.1, 0.1}).vertices) {
@@ -76,7 +82,8 @@ TEST_P(Allocation, IsNoneInASettledStep) {
                                  &world.add_model(torus_model(), 1, {{}, {0, 2, 0.13}}),
                                  &world.add_model(cube_model(), 1, {{}, {1, 0, 0.3}}),
                                  &world.add(compound, 1, {{}, {2, 0, 0.1}}),
-                                 &world.add(hull, 1, {{}, {0, 4, 0.25}})};
+                                 &world.add(hull, 1, {{}, {0, 4, 0.25}}),
+                                 &world.add(lifted, 1, {{}, {-0.1, 6, 0.3}})};
   for (btRigidBody* body : bodies) {
     body->setFriction(scalar(0.8));
     body->setActivationState(DISABLE_DEACTIVATION);

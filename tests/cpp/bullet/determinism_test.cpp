@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x19f456026b899983, 0x69dbf3e8e70d8652, 0x0abf514a34efde3c, 0xbafe481cd9cc719a,
-        0xe49018b732a4a129}},
+       {0x5daee6eaefbe5b6b, 0x868da2183736256c, 0x48acc611410937c9, 0xad4459dbbc3b651b,
+        0x628ba710b540ccc6}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xda02d8334e2e7579, 0xf640afacc21bb65b, 0x96079d311875d8d9, 0x6a7783396f8fd9ee,
-        0xa5207ec3b87d5675}},
+       {0x570296a929b1f542, 0x33d5a26b46e0fd7c, 0x338b625b4acee646, 0xeb5d05e21532d60d,
+        0x3bb560d6e25fa5a0}},
   };
   return hashes;
 }

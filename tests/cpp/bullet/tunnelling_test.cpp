@@ -153,6 +153,22 @@ TEST(Throws, OfCompoundsStayOnTheirSide) {
   }
 }
 
+// A child that is slow beside its size is not beside what it lands on.
+TEST(Throws, OfThickChildrenStopAtThinModels) {
+  const auto cube = build_model(voxshell::test_support::make_box({0.1, 0.1, 0.1}), 0.02);
+  const auto sheet = build_model(voxshell::test_support::make_box({0.3, 0.3, 0.0025}), 0.001);
+  for (const double start : {0.105, 0.11, 0.115, 0.12, 0.125}) {
+    TestWorld world({}, {0, 0, 0});
+    world.add_model(sheet, 0);
+    auto& compound = world.make<btCompoundShape>();
+    compound.addChildShape(to_bullet(Pose{{}, {0.003, 0.004, 0}}), &world.make<ModelShape>(cube));
+    btRigidBody& body = world.add(compound, 1, {{}, {0, 0, start}});
+    body.setLinearVelocity(btVector3(0, 0, scalar(-1.4)));
+    world.step(60, 1.0 / 60.0);
+    EXPECT_GT(height(body), 0.1) << start;
+  }
+}
+
 // What stops a body early must not stop it where it would have passed.
 TEST(Throws, PassBesideAnEdge) {
   TestWorld world({}, {0, 0, 0});
