@@ -105,6 +105,7 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
     const Impact impact = impact_of(contact);
     Contact judged = contact;
     bool is_touching = true;
+    double time = impact.time();
     if (!(impact.gap < 0.0) && !is_resting(impact)) {
       if (!sweeps_) continue;
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
@@ -113,20 +114,17 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
         const auto swept = pair_.has_triangles() ? contact : sweep(contact);
         if (!swept) continue;
         judged = *swept;
+        time = impact_of(judged).time();
       }
     }
     touches = touches || is_touching;
     touches_from_above = touches_from_above || (is_touching && !is_beside(judged));
     contacts[kept++] = judged;
+    first_touch_ = std::min(first_touch_, time);
   }
   contacts.resize(touches ? kept : 0);
   // A body that leaves another from inside is in contact all the way, if only with such.
-  if (touches_from_above) {
-    std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
-  }
-  for (const Contact& contact : contacts) {
-    first_touch_ = std::min(first_touch_, impact_of(contact).time());
-  }
+  if (touches_from_above) drop_beside(contacts);
   if (is_still_ && touches) {
     constexpr double kBandOfMargin = 0.5;
     memory_.patch.settle(contacts, pair_.thickness(), kBandOfMargin * rest_margin_);
@@ -285,6 +283,15 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
                           (inverse_mass * kWarmStartingFactor * static_cast<double>(first_count_));
   }
   return world;
+}
+
+void ContactRule::drop_beside(std::vector<Contact>& contacts) {
+  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return;
+  std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
+  first_touch_ = kNever;
+  for (const Contact& contact : contacts) {
+    first_touch_ = std::min(first_touch_, impact_of(contact).time());
+  }
 }
 
 /// Whether a point of the larger body lies beside the smaller one rather than under it: that its
