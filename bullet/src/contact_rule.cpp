@@ -285,8 +285,13 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
   return world;
 }
 
+/// Of points: triangles are no bodies of their own.
+bool ContactRule::shell_is_larger() const {
+  return !pair_.has_triangles() && larger_ == &pair_.shell_side();
+}
+
 void ContactRule::drop_beside(std::vector<Contact>& contacts) {
-  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return;
+  if (!shell_is_larger()) return;
   std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
   first_touch_ = kNever;
   for (const Contact& contact : contacts) {
@@ -300,8 +305,7 @@ void ContactRule::drop_beside(std::vector<Contact>& contacts) {
 bool ContactRule::is_beside(const Contact& contact) const {
   constexpr float kAgainst = -0.3f;  // cosine of the angle between the normals
   constexpr float kFree = 0.3f;      // spacings
-  if (pair_.has_triangles() || larger_ != &pair_.shell_side()) return false;
-  if (contact.id >= kFirstFeature) return false;
+  if (!shell_is_larger() || contact.id >= kFirstFeature) return false;
   const PointShell& shell = pair_.shell();
   if (dot(shell.normals()[contact.id], contact.normal) < kAgainst) return false;
   const auto spacing = static_cast<float>(shell.spacing());
@@ -354,7 +358,7 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
         touching.normal = static_cast<Vec3f>(field_from_shell_.inverse().rotate(normal));
         touching.depth = static_cast<float>(-(touch->share * approach + std::max(touch->gap, 0.0)) -
                                             pair_.thickness());
-        if (larger_ == &pair_.shell_side()) {
+        if (shell_is_larger()) {
           const double apart = std::max(touch->gap, 0.0) + pair_.thickness();
           put_on_field(touching, static_cast<Vec3>(touch->place) - apart * normal);
         }

@@ -272,12 +272,7 @@ TEST(Hull, ThrownAtAThinModelStaysOnItsSide) {
         btRigidBody& body = world.add(make_hull(world, points, kThinMargin), 1, pose);
         body.setFriction(1);
         body.setLinearVelocity(btVector3(0, 0, scalar(-speed)));
-        for (int step = 0; step < 60; ++step) {
-          world.step(1, 1.0 / 60.0);
-          const btVector3& place = body.getWorldTransform().getOrigin();
-          if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.45)) break;
-          ASSERT_GT(height(body), 0.0) << speed << " m/s, throw " << i << ", step " << step;
-        }
+        ASSERT_GT(lowest_over(world, body, 60, 0.45), 0.0) << speed << " m/s, throw " << i;
       }
     }
   }

@@ -130,12 +130,7 @@ TEST_P(MultiBody, IsStoppedAtAnySpeedWithinItsBounds) {
       Tree tree(world, Tree::Base::kFree, {&shape}, {random.rotation(), {0, 0, 0.7}});
       tree.enter_world();
       tree.body.setBaseVel(to_bullet(Vec3{0, 0, -speed}));
-      for (int step = 0; step < 60; ++step) {
-        world.step(1, 1.0 / 60.0);
-        const btVector3 place = place_of(tree);
-        if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.9)) break;
-        ASSERT_GT(place.z(), 0) << "speed " << speed << ", throw " << i << ", step " << step;
-      }
+      ASSERT_GT(lowest_over(world, tree, 60, 0.9), 0.0) << "speed " << speed << ", throw " << i;
     }
   }
 }

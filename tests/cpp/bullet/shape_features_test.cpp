@@ -109,12 +109,8 @@ TEST_P(SmallShape, ThrownAtAThinModelStaysOnItsSide) {
         btRigidBody& body = world.add(make(world), 1, pose);
         body.setFriction(scalar(0.5));
         body.setLinearVelocity(to_bullet(speed * way));
-        for (int step = 0; step < 40; ++step) {
-          world.step(1, 1.0 / 60.0);
-          const btVector3 place = place_of(body);
-          if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.5)) break;
-          ASSERT_GT(height(body), -0.01) << speed << " m/s, tilt " << tilt << ", throw " << i;
-        }
+        ASSERT_GT(lowest_over(world, body, 40, 0.5), -0.01)
+            << speed << " m/s, tilt " << tilt << ", throw " << i;
       }
     }
   }

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "support/deepest_result.h"
+#include "support/drop.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/slow_triangle_contacts.h"
@@ -229,14 +230,8 @@ TEST(Triangles, StopABodyThatTheyAreMuchThinnerThanAStepOf) {
         btRigidBody& body = world.add_model(blob_model(), 1, pose);
         body.setFriction(scalar(0.5));
         body.setLinearVelocity(to_bullet(speed * way));
-        for (int step = 0; step < 60; ++step) {
-          world.step(1, 1.0 / 60.0);
-          const btVector3& place = body.getWorldTransform().getOrigin();
-          if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.8))
-            break;  // it leaves the square
-          ASSERT_GT(place.z(), 0) << speed << " m/s, tilt " << tilt << ", throw " << i << ", step "
-                                  << step;
-        }
+        ASSERT_GT(lowest_over(world, body, 60, 0.8), 0.0)
+            << speed << " m/s, tilt " << tilt << ", throw " << i;
       }
     }
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/drop.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
@@ -60,12 +61,7 @@ TEST_P(Throws, StayOnTheirSideOfASlab) {
         btRigidBody& body = world.add_model(model, 1, pose);
         body.setFriction(1);
         body.setLinearVelocity(btVector3(0, 0, scalar(-speed)));
-        for (int step = 0; step < 60; ++step) {
-          world.step(1, 1.0 / 60.0);
-          const btVector3& place = body.getWorldTransform().getOrigin();
-          if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.45)) break;
-          ASSERT_GT(height(body), 0.0) << "speed " << speed << ", throw " << i << ", step " << step;
-        }
+        ASSERT_GT(lowest_over(world, body, 60, 0.45), 0.0) << "speed " << speed << ", throw " << i;
       }
     }
   }
@@ -138,15 +134,9 @@ TEST(Throws, OfCompoundsStayOnTheirSide) {
           if (!ground_first) world.add(*slab, 0).setFriction(1);
           body.setFriction(1);
           body.setLinearVelocity(btVector3(0, 0, scalar(-speed)));
-          for (int step = 0; step < 40; ++step) {
-            world.step(1, 1.0 / 60.0);
-            const btVector3& place = body.getWorldTransform().getOrigin();
-            if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(0.3)) break;
-            ASSERT_GT(height(body), top - 0.01)
-                << (child == Child::kModel ? "models" : "boxes") << " at "
-                << (onto_compound ? "a compound" : "a slab") << ", speed " << speed << ", step "
-                << step;
-          }
+          ASSERT_GT(lowest_over(world, body, 40, 0.3), top - 0.01)
+              << (child == Child::kModel ? "models" : "boxes") << " at "
+              << (onto_compound ? "a compound" : "a slab") << ", speed " << speed;
         }
       }
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -59,6 +60,20 @@ void expect_true_landing(World& world, const Body& body, int steps) {
   }
   EXPECT_LT(most_energy, 1.001 * energy);
   EXPECT_LT(deepest, 0.01);  // a voxel of the coarsest model
+}
+
+/// The least height of a body in so many steps at 60 Hz, as long as it is over a ground of which
+/// half a side is `edge`. Metres.
+template <class World, class Body>
+double lowest_over(World& world, const Body& body, int steps, double edge) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < steps; ++i) {
+    world.step(1, 1.0 / 60.0);
+    const btVector3 place = place_of(body);
+    if (std::max(btFabs(place.x()), btFabs(place.y())) > scalar(edge)) break;
+    lowest = std::min(lowest, static_cast<double>(place.z()));
+  }
+  return lowest;
 }
 
 /// rad/s. In single precision, four points leave a body rocking.
