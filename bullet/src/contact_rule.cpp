@@ -148,7 +148,7 @@ ContactRule::Impact ContactRule::impact_of(const Contact& contact) const {
   const Vec3 velocity = motion_.velocity_at(static_cast<Vec3>(contact.point));
   const auto normal = static_cast<Vec3>(contact.normal);
   return {-static_cast<double>(contact.depth) - pair_.thickness(), -dot(velocity, normal),
-          -dot(motion_.velocity_of_forces, normal), length(velocity)};
+          -dot(motion_.velocity_of_forces, normal), squared_length(velocity)};
 }
 
 /// Whether a contact is among those that touch first. Those that come later would not come at all
@@ -170,7 +170,8 @@ bool ContactRule::is_resting(const Impact& impact) const {
 
 /// Whether friction is to remember where the bodies are.
 bool ContactRule::holds(const Impact& impact) const {
-  return is_resting(impact) && impact.speed * time_step_ <= rest_margin_;
+  return is_resting(impact) &&
+         impact.squared_speed * time_step_ * time_step_ <= rest_margin_ * rest_margin_;
 }
 
 /// Bodies of which no point is where it took hold do so anew. One pose for all points: remembered
@@ -184,7 +185,7 @@ void ContactRule::hold(std::span<const Contact> contacts) {
   for (const Contact& contact : contacts) {
     if (!holds(impact_of(contact))) continue;
     any = true;
-    if (memory_.hold && length(slip_of(contact)) <= slip_limit()) return;
+    if (memory_.hold && is_held(slip_of(contact))) return;
   }
   memory_.hold.reset();
   if (any) {
@@ -193,10 +194,11 @@ void ContactRule::hold(std::span<const Contact> contacts) {
   }
 }
 
-/// Beyond which points of resting bodies slide, metres.
-double ContactRule::slip_limit() const {
+/// Whether a point that has slipped so far, metres, does not slide yet.
+bool ContactRule::is_held(const Vec3& slip) const {
   constexpr double kOfMargin = 1.0 / 30.0;
-  return kOfMargin * rest_margin_;
+  const double limit = kOfMargin * rest_margin_;
+  return squared_length(slip) <= limit * limit;
 }
 
 /// How far a point of the shell has slipped along the surface since the bodies took hold of each
@@ -237,11 +239,12 @@ double ContactRule::lever_of(std::span<const Contact> contacts) const {
   const float radius = length(farthest);
   const double small = kSmall * radius_;
   if (static_cast<double>(radius) < small) return static_cast<double>(radius);
-  float width = 0.0f;
+  float widest = 0.0f;
   for (const Contact& contact : contacts) {
-    width = std::max(width, length(cross(farthest, contact.point - deepest)) / radius);
+    widest = std::max(widest, squared_length(cross(farthest, contact.point - deepest)));
   }
-  return static_cast<double>(width) < small ? static_cast<double>(width) : 0.0;
+  const auto width = static_cast<double>(std::sqrt(widest) / radius);
+  return width < small ? width : 0.0;
 }
 
 WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
@@ -252,7 +255,7 @@ WorldContact ContactRule::to_world(const Contact& contact, double lever) const {
   world.carries_on = is_still_ || world.is_resting;
   if (world.is_resting) {
     const Vec3 slip = slip_of(contact);
-    if (length(slip) <= slip_limit()) {  // else it slides
+    if (is_held(slip)) {  // else it slides
       const Vec3 of_shell = pair_.shell_side().world_from_geometry().rotate(slip);
       world.slip = pair_.shell_is_a ? of_shell : -of_shell;
     }

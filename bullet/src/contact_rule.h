@@ -70,7 +70,7 @@ class ContactRule {
     double gap;                 ///< metres, negative where they overlap
     double approach;            ///< m/s
     double approach_of_forces;  ///< what forces add to it in the step, m/s
-    double speed;               ///< in any direction, m/s
+    double squared_speed;       ///< in any direction, m^2/s^2
 
     double time() const;  ///< when the surfaces meet or met, seconds; infinity where they part
   };
@@ -86,7 +86,7 @@ class ContactRule {
   bool is_resting(const Impact& impact) const;
   bool holds(const Impact& impact) const;
   void hold(std::span<const Contact> contacts);
-  double slip_limit() const;
+  bool is_held(const Vec3& slip) const;
   Vec3 slip_of(const Contact& contact) const;
   bool is_first(const Impact& impact) const;
   void carry_back(std::vector<Contact>& contacts, double share) const;

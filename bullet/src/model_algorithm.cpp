@@ -1,9 +1,7 @@
 #include "model_algorithm.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
-#include <optional>
 #include <span>
 #include <typeinfo>
 #include <utility>
@@ -24,27 +22,6 @@ constexpr int kDefaultLevel = 4;
 /// In steps that sweep: a body that turns while it is stopped is held by more points.
 constexpr int kDefaultSweptLevel = 5;
 constexpr float kCarriesOn = 0.25f;  // of the rest margin
-
-/// Adds the time from its making to its end.
-class Stopwatch {
- public:
-  Stopwatch(NarrowPhaseTimings* timings, double NarrowPhaseTimings::* part)
-      : timings_(timings), part_(part) {
-    if (timings_ != nullptr) start_ = std::chrono::steady_clock::now();
-  }
-  ~Stopwatch() {
-    if (timings_ == nullptr) return;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    timings_->*part_ += elapsed.count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  NarrowPhaseTimings* timings_;
-  double NarrowPhaseTimings::* part_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 /// The depth of the deepest of `points`.
 float depth_of(const ManifoldPoints& points, std::span<const Contact> contacts) {
@@ -117,30 +94,25 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     return;
   }
 
-  std::optional<ContactRule> rule;
-  bool takes_all = false;
+  StageClock clock(settings_.timings);
+  ContactRule rule(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
+  sweeps_ = rule.sweeps();
+  // A point a segment is what kSegmented promises of bodies that move.
+  const bool takes_all = !sweeps_ && (settings_.mode != ContactMode::kSegmented || rule.is_still());
   double share = 0.0;  // of the step, after which contacts are looked for
-  {
-    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::query);
-    rule.emplace(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-    sweeps_ = rule->sweeps();
-    // A point a segment is what kSegmented promises of bodies that move.
-    takes_all = !sweeps_ && (settings_.mode != ContactMode::kSegmented || rule->is_still());
-    if (sweeps_ && pair.has_triangles()) {
-      share = find_on_the_way(pair, *rule);
-    } else {
-      find_near(pair, rule->margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
-    }
+  if (sweeps_ && pair.has_triangles()) {
+    share = find_on_the_way(pair, rule);
+  } else {
+    find_near(pair, rule.margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
-  {
-    const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
-    rule->apply(contacts_, features_, share);
-    // Of bodies in a pile that move a little, such points carry in the next step.
-    const bool lies = rule->is_still() || settings_.mode == ContactMode::kRegular;
-    if (takes_all && lies && !contacts_.empty()) {
-      drop_idle_points(static_cast<float>(rule->rest_margin()) / 5.0f);
-    }
+  clock.end(&NarrowPhaseTimings::query);
+  rule.apply(contacts_, features_, share);
+  // Of bodies in a pile that move a little, such points carry in the next step.
+  const bool lies = rule.is_still() || settings_.mode == ContactMode::kRegular;
+  if (takes_all && lies && !contacts_.empty()) {
+    drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
   }
+  clock.end(&NarrowPhaseTimings::reduction);
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
     release_manifolds();
@@ -153,7 +125,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     release_manifolds();
   } else {
     // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
-    fill(pair, *rule, takes_all && settings_.mode == ContactMode::kRegular);
+    fill(pair, rule, takes_all && settings_.mode == ContactMode::kRegular, clock);
   }
 }
 
@@ -280,7 +252,6 @@ void ModelAlgorithm::drop_idle_points(float band) {
 /// Makes active_ the manifolds that contacts_ need, each with how many they are: one for each
 /// segment that has some, or one for all.
 void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
-  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
   // Both lists ascend by segment: manifolds of segments that lost their contacts are emptied first,
   // so that segments which gained some can have them.
   auto old = active_.begin();
@@ -305,10 +276,12 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
   }
 }
 
-void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular) {
+void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular,
+                          StageClock& clock) {
   assign_manifolds(pair, is_regular);
+  clock.end(&NarrowPhaseTimings::manifold);
   choose_points(rule, is_regular);
-  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::manifold);
+  clock.end(&NarrowPhaseTimings::reduction);
   const ManifoldFiller filler(pair.a.wrap(), pair.b.wrap());
   chosen_.clear();
   const Contact* group = contacts_.data();
@@ -323,11 +296,11 @@ void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool i
     group += entry.contact_count;
   }
   memory_.patch.keep(chosen_);
+  clock.end(&NarrowPhaseTimings::manifold);
 }
 
 /// Those of its contacts that each of active_ is to hold.
 void ModelAlgorithm::choose_points(const ContactRule& rule, bool is_regular) {
-  const Stopwatch watch(settings_.timings, &NarrowPhaseTimings::reduction);
   // On a few segments a body may rest on more points than one of some of them.
   constexpr std::size_t kFew = 4;
   const bool is_few = is_regular || active_.size() <= kFew;

@@ -12,6 +12,7 @@
 #include "contact_rule.h"
 #include "hull.h"
 #include "shape_features.h"
+#include "stage_clock.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
@@ -61,7 +62,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void drop_idle_points(float band);
   void assign_manifolds(const PosedPair& pair, bool is_regular);
   void choose_points(const ContactRule& rule, bool is_regular);
-  void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular);
+  void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular, StageClock& clock);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
   const ContactSettings& settings_;
