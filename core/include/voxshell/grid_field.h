@@ -60,7 +60,8 @@ struct GridFieldData {
   std::vector<std::int16_t> samples;
   std::vector<float> planes;  ///< unit normal and offset of each
   double node_error = 0.0;    ///< metres; see simd::GridView
-  double coarse_floor = 0.0;  ///< metres; see simd::GridView
+  /// Of cells of 2, 4 and 8 voxels; metres; see simd::GridView.
+  std::array<double, 3> coarse_floors{};
   SignReport sign;
 
   /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2: across

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,7 +22,7 @@ struct BrickEntry {
              static_cast<std::uint32_t>(radius << simd::kFieldShift) | simd::kPlaneBit;
     }
     const int level = cells == 8 ? 3 : cells / 2;
-    return static_cast<std::uint32_t>(first / simd::kSampleAlignment << simd::kPayloadShift) |
+    return static_cast<std::uint32_t>(first / unit_of(cells) << simd::kPayloadShift) |
            static_cast<std::uint32_t>(exponent << simd::kFieldShift) |
            static_cast<std::uint32_t>(level);
   }
@@ -37,10 +38,21 @@ struct BrickEntry {
     } else {
       entry.cells = 1 << (bits & 3);
       entry.exponent = field;
-      entry.first = payload * simd::kSampleAlignment;
+      entry.first = payload * unit_of(entry.cells);
     }
     return entry;
   }
+
+  /// How far its samples are apart along y and z, of a grid of these bricks.
+  std::array<std::size_t, 2> strides(const std::array<int, 3>& bricks) const {
+    const auto along = [&](std::size_t axis) {
+      return static_cast<std::size_t>(cells == 1 ? bricks[axis] : cells) + 1;
+    };
+    return {along(0), along(0) * along(1)};
+  }
+
+ private:
+  static std::size_t unit_of(int cells) { return cells == 1 ? 1 : simd::kSampleAlignment; }
 };
 
 /// The most samples and planes that entries can number.

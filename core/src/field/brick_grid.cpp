@@ -23,8 +23,9 @@ constexpr double kMostCells = 8192.0;
 /// the samples of a fine one. Builds of hundreds of megabytes have needed three quarters of this.
 constexpr double kBytesOfBrick = 128.0;
 constexpr double kBytesOfFineBrick = 1500.0;
-/// Others than fine ones have 8, 28 or 128; on average, in the largest of the bunny's fields, 10.
-constexpr double kSamplesOfBrick = 12.0;
+/// Others than fine ones share corners, or have 28 or 128; on average, in the bunny's fields, 4 to
+/// 15.
+constexpr double kSamplesOfBrick = 16.0;
 constexpr double kSamplesOfFineBrick = 732.0;
 
 /// The bricks that a voxel size asks for, counted in float64 as they may be very many.
@@ -87,9 +88,9 @@ Estimate estimate(const TriangleMesh& mesh, double padding, double voxel_size,
   estimate.demand = outline_demand(mesh, padding, voxel_size);
   if (!estimate.demand.fits(memory_limit)) return estimate;
   estimate.plan.grid = make_outline(mesh.bounds(), padding, voxel_size).grid(voxel_size);
-  estimate.plan.is_fine = find_surface_bricks(mesh, estimate.plan.grid, kFineMargin);
-  estimate.demand.fine_bricks = static_cast<double>(
-      std::count(estimate.plan.is_fine.begin(), estimate.plan.is_fine.end(), char{1}));
+  estimate.plan.least_cells = find_least_cells(mesh, estimate.plan.grid);
+  estimate.demand.fine_bricks =
+      static_cast<double>(std::ranges::count(estimate.plan.least_cells, kBrickCells));
   estimate.fits = estimate.demand.fits(memory_limit);
   return estimate;
 }
@@ -159,6 +160,17 @@ Error too_large(const Demand& refused, const TriangleMesh& mesh,
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> find_least_cells(const TriangleMesh& mesh, const BrickGrid& grid) {
+  std::vector<std::uint8_t> least(grid.count(), 1);
+  for (int i = simd::kCoarseSizes - 1; i >= 0; --i) {
+    const auto near = find_surface_bricks(mesh, grid, kLeastFloors[static_cast<std::size_t>(i)]);
+    for (std::size_t brick = 0; brick < least.size(); ++brick) {
+      if (near[brick] != 0) least[brick] = static_cast<std::uint8_t>(kBrickCells >> i);
+    }
+  }
+  return least;
+}
 
 Result<BrickGridPlan> plan_brick_grid(const TriangleMesh& mesh, const GridFieldSettings& settings) {
   if (!(settings.voxel_size > 0.0) || !std::isfinite(settings.voxel_size)) {

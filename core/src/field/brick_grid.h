@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "simd/grid_view.h"
 #include "voxshell/grid_field.h"
 #include "voxshell/result.h"
 #include "voxshell/triangle_mesh.h"
@@ -28,14 +30,16 @@ struct BrickGrid {
 
 struct BrickGridPlan {
   BrickGrid grid;
-  std::vector<char> is_fine;  ///< one a brick: whether it has a node a voxel
+  std::vector<std::uint8_t> least_cells;  ///< one a brick: along each axis
 };
 
 /// The grid that settings ask for. Errors: kInvalidArgument, kTooLarge.
 Result<BrickGridPlan> plan_brick_grid(const TriangleMesh& mesh, const GridFieldSettings& settings);
 
-/// Bricks that come this near to the surface along each axis are fine, voxels: no coarse one comes
-/// nearer, or has a value nearer to zero.
-inline constexpr double kFineMargin = 0.125;
+/// Bricks with cells of 2, 4 and 8 voxels, or larger, stay this far away from the surface along
+/// some axis, voxels: queries at a margin below need not reckon with such cells.
+inline constexpr std::array<double, simd::kCoarseSizes> kLeastFloors{0.5, 1.0, 4.0};
+/// The least cells of bricks about a surface.
+std::vector<std::uint8_t> find_least_cells(const TriangleMesh& mesh, const BrickGrid& grid);
 
 }  // namespace voxshell

@@ -89,7 +89,7 @@ double find_largest_error(const HalfNodes& nodes, int cells) {
 
 }  // namespace
 
-BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, bool is_fine,
+BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, int least_cells,
                              Work& work) const {
   const auto corners = lattice_.corners_of(brick);
   work.nearest = tree_.find_nearest(centre_of(brick), work.nearest.guess);
@@ -97,11 +97,10 @@ BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, bool is_fi
   const auto at_centre = static_cast<double>(plan.at_centre);
   if (are_affine(corners) && is_plane(brick, corners, at_centre, work.nearest.triangle, work)) {
     plan.region = flat_.region_of(work.nearest.triangle);
-  } else if (is_fine) {
-    plan.cells = kBrickCells;
   } else {
-    plan.cells = choose_cells(corners, at_centre);
-    if (corners[0] < 0.0) {
+    plan.cells = least_cells;
+    if (least_cells < 4) plan.cells = std::max(plan.cells, choose_cells(corners, at_centre));
+    if (least_cells < kBrickCells && corners[0] < 0.0) {
       plan.cells = std::max(plan.cells, choose_cells_at_ridges(brick, work.nearest.triangle));
     }
   }

@@ -71,8 +71,8 @@ class BrickPlanner {
     std::array<float, cube(simd::kBrickCells + 1)> nodes;
   };
 
-  /// A brick that is fine holds all nodes, unless it holds a plane.
-  BrickPlan plan(const std::array<std::size_t, 3>& brick, bool is_fine, Work& work) const;
+  /// A brick has at least `least_cells` along each axis, unless it holds a plane.
+  BrickPlan plan(const std::array<std::size_t, 3>& brick, int least_cells, Work& work) const;
 
  private:
   int choose_cells_at_ridges(const std::array<std::size_t, 3>& brick,

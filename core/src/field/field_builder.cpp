@@ -27,10 +27,11 @@ Progress part_of(const Progress& whole, double from, double to) {
   };
 }
 
-std::size_t samples_of(int cells) {
-  const std::size_t nodes = cube(static_cast<std::size_t>(cells) + 1);
-  return (nodes + simd::kSampleAlignment - 1) / simd::kSampleAlignment * simd::kSampleAlignment;
+std::size_t align(std::size_t samples) {
+  return (samples + simd::kSampleAlignment - 1) / simd::kSampleAlignment * simd::kSampleAlignment;
 }
+
+std::size_t samples_of(int cells) { return align(cube(static_cast<std::size_t>(cells) + 1)); }
 
 /// Stores distances in quanta and returns the exponent of their scale, the least in which they fit.
 int store_samples(std::span<const float> distances, std::int16_t* samples) {
@@ -53,6 +54,10 @@ void count_overlap(int layers, float distance, const Vec3& place, OverlapCount& 
   if (overlap.places++ == 0) overlap.first = place;
 }
 
+/// The nearest that bricks with cells of 2, 4 and 8 voxels, or larger, come to the surface, voxels.
+using Floors = std::array<double, simd::kCoarseSizes>;
+constexpr Floors kNoFloors{1e30, 1e30, 1e30};
+
 /// No point of a brick is nearer to the surface than this, voxels.
 double find_least_magnitude(std::span<const float> nodes, double size) {
   float least = std::abs(nodes[0]);
@@ -67,7 +72,7 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
                            const Progress& progress)
     : mesh_(mesh),
       grid_(plan.grid),
-      is_fine_(plan.is_fine),
+      least_cells_(plan.least_cells),
       threads_(settings.threads),
       inside_(inside),
       progress_(progress),
@@ -137,22 +142,33 @@ bool FieldBuilder::plan_bricks() {
   const auto plan_row = [&](std::size_t row) {
     BrickPlanner::Work work;
     for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
-      plans_[brick] = planner.plan(grid_.place(brick), is_fine_[brick] != 0, work);
+      plans_[brick] = planner.plan(grid_.place(brick), least_cells_[brick], work);
     }
   };
   return parallel_for(grid_.bricks[1] * grid_.bricks[2], threads_, kStage,
                       part_of(progress_, 0.1, 0.3), plan_row);
 }
 
+bool FieldBuilder::are_corners_shared() const {
+  return std::ranges::any_of(plans_, [](const BrickPlan& plan) { return plan.cells == 1; });
+}
+
 /// Gives each brick its samples or plane. False where there are too many.
 bool FieldBuilder::place_bricks(GridFieldData& data) const {
   const std::size_t count = grid_.count();
   data.entries.resize(count);
-  std::size_t samples = 0;
+  const std::size_t corners = are_corners_shared() ? lattice_.distances.size() : 0;
+  if (corners > kMostPayloads) return false;
+  std::size_t samples = align(corners);
   std::vector<std::uint32_t> index_of_region(mesh_.triangles().size(), kNoIndex);
   for (std::size_t brick = 0; brick < count; ++brick) {
     const BrickPlan& plan = plans_[brick];
     if (samples >= kMostPayloads * simd::kSampleAlignment) return false;
+    if (plan.cells == 1) {
+      const std::size_t first = lattice_.corner(grid_.place(brick), 0);
+      data.entries[brick] = BrickEntry{.cells = 1, .first = first}.pack();
+      continue;
+    }
     if (plan.cells > 0) {
       data.entries[brick] = BrickEntry{.cells = plan.cells, .first = samples}.pack();
       samples += samples_of(plan.cells);
@@ -177,9 +193,11 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
   struct RowResult {
     OverlapCount overlap;
     double rounding = 0.0;  ///< largest, of a cell's size
-    double floor = 1e30;    ///< nearest that a coarse brick may come, voxels
+    Floors floors = kNoFloors;
   };
   std::vector<RowResult> results(ny * nz);
+  const int exponent_of_corners =
+      are_corners_shared() ? store_samples(lattice_.distances, data.samples.data()) : 0;
   const auto fill_row = [&, nx = nx](std::size_t row) {
     DistanceTree::Scratch scratch;
     RowResult& result = results[row];
@@ -208,13 +226,15 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
         }
       }
       BrickEntry entry = BrickEntry::unpack(data.entries[brick]);
-      entry.exponent = store_samples(nodes, &data.samples[entry.first]);
+      entry.exponent =
+          plan.cells == 1 ? exponent_of_corners : store_samples(nodes, &data.samples[entry.first]);
       data.entries[brick] = entry.pack();
       const double size = static_cast<double>(kBrickCells) / plan.cells;
       result.rounding =
           std::max(result.rounding, std::ldexp(0.5 / simd::kQuantaPerVoxel, entry.exponent) / size);
-      if (plan.cells < kBrickCells) {
-        result.floor = std::min(result.floor, find_least_magnitude(nodes, size));
+      const double least = find_least_magnitude(nodes, size);
+      for (std::size_t i = 0; i < result.floors.size() && plan.cells < kBrickCells >> i; ++i) {
+        result.floors[i] = std::min(result.floors[i], least);
       }
     }
   };
@@ -222,17 +242,25 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     return false;
   }
   double rounding = 0.0;
-  double floor = 1e30;
+  Floors floors = kNoFloors;
   for (const RowResult& result : results) {
     overlap_.add(result.overlap);
     rounding = std::max(rounding, result.rounding);
-    floor = std::min(floor, result.floor);
+    for (std::size_t i = 0; i < floors.size(); ++i) {
+      floors[i] = std::min(floors[i], result.floors[i]);
+    }
   }
   constexpr double kFloatError = 1e-3;  // voxels
   data.node_error = (std::max(rounding, 1.5 * kPlaneTolerance) + kFloatError) * grid_.voxel_size;
-  constexpr double kRounding = kFloatError + 0.5 / simd::kQuantaPerVoxel;
-  data.coarse_floor = floor < 1e30 ? (std::max(kFineMargin, floor) - kRounding) * grid_.voxel_size
-                                   : static_cast<double>(simd::kNoCoarseFloor);
+  // Other bricks at larger scales are far away.
+  const double rounding_of_corners = std::ldexp(0.5 / simd::kQuantaPerVoxel, exponent_of_corners);
+  for (std::size_t i = 0; i < floors.size(); ++i) {
+    data.coarse_floors[i] =
+        floors[i] == kNoFloors[i]
+            ? static_cast<double>(simd::kNoCoarseFloor)
+            : (std::max(kLeastFloors[i], floors[i]) - kFloatError - rounding_of_corners) *
+                  grid_.voxel_size;
+  }
   return true;
 }
 

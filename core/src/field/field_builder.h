@@ -49,6 +49,7 @@ class FieldBuilder {
   std::optional<Error> check_overlap() const;
   bool measure_corners();
   bool plan_bricks();
+  bool are_corners_shared() const;
   bool place_bricks(GridFieldData& data) const;
   bool fill_bricks(GridFieldData& data);
   void measure_coarse(const std::array<std::size_t, 3>& brick, const BrickPlan& plan,
@@ -58,7 +59,7 @@ class FieldBuilder {
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;
-  const std::vector<char>& is_fine_;
+  const std::vector<std::uint8_t>& least_cells_;
   unsigned threads_;
   const Inside& inside_;
   const Progress& progress_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/serial.h"
+#include "field/brick_entry.h"
 #include "simd/grid_formula.h"
 #include "simd/grid_sampling.h"
 
@@ -48,6 +49,11 @@ simd::GridView GridField::view() const {
   }
   view.bricks_x = data_.bricks[0];
   view.bricks_xy = data_.bricks[0] * data_.bricks[1];
+  for (int level = 0; level < 4; ++level) {
+    const auto [row, layer] = BrickEntry{.cells = 1 << level}.strides(data_.bricks);
+    view.rows[level] = static_cast<int>(row);
+    view.layers[level] = static_cast<int>(layer);
+  }
   view.voxel_size = static_cast<float>(data_.voxel_size);
   view.inverse_voxel_size = static_cast<float>(1.0 / data_.voxel_size);
   view.quantum = static_cast<float>(data_.voxel_size / simd::kQuantaPerVoxel);
@@ -56,7 +62,9 @@ simd::GridView GridField::view() const {
   view.spread = static_cast<float>(0.75 * data_.voxel_size * data_.voxel_size);
   view.gap = static_cast<float>(data_.gap());
   view.plane_margin = static_cast<float>(data_.plane_margin());
-  view.coarse_floor = static_cast<float>(data_.coarse_floor);
+  for (std::size_t i = 0; i < data_.coarse_floors.size(); ++i) {
+    view.coarse_floors[i] = static_cast<float>(data_.coarse_floors[i]);
+  }
   return view;
 }
 

@@ -91,7 +91,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGrid
   }
   // In a cell that the limit of the inside cuts it crosses an edge.
   report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
-  const BrickGridPlan of_surface{grid, find_surface_bricks(surface->mesh, grid, kFineMargin)};
+  const BrickGridPlan of_surface{grid, find_least_cells(surface->mesh, grid)};
   FieldBuilder builder(surface->mesh, of_surface, settings, inside, progress);
   GridFieldData data = begin_data(mesh, grid);
   data.sign = report;

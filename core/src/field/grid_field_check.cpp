@@ -33,9 +33,14 @@ Result<std::monostate> check_numbers(const GridFieldData& data) {
       return invalid("its origin or bounds are not finite, or in the wrong order");
     }
   }
-  const bool has_floor = data.coarse_floor != static_cast<double>(simd::kNoCoarseFloor);
-  if (!is_length(data.node_error) || (has_floor && !is_length(data.coarse_floor))) {
-    return invalid("its error or floor is below zero or not finite");
+  if (!is_length(data.node_error)) return invalid("its error is below zero or not finite");
+  double below = 0.0;
+  for (const double floor : data.coarse_floors) {
+    const bool is_none = floor == static_cast<double>(simd::kNoCoarseFloor);
+    if (!(floor >= below) || !(is_none || is_length(floor))) {
+      return invalid("its floors are below zero, not finite or in the wrong order");
+    }
+    below = floor;
   }
   const SignReport& sign = data.sign;
   if (!(sign.confidence >= 0.0 && sign.confidence <= 1.0) || !is_length(sign.cap_error) ||
@@ -57,7 +62,9 @@ Result<std::monostate> check_sizes(const GridFieldData& data) {
     return invalid(format_text("%d x %d x %d bricks have %zu entries", data.bricks[0],
                                data.bricks[1], data.bricks[2], data.entries.size()));
   }
-  if (data.samples.size() < simd::kFewestSamples || data.planes.size() % 4 != 0) {
+  const auto most_samples = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  if (data.samples.size() < simd::kFewestSamples || data.samples.size() > most_samples ||
+      data.planes.size() % 4 != 0) {
     return invalid(format_text("it has %zu samples and %zu numbers for planes", data.samples.size(),
                                data.planes.size()));
   }
@@ -68,7 +75,9 @@ Result<std::monostate> check_bricks(const GridFieldData& data) {
   for (std::size_t i = 0; i < data.entries.size(); ++i) {
     const BrickEntry entry = BrickEntry::unpack(data.entries[i]);
     const std::size_t have = entry.is_plane ? data.planes.size() / 4 : data.samples.size();
-    const std::size_t want = entry.is_plane ? 1 : cube(static_cast<std::size_t>(entry.cells) + 1);
+    const auto [row, layer] = entry.strides(data.bricks);
+    const auto cells = static_cast<std::size_t>(entry.cells);
+    const std::size_t want = entry.is_plane ? 1 : cells * (1 + row + layer) + 1;
     if (entry.first + want > have) {
       return invalid(format_text("brick %zu holds %s %zu to %zu of %zu", i,
                                  entry.is_plane ? "plane" : "samples", entry.first,

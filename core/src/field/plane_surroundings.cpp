@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <vector>
 
@@ -50,10 +51,16 @@ double find_lowest_value(const GridFieldData& data, const BrickEntry& entry, con
     const Vec3 corner = corner_of(place);
     return PlaneOfBricks(data, entry.first).lowest_in(corner, corner + Vec3{1, 1, 1});
   }
-  const auto begin = data.samples.begin() + static_cast<std::ptrdiff_t>(entry.first);
-  const auto nodes = static_cast<std::ptrdiff_t>(cube(static_cast<std::size_t>(entry.cells) + 1));
-  const double unit = data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
-  return *std::min_element(begin, begin + nodes) * unit;
+  const auto nodes = static_cast<std::size_t>(entry.cells) + 1;
+  const auto [row, layer] = entry.strides(data.bricks);
+  int lowest = INT16_MAX;
+  for (std::size_t k = 0; k < nodes; ++k) {
+    for (std::size_t j = 0; j < nodes; ++j) {
+      const std::int16_t* along_x = &data.samples[entry.first + layer * k + row * j];
+      lowest = std::min<int>(lowest, *std::min_element(along_x, along_x + nodes));
+    }
+  }
+  return lowest * data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
 }
 
 class Surroundings {

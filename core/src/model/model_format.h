@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 4;
+inline constexpr std::uint32_t kVersion = 5;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -66,7 +66,7 @@ struct Record {
   Vec3 grid_surface_lower;
   Vec3 grid_surface_upper;
   double grid_node_error;
-  double grid_coarse_floor;
+  std::array<double, 3> grid_coarse_floors;
   // Its SignReport.
   std::int64_t sign_method;
   double sign_confidence;
@@ -80,7 +80,7 @@ struct Record {
   // The point shell.
   double shell_spacing;
 };
-static_assert(sizeof(Record) == std::size_t{37} * 8);
+static_assert(sizeof(Record) == std::size_t{39} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

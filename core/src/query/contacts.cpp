@@ -58,12 +58,23 @@ double choose_growth(double motion, const PointShell& shell) {
   return ahead <= kMost * shell.spacing() ? std::max(ahead, kLeast * shell.spacing()) : 0.0;
 }
 
-/// The slots that may hold a point below the margin.
+/// The points below the margin.
 template <class V>
-const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd::TreeView& tree,
-                                     const PointShell& shell, const Pose& field_from_shell,
-                                     float margin, const V& field, QueryScratch::State& state) {
+simd::PointList find_points(const simd::PosedView<V>& posed, const simd::TreeView& tree,
+                            const PointShell& shell, const Pose& field_from_shell, float margin,
+                            const V& field, QueryScratch::State& state) {
+  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+  simd::PointList points = state.empty_points();
   auto& survivors = state.survivors;
+  const auto evaluate = [&] {
+    if (survivors.growth > 0.0) {
+      kernels.evaluate_sifted(posed, survivors.points, margin, points);
+    } else {
+      kernels.evaluate(posed, tree, survivors.slots, margin, points);
+    }
+    survivors.last_asked = field_from_shell;
+    return points;
+  };
   const Sphere& root = shell.tree().spheres(1)[0];
   double growth = 0.0;
   const V* known = std::get_if<V>(&survivors.field);
@@ -74,28 +85,25 @@ const simd::NodeList& find_survivors(const simd::PosedView<V>& posed, const simd
     const double motion = survivors.growth == 0.0
                               ? last_motion
                               : bound_motion(survivors.field_from_shell, field_from_shell, root);
-    if (motion <= survivors.growth) {
-      survivors.last_asked = field_from_shell;
-      return survivors.slots;
-    }
+    if (motion <= survivors.growth) return evaluate();
     growth = choose_growth(last_motion, shell);
   }
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
-  simd::Seeds left = walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state,
-                               [](const simd::Seeds&) { return true; });
+  survivors.slots =
+      walk_down(posed, tree, margin, grown, SphereBounds::kUnwanted, state, [](const simd::Seeds&) {
+        return true;
+      }).nodes;
   if (growth > 0.0) {
-    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
-    kernels.sift(posed, tree, left.nodes, margin, grown);
+    survivors.points = state.empty_survivors();
+    kernels.sift(posed, tree, survivors.slots, margin, grown, survivors.points);
   }
   survivors.field = field;
   survivors.tree = tree.serial;
   survivors.field_from_shell = field_from_shell;
   survivors.margin = margin;
   survivors.growth = growth;
-  survivors.last_asked = field_from_shell;
-  survivors.slots = left.nodes;
-  return survivors.slots;
+  return evaluate();
 }
 
 }  // namespace
@@ -113,10 +121,8 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
         const auto posed = make_posed(typed, view, shell, field_from_shell);
         const auto& kernels =
             simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
-        const simd::NodeList& slots =
-            find_survivors(posed, tree, shell, field_from_shell, options.margin, view, state);
-        simd::PointList points = state.empty_points();
-        kernels.evaluate(posed, tree, slots, options.margin, points);
+        const simd::PointList points =
+            find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
         kernels.complete(posed, tree, points, state.contact_data());
         state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
         state.survivors.are_contacts_kept = true;

@@ -18,8 +18,9 @@ void QueryScratch::State::reserve(const simd::TreeView& tree) {
   if (points > point_capacity) {
     point_capacity = points;
     constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);
-    point_lists.resize(kPointLists + kContactLists, points * sizeof(float));
+    point_lists.resize(2 * kPointLists + kContactLists, points * sizeof(float));
     contact_count = 0;
+    survivors.forget();
   }
   const std::size_t slots = (std::size_t{1} << tree.depth) + kSpare;
   if (slots > node_capacity) {

@@ -68,45 +68,50 @@ struct QueryScratch::State {
   /// Room for one gradient a point.
   void reserve_gradients();
 
-  simd::PointList empty_points() const {
-    return {point_lists.list<std::uint32_t>(0),
-            point_lists.list<std::uint32_t>(1),
-            point_lists.list<float>(2),
-            point_lists.list<float>(3),
-            point_lists.list<float>(4),
-            point_lists.list<float>(5),
-            0};
-  }
-  Contact* contact_data() const { return point_lists.list<Contact>(kPointLists); }
+  simd::PointList empty_points() const { return make_point_list(0); }
+  simd::PointList empty_survivors() const { return make_point_list(kPointLists); }
+  Contact* contact_data() const { return point_lists.list<Contact>(2 * kPointLists); }
 
   std::size_t point_capacity = 0;
   std::size_t node_capacity = 0;
   NodeBuffer nodes[2];
   static constexpr std::size_t kPointLists = 6;
-  ListMemory point_lists;  ///< and the contacts
+  ListMemory point_lists;  ///< of points, survivors and contacts
   std::size_t contact_count = 0;
   Buffer<simd::FoundPoint> found;  ///< one a segment
   std::size_t found_capacity = 0;
   Buffer<float> gradient_x, gradient_y, gradient_z;
   std::size_t gradient_capacity = 0;
 
-  /// The slots that the last search for contacts was left with, and for which question.
+  /// What the last search for contacts was left with, and for which question.
   struct Survivors {
     ViewOf<Field>::Any field;  ///< none: there are no survivors to go on from
     std::uint64_t tree = 0;
     Pose field_from_shell;
     float margin = 0.0f;
-    double growth = 0.0;  ///< they serve all poses that move no point by more than this, metres
+    double growth = 0.0;  ///< serves all poses that move no point by more than this, metres
     Pose last_asked;
     bool are_contacts_kept = false;  ///< those of last_asked are where they were written
     std::size_t max_points = 0;      ///< of those
-    simd::NodeList slots{};
+    simd::NodeList slots{};          ///< without growth
+    simd::PointList points{};        ///< with growth
 
     void forget() {
       field = std::monostate{};
       are_contacts_kept = false;
     }
   } survivors;
+
+ private:
+  simd::PointList make_point_list(std::size_t first) const {
+    return {point_lists.list<std::uint32_t>(first),
+            point_lists.list<std::uint32_t>(first + 1),
+            point_lists.list<float>(first + 2),
+            point_lists.list<float>(first + 3),
+            point_lists.list<float>(first + 4),
+            point_lists.list<float>(first + 5),
+            0};
+  }
 };
 
 }  // namespace voxshell

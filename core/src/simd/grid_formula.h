@@ -85,18 +85,19 @@ VOXSHELL_INLINE void load_corners(const GridView& grid, Integer<F> first, Intege
 }
 
 /// What the lowest three bits of an entry say of its samples: how many cells there are to a side,
-/// less one; how many to a voxel; how large they are, voxels; and how far samples are apart along y
-/// and z, a pair. One path for all of them: branches on what lanes meet would be guessed wrong.
+/// less one; how many to a voxel; how large they are, voxels; where the index of the first is; and
+/// how far samples are apart along y and z, a pair, where there is more than one cell. One path for
+/// all of them: branches on what lanes meet would be guessed wrong.
 struct CellTables {
   static_assert(kSampleAlignment == 4);
   static constexpr int32_t kPayload = INT32_MAX >> (kPayloadShift - 3) & ~3;
+  static constexpr int32_t kCorner = INT32_MAX >> (kPayloadShift - 1);
   int32_t last_cell[8] = {0, 1, 3, 7, 0, 0, 0, 0};
   float per_voxel[8] = {0.125f, 0.25f, 0.5f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   float size[8] = {8.0f, 4.0f, 2.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
-  int32_t payload[8] = {kPayload, kPayload, kPayload, kPayload, 0, 0, 0, 0};
-  int32_t row[8] = {2, 3, 5, 9, 0, 0, 0, 0};
-  int32_t layer[8] = {4, 9, 25, 81, 0, 0, 0, 0};
-  int32_t strides[8] = {2 | 4 << 16, 3 | 9 << 16, 5 | 25 << 16, 9 | 81 << 16, 0, 0, 0, 0};
+  int32_t shift[8] = {kPayloadShift, kPayloadShift - 2, kPayloadShift - 2, kPayloadShift - 2};
+  int32_t payload[8] = {kCorner, kPayload, kPayload, kPayload};
+  int32_t strides[8] = {0, 3 | 9 << 16, 5 | 25 << 16, 9 | 81 << 16};
 };
 inline constexpr CellTables kCellTables;
 
@@ -117,10 +118,10 @@ VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& 
   const I x = find_cell(place.within.x, cell.t.x);
   const I y = find_cell(place.within.y, cell.t.y);
   const I z = find_cell(place.within.z, cell.t.z);
-  const I brick = shift_down(entry, kPayloadShift - 2) & look_up(kCellTables.payload, entry);
+  const I brick =
+      shift_down(entry, look_up(kCellTables.shift, entry)) & look_up(kCellTables.payload, entry);
   const I first = brick + x + dot_pairs(make_pair(y, z), look_up(kCellTables.strides, entry));
-  load_corners(grid, first, look_up(kCellTables.row, entry), look_up(kCellTables.layer, entry),
-               cell);
+  load_corners(grid, first, look_up(grid.rows, entry), look_up(grid.layers, entry), cell);
   // The exponent is added to that of the quantum: cheaper than a product, and the same.
   cell.scale = as_float(as_int(splat<F>(grid.quantum)) +
                         ((entry & (kFieldMask << kFieldShift)) << (23 - kFieldShift)));
@@ -248,16 +249,26 @@ VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F
   return select<F>(beyond, normalized(from_surface(outside, value)), value.gradient);
 }
 
+/// The largest cells that hold a value from zero up to `limit`, voxels.
+VOXSHELL_INLINE float find_coarsest(const GridView& grid, float limit) {
+  float size = 1.0f;
+  for (int i = 0; i < kCoarseSizes; ++i) {
+    if (limit >= grid.coarse_floors[i]) size = static_cast<float>(2 << i);
+  }
+  return size;
+}
+
 /// Bounds over a ball, metres: lower ones, but for the last.
 template <class F>
 struct GridBound {
   F of_distance;  ///< of the true distance
   F if_fine;      ///< of the value in planes and cells of one voxel
+  F up_to_size;   ///< of the value in cells up to the size that was asked for
   F if_coarse;    ///< of the value in cells up to a whole brick
   F from_above;   ///< an upper bound of the value, where the ball is within the grid
 };
 
-/// From the value at the ball's centre.
+/// From the value at the ball's centre; `coarsest` as find_coarsest() says.
 ///
 /// A value is a mean of the distances at nodes that are spread about its point. Between two points
 /// apart by r, nodes can be paired so that the mean of their squared distances is at most r^2 plus
@@ -265,7 +276,7 @@ struct GridBound {
 /// square root of that (docs/decisions/0014).
 template <class F>
 VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>& place,
-                                        const GridValue<F>& value, F radius) {
+                                        const GridValue<F>& value, F radius, float coarsest) {
   constexpr float kCoarse = kBrickCells;
   const F size = value.cell_size;
   const F squared = radius * radius + grid.gap + grid.spread * (size * size);
@@ -273,10 +284,15 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
   const F fall = grid.node_error * size + square_root(squared);
   const F fine_fall =
       fall + select(size > 1.0f, splat<F>(grid.fine_error), splat<F>(grid.node_error));
+  // Cells of one voxel on both sides are spread alike.
+  const float spread = coarsest > 1.0f ? coarsest * coarsest * grid.spread : 0.0f;
+  const F fall_to_size =
+      maximum(fine_fall, grid.node_error * (size + coarsest) + square_root(squared + spread));
   const F coarse_fall =
       grid.node_error * (size + kCoarse) + square_root(squared + kCoarse * kCoarse * grid.spread);
   GridBound<F> bound{value.distance - fall, value.distance - fine_fall,
-                     value.distance - coarse_fall, value.distance + coarse_fall};
+                     value.distance - fall_to_size, value.distance - coarse_fall,
+                     value.distance + coarse_fall};
   const auto beyond = is_beyond(place.outside);
   if (any(beyond)) {
     // Nor is the surface nearer than the grid.
@@ -285,24 +301,25 @@ VOXSHELL_INLINE GridBound<F> bound_ball(const GridView& grid, const GridPlace<F>
     const F d = maximum(seen, length(outside)) - radius - square_root(splat<F>(grid.gap));
     bound.of_distance = select(beyond, d, bound.of_distance);
     bound.if_fine = select(beyond, d - grid.fine_error, bound.if_fine);
+    bound.up_to_size = select(beyond, d - coarsest * grid.fine_error, bound.up_to_size);
     bound.if_coarse = select(beyond, d - kCoarse * grid.fine_error, bound.if_coarse);
   }
   return bound;
 }
 
-/// Whether the bound for fine cells decides alone which balls hold a value below `limit`: values in
-/// larger cells are beyond the floor, above or below.
-VOXSHELL_INLINE bool is_fine_enough(const GridView& grid, float limit) {
-  return -grid.coarse_floor < limit && limit < grid.coarse_floor;
+/// Whether the bound up to the coarsest size decides alone which balls hold a value below `limit`:
+/// larger cells hold values beyond it, or lie so deep that the bound of the distance tells.
+VOXSHELL_INLINE bool is_decided_by_size(const GridView& grid, float limit) {
+  return -grid.coarse_floors[0] < limit;
 }
 
-/// Of the value over the ball.
+/// Of those values over the ball that the coarsest size was found for.
 template <class F>
 VOXSHELL_INLINE F combine(const GridView& grid, const GridBound<F>& bound) {
   // Large cells can be met only where the true distance allows it, with values beyond the floor.
   const F d = bound.of_distance;
-  const F floor = splat<F>(grid.coarse_floor);
-  const F above = minimum(bound.if_fine, maximum(bound.if_coarse, floor));
+  const F floor = splat<F>(grid.coarse_floors[0]);
+  const F above = maximum(bound.up_to_size, minimum(bound.if_fine, floor));
   const F far = select(d > 0.0f, above, bound.if_coarse);
   return select(absolute(d) <= floor, bound.if_fine, far);
 }
@@ -341,19 +358,22 @@ VOXSHELL_INLINE F bound_fall_in_brick(const GridView& grid, const GridPlace<F>& 
   return select(is_within, fall, splat<F>(__builtin_inff()));
 }
 
-/// From the value at the ball's centre.
+/// Of the value over a ball, from that at its centre; of values up to a limit alone where
+/// `coarsest` is what find_coarsest() says of it.
 template <class F>
 VOXSHELL_INLINE F find_lower_bound(const GridView& grid, const GridPlace<F>& place,
-                                   const GridValue<F>& value, F radius) {
-  return maximum(combine(grid, bound_ball(grid, place, value, radius)),
+                                   const GridValue<F>& value, F radius,
+                                   float coarsest = kBrickCells) {
+  return maximum(combine(grid, bound_ball(grid, place, value, radius, coarsest)),
                  value.distance - bound_fall_in_brick(grid, place, value, radius));
 }
 
 template <class F>
-VOXSHELL_INLINE F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius) {
+VOXSHELL_INLINE F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius,
+                                       float coarsest = kBrickCells) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  return find_lower_bound(grid, place, value, radius);
+  return find_lower_bound(grid, place, value, radius, coarsest);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -10,7 +10,9 @@ namespace voxshell::simd {
 ///   bits 3-6   samples: the exponent e of their scale, quantum * 2^e
 ///              plane: how many bricks around it, in each direction, hold the same plane or neither
 ///              it nor the surface within plane_margin; the grid may end there
-///   bits 7-31  samples: index of the first in units of kSampleAlignment; plane: its index
+///   bits 7-31  samples: index of the first, in units of kSampleAlignment; plane: its index
+/// Bricks of one cell share their corners: where there are any, samples begin with those of all
+/// bricks, x fastest, at one scale, and the index is in units of one.
 inline constexpr int kBrickCells = 8;
 inline constexpr int kBrickShift = 3;
 inline constexpr int kPlaneBit = 4;
@@ -22,7 +24,9 @@ inline constexpr int kSampleAlignment = 4;
 inline constexpr int kQuantaPerVoxel = 256;
 /// Samples that a lane without any may read all the same.
 inline constexpr int kFewestSamples = 1024;
-/// Says that no brick has cells larger than a voxel.
+/// How many sizes of cells larger than a voxel there are: 2, 4 and 8.
+inline constexpr int kCoarseSizes = 3;
+/// Says that no brick has cells as large as that.
 inline constexpr float kNoCoarseFloor = 1e30f;
 
 /// A grid field as kernels see it. Metres, the field's frame.
@@ -36,6 +40,8 @@ struct GridView {
   int32_t last_brick[3];
   int32_t bricks_x;   ///< bricks in a row
   int32_t bricks_xy;  ///< bricks in a layer
+  int32_t rows[8];    ///< how far samples are apart along y, by the lowest three bits of an entry
+  int32_t layers[8];  ///< along z
   float voxel_size;
   float inverse_voxel_size;
   float quantum;  ///< a sample's unit at scale exponent 0, metres
@@ -49,9 +55,9 @@ struct GridView {
   /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2.
   float gap;
   float plane_margin;  ///< up to which a plane serves for all that is around it, metres
-  /// In a brick with cells larger than a voxel no point is nearer to the surface than this and no
-  /// value nearer to zero, metres; or kNoCoarseFloor.
-  float coarse_floor;
+  /// In bricks with cells of 2, 4 and 8 voxels, or larger, no point is nearer to the surface than
+  /// this and no value nearer to zero, metres, ascending; or kNoCoarseFloor.
+  float coarse_floors[kCoarseSizes];
 
   /// Fields do not change once they have a serial.
   friend bool operator==(const GridView& a, const GridView& b) { return a.serial == b.serial; }

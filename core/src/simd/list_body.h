@@ -49,7 +49,7 @@ template <class V>
 void expand(const PosedView<V>& posed, const TreeView& tree, int level, const NodeList& nodes,
             NodeList& out, float margin, float growth) {
   if constexpr (std::is_same_v<V, GridView>) {
-    if (out.bound == nullptr && is_fine_enough(posed.field, margin + posed.slack)) {
+    if (out.bound == nullptr && is_decided_by_size(posed.field, margin + posed.slack)) {
       expand_by<V>(tree, level, nodes, out, growth, [&](const Block& block, uint32_t tag) {
         return test_balls<Test::kAgainstMargin>(posed, block, tag, margin);
       });
@@ -61,45 +61,76 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
   });
 }
 
-/// No point has a smaller distance after it has moved by up to `growth`.
+/// No point that is then below the margin has a smaller distance after it has moved by up to
+/// `growth`.
 template <class V>
 VOXSHELL_INLINE F8 bound_points(const PosedView<V>& posed, const Triple<F8>& p, uint32_t /*tag*/,
-                                float growth) {
+                                float growth, float /*margin*/) {
   return evaluate_lower_bound(posed.field, to_field(posed, p), splat<F8>(growth)) - posed.slack;
 }
 VOXSHELL_INLINE F8 bound_points(const PosedView<PlaneView>& posed, const Triple<F8>& p,
-                                uint32_t /*tag*/, float growth) {
+                                uint32_t /*tag*/, float growth, float /*margin*/) {
   return evaluate_distance(posed.field, p) - growth - posed.slack;
 }
 VOXSHELL_INLINE F8 bound_points(const PosedView<GridView>& posed, const Triple<F8>& p, uint32_t tag,
-                                float growth) {
+                                float growth, float margin) {
   const Triple<F8> q = to_field(posed, p);
   // Where rounding may carry a point across the side of a brick, values are not continuous.
   const F8 radius = splat<F8>(growth + posed.slack);
-  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, radius)
+  const float coarsest = find_coarsest(posed.field, margin + posed.slack);
+  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, radius, coarsest)
                             : distance_to_plane(posed.field, tag, q) - growth;
   return bound - posed.slack;
 }
 
+/// The last eight are filled up with copies.
+VOXSHELL_INLINE void fill_up(const PointList& points) {
+  for (uint32_t i = points.count; i % kLanes != 0; ++i) {
+    const uint32_t last = points.count - 1;
+    points.id[i] = points.id[last];
+    points.tag[i] = points.tag[last];
+    points.distance[i] = points.distance[last];
+    points.x[i] = points.x[last];
+    points.y[i] = points.y[last];
+    points.z[i] = points.z[last];
+  }
+}
+
+/// Writes those lanes of a bucket behind `count` points, but for their distances.
+VOXSHELL_INLINE void append(uint32_t bucket, uint32_t tag, const Triple<F8>& p, unsigned lanes,
+                            PointList& out, uint32_t& count) {
+  compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
+  const I8 tags = I8{} + static_cast<int32_t>(tag);
+  memcpy(out.tag + count, &tags, sizeof tags);
+  compress(out.x + count, p.x, lanes);
+  compress(out.y + count, p.y, lanes);
+  compress(out.z + count, p.z, lanes);
+  count += static_cast<uint32_t>(__builtin_popcount(lanes));
+}
+
+VOXSHELL_INLINE I8 load_tags(const uint32_t* from) {
+  I8 tags;
+  memcpy(&tags, from, sizeof tags);
+  return tags;
+}
+
 template <class V>
-void sift(const PosedView<V>& posed, const TreeView& tree, NodeList& slots, float margin,
-          float growth) {
+void sift(const PosedView<V>& posed, const TreeView& tree, const NodeList& slots, float margin,
+          float growth, PointList& out) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < slots.count; ++i) {
     fetch_buckets_ahead<V>(tree, slots, i);
-    const uint32_t slot = slots.index[i];
-    const uint32_t tag = slots.tag[i];
-    unsigned lanes = 0;
-    const uint32_t end = first_bucket(tree, slot + 1);
-    for (uint32_t bucket = first_bucket(tree, slot); bucket < end; ++bucket) {
+    const uint32_t end = first_bucket(tree, slots.index[i] + 1);
+    for (uint32_t bucket = first_bucket(tree, slots.index[i]); bucket < end; ++bucket) {
       const Triple<F8> p = load_triple(bucket_of(tree, bucket));
-      lanes |= lanes_below(bound_points(posed, p, tag, growth), margin);
+      const F8 bound = bound_points(posed, p, slots.tag[i], growth, margin);
+      const unsigned lanes = lanes_below(bound, margin) & bits(p.x == p.x);
+      compress(out.distance + count, bound, lanes);
+      append(bucket, slots.tag[i], p, lanes, out, count);
     }
-    slots.index[count] = slot;
-    slots.tag[count] = tag;
-    count += lanes != 0 ? 1u : 0u;
   }
-  slots.count = count;
+  out.count = count;
+  fill_up(out);
 }
 
 template <class V>
@@ -117,30 +148,34 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
       // samples were not needed; before the first is found, guesses are right.
       const bool is_guessed = std::is_same_v<V, PlaneView> || slots.tag[i] != 0 || count == 0;
       if (is_guessed && lanes == 0) continue;
-      compress(out.id + count, kLaneIndex + static_cast<int32_t>(bucket * kLanes), lanes);
-      const I8 tags = I8{} + static_cast<int32_t>(slots.tag[i]);
-      memcpy(out.tag + count, &tags, sizeof tags);
       compress(out.distance + count, distance, lanes);
-      compress(out.x + count, p.x, lanes);
-      compress(out.y + count, p.y, lanes);
-      compress(out.z + count, p.z, lanes);
-      count += static_cast<uint32_t>(__builtin_popcount(lanes));
+      append(bucket, slots.tag[i], p, lanes, out, count);
     }
   }
   out.count = count;
 }
 
-/// The last eight are filled up with copies.
-VOXSHELL_INLINE void fill_up(const PointList& points) {
-  for (uint32_t i = points.count; i % kLanes != 0; ++i) {
-    const uint32_t last = points.count - 1;
-    points.id[i] = points.id[last];
-    points.tag[i] = points.tag[last];
-    points.distance[i] = points.distance[last];
-    points.x[i] = points.x[last];
-    points.y[i] = points.y[last];
-    points.z[i] = points.z[last];
+template <class V>
+void evaluate_sifted(const PosedView<V>& posed, const PointList& sifted, float margin,
+                     PointList& out) {
+  uint32_t count = out.count;
+  for (uint32_t i = 0; i < sifted.count; i += kLanes) {
+    const Triple<F8> p{load<F8>(sifted.x + i), load<F8>(sifted.y + i), load<F8>(sifted.z + i)};
+    const I8 tags = load_tags(sifted.tag + i);
+    const F8 distance = tagged_distance(posed, p, is_uniform(tags) ? sifted.tag[i] : 0, margin);
+    const uint32_t left = sifted.count - i;
+    const unsigned lanes = bits(distance < margin) & (left < kLanes ? (1u << left) - 1 : 255u);
+    I8 ids;
+    memcpy(&ids, sifted.id + i, sizeof ids);
+    compress(out.id + count, ids, lanes);
+    compress(out.tag + count, tags, lanes);
+    compress(out.distance + count, distance, lanes);
+    compress(out.x + count, p.x, lanes);
+    compress(out.y + count, p.y, lanes);
+    compress(out.z + count, p.z, lanes);
+    count += static_cast<uint32_t>(__builtin_popcount(lanes));
   }
+  out.count = count;
 }
 
 template <class V>
@@ -182,9 +217,7 @@ template <>
 struct Normals<GridView> {
   explicit Normals(const PosedView<GridView>&) {}
   Triple<F8> find(const PosedView<GridView>& posed, const Triple<F8>& p, const uint32_t* tags) {
-    I8 eight;
-    memcpy(&eight, tags, sizeof eight);
-    if (tags[0] == 0 || !is_uniform(eight)) return posed_normal(posed, p);
+    if (tags[0] == 0 || !is_uniform(load_tags(tags))) return posed_normal(posed, p);
     if (tags[0] != tag) {
       tag = tags[0];
       const float* plane = plane_of(posed.field, tag);

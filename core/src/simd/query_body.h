@@ -9,8 +9,8 @@
 namespace voxshell::simd::VOXSHELL_ISA {
 
 template <class V>
-inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,   &sift<V>,          &evaluate<V>,
-                                                  &complete<V>, &differentiate<V>, &find_deepest<V>,
-                                                  &find_any<V>, &find_widest<V>,   &choose_widest};
+inline constexpr QueryKernels<V> kQueryKernels = {
+    &expand<V>,        &sift<V>,         &evaluate<V>, &evaluate_sifted<V>, &complete<V>,
+    &differentiate<V>, &find_deepest<V>, &find_any<V>, &find_widest<V>,     &choose_widest};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -57,12 +57,16 @@ struct QueryKernels {
   /// theirs; those of the root, node 0, are level 0. Every sphere counts as larger by `growth`.
   void (*expand)(const PosedView<V>&, const TreeView&, int level, const NodeList& nodes,
                  NodeList& out, float margin, float growth);
-  /// Leaves those of `slots` that may hold a point below `margin` after its points have moved by up
-  /// to `growth`, without their bounds. Tags must be of this margin and no smaller growth.
-  void (*sift)(const PosedView<V>&, const TreeView&, NodeList& slots, float margin, float growth);
+  /// Lists those points of slots that may come below `margin` when they move by up to `growth`,
+  /// with bounds of their distances then. Tags must be of this margin and no smaller growth.
+  void (*sift)(const PosedView<V>&, const TreeView&, const NodeList& slots, float margin,
+               float growth, PointList& out);
   /// Appends the points below `margin` of slots.
   void (*evaluate)(const PosedView<V>&, const TreeView&, const NodeList& slots, float margin,
                    PointList& out);
+  /// Appends those of `sifted` points that are below `margin`.
+  void (*evaluate_sifted)(const PosedView<V>&, const PointList& sifted, float margin,
+                          PointList& out);
   /// Writes a contact (id, depth, point, normal) for each point, eight words each. Points with a
   /// tag must have been found below the margin that it was given for.
   void (*complete)(const PosedView<V>&, const TreeView&, const PointList& points, void* contacts);

@@ -120,8 +120,10 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
   }
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
-  const auto bounds = bound_ball(grid, place, value, block.radii);
-  F8 bound = (kTest == Test::kAgainstMargin ? bounds.if_fine : combine(grid, bounds)) - posed.slack;
+  const auto bounds =
+      bound_ball(grid, place, value, block.radii, find_coarsest(grid, margin + posed.slack));
+  F8 bound =
+      (kTest == Test::kAgainstMargin ? bounds.up_to_size : combine(grid, bounds)) - posed.slack;
   const unsigned lanes = lanes_below(bound, margin) & block.lanes;
   const I8 tags = find_tags(grid, place, value, block.radii, posed.slack, margin);
   if (const unsigned tagged = bits(tags != 0) & lanes; tagged != 0) {

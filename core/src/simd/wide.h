@@ -148,6 +148,10 @@ VOXSHELL_INLINE I8 shift_down(I8 value, int by) {
   using U8 = uint32_t __attribute__((vector_size(32)));
   return reinterpret_cast<I8>(reinterpret_cast<U8>(value) >> static_cast<uint32_t>(by));
 }
+VOXSHELL_INLINE I8 shift_down(I8 value, I8 by) {
+  using U8 = uint32_t __attribute__((vector_size(32)));
+  return reinterpret_cast<I8>(reinterpret_cast<U8>(value) >> reinterpret_cast<U8>(by));
+}
 
 /// 2^exponent, for exponents from -126 to 127.
 template <class I>

@@ -1,3 +1,5 @@
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -6,6 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "field/brick_grid.h"
+#include "support/brute_force.h"
+#include "support/grid_bricks.h"
 #include "support/grid_fields.h"
 #include "support/meshes.h"
 #include "support/random.h"
@@ -36,8 +41,32 @@ TEST(GridFieldBuild, SamplesAreTheSameBitsWithAnyNumberOfThreads) {
     EXPECT_EQ(other.samples, one.samples);
     EXPECT_EQ(other.planes, one.planes);
     EXPECT_EQ(other.node_error, one.node_error);
-    EXPECT_EQ(other.coarse_floor, one.coarse_floor);
+    EXPECT_EQ(other.coarse_floors, one.coarse_floors);
   }
+}
+
+TEST(GridFieldBuild, KeepsTheLargerCellsTheFartherFromTheSurface) {
+  Random random(82);
+  std::array<int, simd::kCoarseSizes> counts{};
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build(mesh, 0.5 * voxel_size, 8.0 * voxel_size);
+    const double h = field.voxel_size();
+    const auto& floors = field.data().coarse_floors;
+    for (std::size_t i = 0; i < floors.size(); ++i) {
+      ASSERT_GT(floors[i], (kLeastFloors[i] - 0.01) * h) << name;
+    }
+    const Bounds bounds = grid_bounds(field);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 p = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
+      const double size = cell_size_of(field, brick_at(field, p));
+      if (size == 1.0) continue;
+      const std::size_t at = size == 2.0 ? 0 : size == 4.0 ? 1 : 2;
+      ASSERT_GE(distance_to_mesh(p, mesh), floors[at]) << name << ", cells of " << size;
+      ASSERT_GE(std::abs(distance_at(field, p)), floors[at]) << name << ", cells of " << size;
+      ++counts[at];
+    }
+  }
+  for (const int count : counts) EXPECT_GT(count, 100);
 }
 
 TEST(GridFieldBuild, TakesFarMoreThreadsThanASystemGives) {

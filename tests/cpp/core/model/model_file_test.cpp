@@ -95,7 +95,7 @@ void expect_equal(const Model& a, const Model& b) {
   EXPECT_EQ(f.surface_bounds.lower, g.surface_bounds.lower);
   EXPECT_EQ(f.surface_bounds.upper, g.surface_bounds.upper);
   EXPECT_EQ(f.node_error, g.node_error);
-  EXPECT_EQ(f.coarse_floor, g.coarse_floor);
+  EXPECT_EQ(f.coarse_floors, g.coarse_floors);
   EXPECT_EQ(points_of(a), points_of(b));
   expect_equal(a.shell().normals(), b.shell().normals());
   expect_equal(a.shell().areas(), b.shell().areas());
@@ -334,10 +334,11 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
     expect_refused(in_record(offsetof(Record, grid_voxel_size), size), "the voxel size is");
   }
   for (const double value : {kNan, kInfinity, -1.0}) {
-    expect_refused(in_record(offsetof(Record, grid_node_error), value), "its error or floor");
-    expect_refused(in_record(offsetof(Record, grid_coarse_floor), value), "its error or floor");
+    expect_refused(in_record(offsetof(Record, grid_node_error), value), "its error is");
+    expect_refused(in_record(offsetof(Record, grid_coarse_floors) + 8, value), "its floors are");
     expect_refused(in_record(offsetof(Record, shell_spacing), value), "the spacing is");
   }
+  expect_refused(in_record(offsetof(Record, grid_coarse_floors), 1e6), "in the wrong order");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t at = 8 * axis;
     for (const std::int64_t bricks :
@@ -381,10 +382,14 @@ TEST(ModelBytes, WithEntriesBeyondTheArraysAreRefused) {
     fix_checksum(bytes);
     return bytes;
   };
-  const std::size_t samples = small_model().grid().data().samples.size();
+  const GridFieldData& grid = small_model().grid().data();
+  const std::size_t samples = grid.samples.size();
   for (std::uint32_t level = 0; level < 4; ++level) {
     const std::size_t nodes = (std::size_t{1} << level) + 1;
-    const std::size_t last = (samples - nodes * nodes * nodes) / 4;
+    const auto in_row = static_cast<std::size_t>(grid.bricks[0] + 1);
+    const auto in_layer = in_row * static_cast<std::size_t>(grid.bricks[1] + 1);
+    const std::size_t last =
+        level == 0 ? samples - in_layer - in_row - 2 : (samples - nodes * nodes * nodes) / 4;
     EXPECT_TRUE(from_bytes(with(static_cast<std::uint32_t>(last << 7) | level)));
     expect_refused(with(static_cast<std::uint32_t>((last + 1) << 7) | level), "brick 2 holds");
     expect_refused(with(0xffffff80u | level), "brick 2 holds samples");

@@ -73,15 +73,18 @@ Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
     cell[axis] = static_cast<int>(place) == cells ? cells - 1 : static_cast<int>(place);
     t[axis] = place - static_cast<float>(cell[axis]);
   }
+  // Bricks of one cell share their corners with others.
+  const int row = (cells == 1 ? data.bricks[0] : cells) + 1;
+  const int layer = row * ((cells == 1 ? data.bricks[1] : cells) + 1);
+  const std::size_t first = (cells == 1 ? 1 : 4) * (entry >> 7);
   std::array<std::array<std::array<float, 2>, 2>, 2> corner{};  // [x][y][z]
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
       for (int k = 0; k < 2; ++k) {
-        const auto index = static_cast<std::size_t>(
-            (cell[0] + i) + (cells + 1) * ((cell[1] + j) + (cells + 1) * (cell[2] + k)));
+        const auto index =
+            static_cast<std::size_t>(cell[0] + i + row * (cell[1] + j) + layer * (cell[2] + k));
         corner[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]
-              [static_cast<std::size_t>(k)] =
-                  static_cast<float>(data.samples[4 * (entry >> 7) + index]);
+              [static_cast<std::size_t>(k)] = static_cast<float>(data.samples[first + index]);
       }
     }
   }

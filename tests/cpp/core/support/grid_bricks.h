@@ -57,7 +57,7 @@ void visit_nodes(const GridField& field, std::size_t brick, const Visit& visit) 
                                                 static_cast<double>(brick / (nx * ny))};
   const int n = entry.is_plane ? simd::kBrickCells : entry.cells;
   const double quantum = data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
-  std::size_t index = entry.first;
+  const auto [row, layer] = entry.strides(data.bricks);
   for (int k = 0; k <= n; ++k) {
     for (int j = 0; j <= n; ++j) {
       for (int i = 0; i <= n; ++i) {
@@ -67,7 +67,10 @@ void visit_nodes(const GridField& field, std::size_t brick, const Visit& visit) 
           const Vec3 normal = static_cast<Vec3>(Vec3f{plane[0], plane[1], plane[2]});
           visit(p, dot(normal, p) - static_cast<double>(plane[3]));
         } else {
-          visit(p, quantum * data.samples[index++]);
+          const std::size_t index = static_cast<std::size_t>(i) +
+                                    static_cast<std::size_t>(j) * row +
+                                    static_cast<std::size_t>(k) * layer;
+          visit(p, quantum * data.samples[entry.first + index]);
         }
       }
     }
