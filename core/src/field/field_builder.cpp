@@ -232,6 +232,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
       const double size = static_cast<double>(kBrickCells) / plan.cells;
       result.rounding =
           std::max(result.rounding, std::ldexp(0.5 / simd::kQuantaPerVoxel, entry.exponent) / size);
+      if (plan.cells == kBrickCells) continue;
       const double least = find_least_magnitude(nodes, size);
       for (std::size_t i = 0; i < result.floors.size() && plan.cells < kBrickCells >> i; ++i) {
         result.floors[i] = std::min(result.floors[i], least);

@@ -9,7 +9,6 @@
 #include "field/enclosing_surface.h"
 #include "field/field_builder.h"
 #include "field/inside.h"
-#include "field/surface_bricks.h"
 #include "mesh/row_winding.h"
 #include "voxshell/grid_field.h"
 
