@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstddef>
 #include <new>
 #include <utility>
 
@@ -135,10 +136,15 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
   manifold.setNumContacts(0);
 
   for (const WorldContact& contact : contacts) {
+    const auto place = static_cast<std::size_t>(manifold.getNumContacts());
     btManifoldPoint& point = add(manifold, contact);
-    const auto same = std::ranges::find_if(before, [&](const Heritage& heritage) {
+    const auto is_same = [&](const Heritage& heritage) {
       return !heritage.is_taken && heritage.id == point.m_index0;
-    });
+    };
+    // Points that carry on keep their places.
+    const auto same = place < before.size() && is_same(before[place])
+                          ? before.begin() + static_cast<std::ptrdiff_t>(place)
+                          : std::ranges::find_if(before, is_same);
     if (same != before.end()) same->give_to(point, contact.carries_on);
     if (tells_added_) {
       const bool swapped = is_swapped(manifold);

@@ -7,6 +7,7 @@
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include "contact_list.h"
 #include "rest_margin.h"
 
 namespace voxshell::bullet {
@@ -103,24 +104,25 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
   bool touches_from_above = false;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(contact);
-    Contact judged = contact;
-    bool is_touching = true;
-    double time = impact.time();
-    if (!(impact.gap < 0.0) && !is_resting(impact)) {
-      if (!sweeps_) continue;
+    const auto take = [&](const Contact& judged, double time) {
+      contacts[kept++] = judged;
+      first_touch_ = std::min(first_touch_, time);
+    };
+    const auto touch = [&](const Contact& judged, double time) {
+      touches = true;
+      touches_from_above = touches_from_above || !is_beside(judged);
+      take(judged, time);
+    };
+    if (is_contact(impact)) {
+      touch(contact, impact.time());
+    } else if (sweeps_) {
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
-      is_touching = closing >= impact.gap;
-      if (is_touching) {
-        const auto swept = pair_.has_triangles() ? contact : sweep(contact);
-        if (!swept) continue;
-        judged = *swept;
-        time = impact_of(judged).time();
+      if (closing < impact.gap) {
+        take(contact, impact.time());
+      } else if (const auto swept = pair_.has_triangles() ? contact : sweep(contact)) {
+        touch(*swept, impact_of(*swept).time());
       }
     }
-    touches = touches || is_touching;
-    touches_from_above = touches_from_above || (is_touching && !is_beside(judged));
-    contacts[kept++] = judged;
-    first_touch_ = std::min(first_touch_, time);
   }
   contacts.resize(touches ? kept : 0);
   // A body that leaves another from inside is in contact all the way, if only with such.
@@ -168,6 +170,12 @@ bool ContactRule::is_resting(const Impact& impact) const {
   return is_slow(impact) && std::abs(impact.gap) <= rest_margin_;
 }
 
+/// Whether a point is a contact where it is: one that penetrates or rests.
+bool ContactRule::is_contact(const Impact& impact) const {
+  // In this order: nearly all that are looked at are slow.
+  return (is_slow(impact) && impact.gap <= rest_margin_) || impact.gap < 0.0;
+}
+
 /// Whether friction is to remember where the bodies are.
 bool ContactRule::holds(const Impact& impact) const {
   return is_resting(impact) &&
@@ -181,14 +189,13 @@ void ContactRule::hold(std::span<const Contact> contacts) {
     shell_from_held_ =
         field_from_shell_.inverse() * (pair_.shell_is_a ? *memory_.hold : memory_.hold->inverse());
   }
-  bool any = false;
-  for (const Contact& contact : contacts) {
-    if (!holds(impact_of(contact))) continue;
-    any = true;
-    if (memory_.hold && is_held(slip_of(contact))) return;
-  }
+  const auto may_hold = [&](const Contact& contact) { return holds(impact_of(contact)); };
+  const auto still_holds = [&](const Contact& contact) {
+    return is_held(slip_of(contact)) && may_hold(contact);
+  };
+  if (memory_.hold && std::ranges::any_of(contacts, still_holds)) return;
   memory_.hold.reset();
-  if (any) {
+  if (std::ranges::any_of(contacts, may_hold)) {
     memory_.hold = pair_.shell_is_a ? field_from_shell_ : field_from_shell_.inverse();
     shell_from_held_ = Pose{};
   }
@@ -199,15 +206,6 @@ bool ContactRule::is_held(const Vec3& slip) const {
   constexpr double kOfMargin = 1.0 / 30.0;
   const double limit = kOfMargin * rest_margin_;
   return squared_length(slip) <= limit * limit;
-}
-
-/// How far a point of the shell has slipped along the surface since the bodies took hold of each
-/// other. Metres, in the shell's frame.
-Vec3 ContactRule::slip_of(const Contact& contact) const {
-  const auto point = static_cast<Vec3>(contact.point);
-  const auto normal = static_cast<Vec3>(contact.normal);
-  const Vec3 slip = point - shell_from_held_.transform_point(point);
-  return slip - dot(slip, normal) * normal;
 }
 
 /// After a gap, the speed at which the energy of Bullet's integration, v^2 / 2 + g x - g dt v / 2
@@ -230,12 +228,11 @@ ContactRule::Rebound ContactRule::rebound_of(const Impact& impact) const {
 double ContactRule::lever_of(std::span<const Contact> contacts) const {
   constexpr double kSmall = 0.1;
   if (!rolling_at_rest_ || !is_still_) return 0.0;
-  const Vec3f deepest = std::ranges::max_element(contacts, {}, &Contact::depth)->point;
-  Vec3f farthest{};
-  for (const Contact& contact : contacts) {
-    const Vec3f arm = contact.point - deepest;
-    if (dot(arm, arm) > dot(farthest, farthest)) farthest = arm;
-  }
+  const Vec3f deepest = find_deepest(contacts).point;
+  const auto squared_arm = [&](const Contact& contact) {
+    return squared_length(contact.point - deepest);
+  };
+  const Vec3f farthest = contacts[find_largest(contacts, squared_arm)].point - deepest;
   const float radius = length(farthest);
   const double small = kSmall * radius_;
   if (static_cast<double>(radius) < small) return static_cast<double>(radius);

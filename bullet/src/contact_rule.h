@@ -84,10 +84,18 @@ class ContactRule {
   Rebound rebound_of(const Impact& impact) const;
   bool is_slow(const Impact& impact) const;
   bool is_resting(const Impact& impact) const;
+  bool is_contact(const Impact& impact) const;
   bool holds(const Impact& impact) const;
   void hold(std::span<const Contact> contacts);
   bool is_held(const Vec3& slip) const;
-  Vec3 slip_of(const Contact& contact) const;
+  /// How far a point of the shell has slipped along the surface since the bodies took hold of each
+  /// other. Metres, in the shell's frame.
+  Vec3 slip_of(const Contact& contact) const {
+    const auto point = static_cast<Vec3>(contact.point);
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const Vec3 slip = point - shell_from_held_.transform_point(point);
+    return slip - dot(slip, normal) * normal;
+  }
   bool is_first(const Impact& impact) const;
   void carry_back(std::vector<Contact>& contacts, double share) const;
   void put_on_field(Contact& contact, const Vec3& on_field) const;

@@ -9,9 +9,11 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include "contact_list.h"
 #include "contact_rule.h"
 #include "posed_pair.h"
 #include "shape_features.h"
+#include "stage_clock.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/manifold.h"
 
@@ -38,9 +40,9 @@ ManifoldPoints points_before(std::span<const Contact> contacts,
   ManifoldPoints points;
   for (int i = 0; i < manifold.getNumContacts(); ++i) {
     const auto id = static_cast<std::uint32_t>(manifold.getContactPoint(i).m_index0);
-    const auto found = std::ranges::lower_bound(contacts, id, {}, &Contact::id);
-    if (found == contacts.end() || found->id != id) return {};
-    points.indices[points.count++] = static_cast<std::uint32_t>(found - contacts.begin());
+    const std::size_t found = find_from_id(contacts, id);
+    if (found == contacts.size() || contacts[found].id != id) return {};
+    points.indices[points.count++] = static_cast<std::uint32_t>(found);
   }
   return points;
 }
@@ -49,13 +51,13 @@ ManifoldPoints points_before(std::span<const Contact> contacts,
 /// rocking: those of the step before stay as long as none is deeper by more than `band`.
 ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
                       const btPersistentManifold& manifold, float band) {
-  const ManifoldPoints chosen = select_manifold(contacts, most);
-  const ManifoldPoints before = points_before(contacts, manifold);
   constexpr std::size_t kCarrying = 3;
-  const bool carries_on = before.count >= std::min(kCarrying, chosen.count) &&
-                          before.count <= most &&
-                          depth_of(chosen, contacts) <= depth_of(before, contacts) + band;
-  return carries_on ? before : chosen;
+  const ManifoldPoints before = points_before(contacts, manifold);
+  const float deepest = find_deepest(contacts).depth;
+  const bool carries_on = before.count <= most && deepest <= depth_of(before, contacts) + band;
+  if (carries_on && before.count >= kCarrying) return before;
+  const ManifoldPoints chosen = select_manifold(contacts, most);
+  return carries_on && before.count >= chosen.count ? before : chosen;
 }
 
 }  // namespace
@@ -112,7 +114,6 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   if (takes_all && lies && !contacts_.empty()) {
     drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
   }
-  clock.end(&NarrowPhaseTimings::reduction);
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
     release_manifolds();
@@ -123,10 +124,16 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to
     // look through.
     release_manifolds();
-  } else {
-    // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
-    fill(pair, rule, takes_all && settings_.mode == ContactMode::kRegular, clock);
+    clock.end(&NarrowPhaseTimings::reduction);
+    return;
   }
+  // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
+  const bool is_regular = takes_all && settings_.mode == ContactMode::kRegular;
+  assign_manifolds(pair, is_regular);
+  choose_points(rule, is_regular);
+  clock.end(&NarrowPhaseTimings::reduction);
+  fill(pair, rule);
+  clock.end(&NarrowPhaseTimings::manifold);
 }
 
 /// Of a shape that was given points or scaled, if they still have a hull.
@@ -211,10 +218,12 @@ int ModelAlgorithm::level() const {
   return finer ? kDefaultSweptLevel : kDefaultLevel;
 }
 
-/// The number that a contact's manifold goes by.
-std::uint32_t ModelAlgorithm::segment_of(const PosedPair& pair, const Contact& contact) const {
-  if (pair.has_triangles() || contact.id >= kFirstFeature) return contact.id;
-  return pair.shell().tree().segment(contact.id, level());
+ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
+                                                   const Contact& contact) const {
+  if (pair.has_triangles() || contact.id >= kFirstFeature) return {contact.id, contact.id + 1};
+  const PointSphereTree& tree = pair.shell().tree();
+  const std::uint32_t segment = tree.segment(contact.id, level());
+  return {segment, tree.cluster_points(level(), segment).end};
 }
 
 void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
@@ -242,10 +251,9 @@ void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
 /// within a margin, points that carry nothing would span the largest area, and those that carry the
 /// body would go without. Features are few, and the ends of what they are of.
 void ModelAlgorithm::drop_idle_points(float band) {
-  const auto deepest = std::ranges::max_element(contacts_, {}, &Contact::depth);
-  const float least = std::min(deepest->depth - band, 0.0f);
-  std::erase_if(contacts_, [&](const Contact& contact) {
-    return contact.id < kFirstFeature && contact.depth < least;
+  const float least = std::min(find_deepest(contacts_).depth - band, 0.0f);
+  keep_if(contacts_, [&](const Contact& contact) {
+    return (contact.depth >= least) | (contact.id >= kFirstFeature);
   });
 }
 
@@ -256,15 +264,18 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
   // so that segments which gained some can have them.
   auto old = active_.begin();
   next_.clear();
+  Segment segment{0, 0};
   for (const Contact& contact : contacts_) {
-    const std::uint32_t segment = is_regular ? 0 : segment_of(pair, contact);
-    if (!next_.empty() && next_.back().segment == segment) {
+    if (contact.id < segment.end) {
       ++next_.back().contact_count;
       continue;
     }
-    for (; old != active_.end() && old->segment < segment; ++old) idle_.push_back(old->manifold);
-    const bool continues = old != active_.end() && old->segment == segment;
-    next_.push_back({segment, continues ? (old++)->manifold : nullptr, 1});
+    segment = is_regular ? Segment{0, UINT32_MAX} : segment_of(pair, contact);
+    for (; old != active_.end() && old->segment < segment.index; ++old) {
+      idle_.push_back(old->manifold);
+    }
+    const bool continues = old != active_.end() && old->segment == segment.index;
+    next_.push_back({segment.index, continues ? (old++)->manifold : nullptr, 1});
   }
   for (; old != active_.end(); ++old) idle_.push_back(old->manifold);
   for (btPersistentManifold* manifold : idle_) {
@@ -274,29 +285,6 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
   for (SegmentManifold& entry : active_) {
     if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
   }
-}
-
-void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule, bool is_regular,
-                          StageClock& clock) {
-  assign_manifolds(pair, is_regular);
-  clock.end(&NarrowPhaseTimings::manifold);
-  choose_points(rule, is_regular);
-  clock.end(&NarrowPhaseTimings::reduction);
-  const ManifoldFiller filler(pair.a.wrap(), pair.b.wrap());
-  chosen_.clear();
-  const Contact* group = contacts_.data();
-  std::array<WorldContact, kManifoldSize> world;
-  for (const SegmentManifold& entry : active_) {
-    for (std::size_t i = 0; i < entry.chosen.count; ++i) {
-      const Contact& contact = group[entry.chosen.indices[i]];
-      world[i] = rule.to_world(contact, entry.lever);
-      chosen_.push_back(contact);
-    }
-    filler.fill(*entry.manifold, std::span(world).first(entry.chosen.count));
-    group += entry.contact_count;
-  }
-  memory_.patch.keep(chosen_);
-  clock.end(&NarrowPhaseTimings::manifold);
 }
 
 /// Those of its contacts that each of active_ is to hold.
@@ -312,6 +300,24 @@ void ModelAlgorithm::choose_points(const ContactRule& rule, bool is_regular) {
     entry.lever = is_few ? rule.lever_of(group) : 0.0;
     entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
+}
+
+/// Fills the manifolds of active_ with the points that were chosen for them.
+void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule) {
+  const ManifoldFiller filler(pair.a.wrap(), pair.b.wrap());
+  chosen_.clear();
+  const Contact* group = contacts_.data();
+  std::array<WorldContact, kManifoldSize> world;
+  for (const SegmentManifold& entry : active_) {
+    for (std::size_t i = 0; i < entry.chosen.count; ++i) {
+      const Contact& contact = group[entry.chosen.indices[i]];
+      world[i] = rule.to_world(contact, entry.lever);
+      chosen_.push_back(contact);
+    }
+    filler.fill(*entry.manifold, std::span(world).first(entry.chosen.count));
+    group += entry.contact_count;
+  }
+  memory_.patch.keep(chosen_);
 }
 
 btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {

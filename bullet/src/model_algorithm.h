@@ -12,7 +12,6 @@
 #include "contact_rule.h"
 #include "hull.h"
 #include "shape_features.h"
-#include "stage_clock.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
@@ -43,6 +42,11 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void getAllContactManifolds(btManifoldArray& manifolds) override;
 
  private:
+  /// Whose contacts share a manifold.
+  struct Segment {
+    std::uint32_t index;
+    std::uint32_t end;  ///< contacts from this id on are in others
+  };
   struct SegmentManifold {
     std::uint32_t segment;
     btPersistentManifold* manifold;
@@ -56,13 +60,13 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void find_near(PosedPair& pair, double margin, Wanted wanted);
   double find_on_the_way(const PosedPair& pair, const ContactRule& rule);
   int level() const;
-  std::uint32_t segment_of(const PosedPair& pair, const Contact& contact) const;
+  Segment segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
   void drop_idle_points(float band);
   void assign_manifolds(const PosedPair& pair, bool is_regular);
   void choose_points(const ContactRule& rule, bool is_regular);
-  void fill(const PosedPair& pair, const ContactRule& rule, bool is_regular, StageClock& clock);
+  void fill(const PosedPair& pair, const ContactRule& rule);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
   const ContactSettings& settings_;

@@ -1,6 +1,9 @@
 #include "resting_patch.h"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "contact_list.h"
 
 namespace voxshell::bullet {
 
@@ -10,28 +13,40 @@ void RestingPatch::settle(std::span<Contact> contacts, double thickness, double 
   constexpr double kForgotten = 0.01;
   // Points that hold do so for a while beyond the band, or a body rocks about its edge.
   constexpr double kLetGo = 2.0;
-  const float deepest = std::ranges::max_element(contacts, {}, &Contact::depth)->depth;
+  const float deepest = find_deepest(contacts).depth;
   const double nearest = std::max(-static_cast<double>(deepest) - thickness, 0.0);
-  held_.swap(before_);
-  held_.clear();
-  auto before = before_.begin();
-  for (Contact& contact : contacts) {
-    const double gap = -static_cast<double>(contact.depth) - thickness;
-    double lift = gap - nearest;
-    before = std::find_if(before, before_.end(),
-                          [&](const Held& held) { return held.id >= contact.id; });
-    if (before != before_.end() && before->id == contact.id && lift <= kLetGo * band) {
-      lift = std::min(before->lift + kForgotten * (lift - before->lift), band);
-    }
-    if (lift <= 0.0 || lift > band) continue;
-    contact.depth = static_cast<float>(lift - gap - thickness);
-    held_.push_back({contact.id, lift});
+  const auto gap_of = [&](const Contact& contact) {
+    return -static_cast<double>(contact.depth) - thickness;
+  };
+  lifts_.resize(contacts.size());
+  std::ranges::transform(contacts, lifts_.begin(),
+                         [&](const Contact& contact) { return gap_of(contact) - nearest; });
+  for (const Held& held : held_) {
+    const std::size_t place = find_from_id(contacts, held.id);
+    if (place == contacts.size() || contacts[place].id != held.id) continue;
+    double& lift = lifts_[place];
+    if (lift <= kLetGo * band) lift = std::min(held.lift + kForgotten * (lift - held.lift), band);
+  }
+  // Without a branch: which points the patch takes in is anybody's guess.
+  held_.resize(contacts.size());
+  std::size_t count = 0;
+  for (std::size_t place = 0; place < contacts.size(); ++place) {
+    const double lift = lifts_[place];
+    held_[count] = {contacts[place].id, static_cast<std::uint32_t>(place), lift};
+    count += (lift > 0.0) & (lift <= band) ? 1u : 0u;
+  }
+  held_.resize(count);
+  for (const Held& held : held_) {
+    Contact& contact = contacts[held.place];
+    contact.depth = static_cast<float>(held.lift - gap_of(contact) - thickness);
   }
 }
 
 void RestingPatch::keep(std::span<const Contact> contacts) {
-  std::erase_if(held_, [&](const Held& held) {
-    return std::ranges::find(contacts, held.id, &Contact::id) == contacts.end();
+  keep_if(held_, [&](const Held& held) {
+    bool is_in = false;
+    for (const Contact& contact : contacts) is_in |= contact.id == held.id;
+    return is_in;
   });
 }
 

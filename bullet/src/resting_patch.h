@@ -32,11 +32,12 @@ class RestingPatch {
  private:
   struct Held {
     std::uint32_t id;
-    double lift;  ///< how much farther from the surface than the nearest, metres
+    std::uint32_t place;  ///< in the list of contacts that it was found in
+    double lift;          ///< how much farther from the surface than the nearest, metres
   };
 
-  std::vector<Held> held_;  ///< ascending by id
-  std::vector<Held> before_;
+  std::vector<Held> held_;
+  std::vector<double> lifts_;  ///< of all contacts
 };
 
 }  // namespace voxshell::bullet

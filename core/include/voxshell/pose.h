@@ -14,8 +14,13 @@ struct Matrix3 {
   Vec3 row_z{0.0, 0.0, 1.0};
 
   Vec3 operator*(const Vec3& v) const { return {dot(row_x, v), dot(row_y, v), dot(row_z, v)}; }
-  Matrix3 operator*(const Matrix3& m) const;
-  Matrix3 transposed() const;
+  Matrix3 operator*(const Matrix3& m) const {
+    const Matrix3 t = m.transposed();
+    return {t * row_x, t * row_y, t * row_z};
+  }
+  Matrix3 transposed() const {
+    return {{row_x.x, row_y.x, row_z.x}, {row_x.y, row_y.y, row_z.y}, {row_x.z, row_y.z, row_z.z}};
+  }
 };
 
 /// A rigid transform. Named `a_from_b`: it takes coordinates in frame b to frame a, so that
@@ -30,8 +35,13 @@ struct Pose {
 
   Vec3 transform_point(const Vec3& p) const { return rotation * p + translation; }
   Vec3 rotate(const Vec3& v) const { return rotation * v; }
-  Pose inverse() const;
-  Pose operator*(const Pose& other) const;
+  Pose inverse() const {
+    const Matrix3 inverse_rotation = rotation.transposed();
+    return {inverse_rotation, -(inverse_rotation * translation)};
+  }
+  Pose operator*(const Pose& other) const {
+    return {rotation * other.rotation, transform_point(other.translation)};
+  }
 };
 
 }  // namespace voxshell

@@ -16,15 +16,6 @@ constexpr double kFarthest = 1e15;
 
 }  // namespace
 
-Matrix3 Matrix3::transposed() const {
-  return {{row_x.x, row_y.x, row_z.x}, {row_x.y, row_y.y, row_z.y}, {row_x.z, row_y.z, row_z.z}};
-}
-
-Matrix3 Matrix3::operator*(const Matrix3& m) const {
-  const Matrix3 t = m.transposed();
-  return {t * row_x, t * row_y, t * row_z};
-}
-
 Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
   for (const double entry : matrix) {
     if (!std::isfinite(entry)) {
@@ -66,15 +57,6 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
                  "pose mirrors (its rotation has determinant -1); mirror the mesh, not the pose"};
   }
   return pose;
-}
-
-Pose Pose::inverse() const {
-  const Matrix3 inverse_rotation = rotation.transposed();
-  return {inverse_rotation, -(inverse_rotation * translation)};
-}
-
-Pose Pose::operator*(const Pose& other) const {
-  return {rotation * other.rotation, transform_point(other.translation)};
 }
 
 }  // namespace voxshell

@@ -19,19 +19,21 @@ std::uint32_t find_largest(std::span<const Contact> contacts, const Score& score
   auto best = static_cast<std::uint32_t>(contacts.size());
   float best_score = 0.0f;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    // Without a branch: which contact raises it is anybody's guess.
     const float s = score(contacts[i]);
-    if (s > best_score) {
-      best_score = s;
-      best = i;
-    }
+    best = s > best_score ? i : best;
+    best_score = s > best_score ? s : best_score;
   }
   return best;
 }
 
 std::uint32_t find_deepest(std::span<const Contact> contacts) {
   std::uint32_t deepest = 0;
+  float depth = contacts[0].depth;
   for (std::uint32_t i = 1; i < contacts.size(); ++i) {
-    if (contacts[i].depth > contacts[deepest].depth) deepest = i;
+    const float other = contacts[i].depth;
+    deepest = other > depth ? i : deepest;
+    depth = other > depth ? other : depth;
   }
   return deepest;
 }

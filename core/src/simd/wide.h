@@ -192,13 +192,30 @@ VOXSHELL_INLINE bool is_uniform(I8 value) { return bits(value == value[0]) == 25
 VOXSHELL_INLINE bool all(bool mask) { return mask; }
 VOXSHELL_INLINE bool all(I8 mask) { return bits(mask) == 255u; }
 
+#ifdef __AVX2__
+/// What `load` gives for each index. Eight loads take less time than a gather instruction:
+/// docs/decisions/0011-kernels-in-vector-extensions.md.
+template <class Load>
+VOXSHELL_INLINE I8 load_eight(I8 index, const Load& load) {
+  using U4 = uint64_t __attribute__((vector_size(32)));
+  const U4 pairs = reinterpret_cast<U4>(index);
+  const auto load_four = [&](uint64_t a, uint64_t b) {
+    __m128i four = _mm_cvtsi32_si128(load(static_cast<uint32_t>(a)));
+    four = _mm_insert_epi32(four, load(static_cast<uint32_t>(a >> 32)), 1);
+    four = _mm_insert_epi32(four, load(static_cast<uint32_t>(b)), 2);
+    return _mm_insert_epi32(four, load(static_cast<uint32_t>(b >> 32)), 3);
+  };
+  return reinterpret_cast<I8>(
+      _mm256_set_m128i(load_four(pairs[2], pairs[3]), load_four(pairs[0], pairs[1])));
+}
+#endif
+
 VOXSHELL_INLINE int32_t gather(const uint32_t* base, int32_t index) {
   return static_cast<int32_t>(base[index]);
 }
 VOXSHELL_INLINE I8 gather(const uint32_t* base, I8 index) {
 #ifdef __AVX2__
-  return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
-                                                     reinterpret_cast<__m256i>(index), 4));
+  return load_eight(index, [&](uint32_t i) { return static_cast<int32_t>(base[i]); });
 #else
   I8 result;
   for (int i = 0; i < kLanes; ++i) result[i] = static_cast<int32_t>(base[index[i]]);
@@ -269,8 +286,11 @@ VOXSHELL_INLINE int32_t gather_pair(const int16_t* base, int32_t index) {
 }
 VOXSHELL_INLINE I8 gather_pair(const int16_t* base, I8 index) {
 #ifdef __AVX2__
-  return reinterpret_cast<I8>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
-                                                     reinterpret_cast<__m256i>(index), 2));
+  return load_eight(index, [&](uint32_t i) {
+    int32_t pair;
+    memcpy(&pair, base + i, sizeof pair);
+    return pair;
+  });
 #else
   I8 result;
   for (int i = 0; i < kLanes; ++i) result[i] = gather_pair(base, index[i]);
