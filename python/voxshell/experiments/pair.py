@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 PAIRED = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
 """Keys of the methods that can meet themselves."""
 
-RESTING = ("vps-fine", "vps-coarse", "hull", "decomposition")
-"""Of these, those timed at rest: GImpact, at 0.4 s a step, would take minutes."""
+QUICK = ("vps-fine", "vps-coarse", "hull", "decomposition")
+"""Of these, those whose steps take microseconds. They take turns of milliseconds, or their ratios would
+be of how fast the machine happened to be; at rest GImpact, at 0.4 s a step, would take minutes."""
 
 UNTIMED_STEPS = 10
 """Of a resting pair, in which caches and solvers warm up."""
@@ -52,6 +53,7 @@ class PairSettings(DropSettings):
             the one before.
         drift: How far the body moves between these, metres.
         repeats: How often all poses are timed.
+        turns: How often in each repeat :data:`QUICK` methods take turns.
         seed: Of the poses, and of the stack.
         rest_seconds: How long a stack of five bunnies has stood when its poses are taken.
         rest_steps: How many of its steps are then timed, each pair's one after another.
@@ -64,6 +66,7 @@ class PairSettings(DropSettings):
     steps_a_pose: int = 4
     drift: float = 0.0001
     repeats: int = 5
+    turns: int = 5
     seed: int = 53
     rest_seconds: float = 3.0
     rest_steps: int = 40
@@ -72,7 +75,7 @@ class PairSettings(DropSettings):
         super().__post_init__()
         for name in ("least_depth", "most_depth", "drift", "rest_seconds"):
             as_positive(getattr(self, name), name)
-        for name in ("poses", "repeats"):
+        for name in ("poses", "repeats", "turns"):
             as_integer(getattr(self, name), name, 1, 100_000)
         as_integer(self.steps_a_pose, "steps_a_pose", 2, 1000)
         as_integer(self.rest_steps, "rest_steps", 2 * UNTIMED_STEPS, 100_000)
@@ -114,14 +117,15 @@ def time_methods(settings: PairSettings) -> Tables:
     rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
     asks = _make_queries(model)
     with pinned():
-        for repeat in range(settings.repeats):
-            for method in (each for each in METHODS if each.key in PAIRED):
+        for turn in range(settings.repeats * settings.turns):
+            is_full = turn % settings.turns == 0
+            for method in (each for each in METHODS if each.key in (PAIRED if is_full else QUICK)):
                 times = _time_in_world(settings, shapes, method, poses)
-                _append(rows, method.key, repeat, times["narrow_phase"])
+                _append(rows, method.key, turn, times["narrow_phase"])
                 for stage in STAGES if method.is_model else ():
-                    _append(rows, f"{method.key}-{stage}", repeat, times[stage])
-            for name, ask in asks.items():
-                _append(rows, name, repeat, _time_queries(ask, poses))
+                    _append(rows, f"{method.key}-{stage}", turn, times[stage])
+            for name, ask in asks.items() if is_full else ():
+                _append(rows, name, turn, _time_queries(ask, poses))
     return {
         "times": {name: np.array(values) for name, values in rows.items()},
         "contacts": _count_contacts(settings, shapes, poses),
@@ -142,7 +146,7 @@ def time_at_rest(settings: PairSettings) -> Tables:
     rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
     with pinned():
         for repeat in range(settings.repeats):
-            for method in (each for each in METHODS if each.key in RESTING):
+            for method in (each for each in METHODS if each.key in QUICK):
                 times = []
                 for poses in pairs:
                     world, body = _build_world(settings, shapes, method, poses[0])
