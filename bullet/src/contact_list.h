@@ -9,8 +9,8 @@
 
 #include "voxshell/contacts.h"
 
-// What every step does with its list of contacts. Nothing branches on what they are like, which
-// processors would guess wrong every few contacts.
+// What every step does with its list of contacts, without a branch for each: processors would guess
+// every few of them wrong.
 
 namespace voxshell::bullet {
 

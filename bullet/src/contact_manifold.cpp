@@ -141,7 +141,7 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
     const auto is_same = [&](const Heritage& heritage) {
       return !heritage.is_taken && heritage.id == point.m_index0;
     };
-    // Points that carry on keep their places.
+    // Points that carry on keep their places, most of the time.
     const auto same = place < before.size() && is_same(before[place])
                           ? before.begin() + static_cast<std::ptrdiff_t>(place)
                           : std::ranges::find_if(before, is_same);

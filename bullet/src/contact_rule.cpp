@@ -102,22 +102,23 @@ void ContactRule::apply(std::vector<Contact>& contacts, std::span<const Feature>
   std::size_t kept = 0;
   bool touches = false;
   bool touches_from_above = false;
+  // What is taken may overwrite the contact that is looked at.
+  const auto take = [&](const Contact& judged, double time) {
+    contacts[kept++] = judged;
+    first_touch_ = std::min(first_touch_, time);
+  };
+  const auto touch = [&](const Contact& judged, double time) {
+    touches = true;
+    touches_from_above = touches_from_above || !is_beside(judged);
+    take(judged, time);
+  };
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(contact);
-    const auto take = [&](const Contact& judged, double time) {
-      contacts[kept++] = judged;
-      first_touch_ = std::min(first_touch_, time);
-    };
-    const auto touch = [&](const Contact& judged, double time) {
-      touches = true;
-      touches_from_above = touches_from_above || !is_beside(judged);
-      take(judged, time);
-    };
     if (is_contact(impact)) {
       touch(contact, impact.time());
     } else if (sweeps_) {
       const double closing = (impact.approach + impact.approach_of_forces) * time_step_;
-      if (closing < impact.gap) {
+      if (!(closing >= impact.gap)) {
         take(contact, impact.time());
       } else if (const auto swept = pair_.has_triangles() ? contact : sweep(contact)) {
         touch(*swept, impact_of(*swept).time());

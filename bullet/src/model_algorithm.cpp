@@ -55,7 +55,7 @@ ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
   const ManifoldPoints before = points_before(contacts, manifold);
   const float deepest = find_deepest(contacts).depth;
   const bool carries_on = before.count <= most && deepest <= depth_of(before, contacts) + band;
-  if (carries_on && before.count >= kCarrying) return before;
+  if (carries_on && before.count >= std::min(kCarrying, most)) return before;
   const ManifoldPoints chosen = select_manifold(contacts, most);
   return carries_on && before.count >= chosen.count ? before : chosen;
 }
@@ -220,7 +220,7 @@ int ModelAlgorithm::level() const {
 
 ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
                                                    const Contact& contact) const {
-  if (pair.has_triangles() || contact.id >= kFirstFeature) return {contact.id, contact.id + 1};
+  if (pair.has_triangles() || contact.id >= kFirstFeature) return {contact.id, std::uint64_t{contact.id} + 1};
   const PointSphereTree& tree = pair.shell().tree();
   const std::uint32_t segment = tree.segment(contact.id, level());
   return {segment, tree.cluster_points(level(), segment).end};
@@ -270,7 +270,7 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
       ++next_.back().contact_count;
       continue;
     }
-    segment = is_regular ? Segment{0, UINT32_MAX} : segment_of(pair, contact);
+    segment = is_regular ? Segment{0, UINT64_MAX} : segment_of(pair, contact);
     for (; old != active_.end() && old->segment < segment.index; ++old) {
       idle_.push_back(old->manifold);
     }

@@ -45,7 +45,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   /// Whose contacts share a manifold.
   struct Segment {
     std::uint32_t index;
-    std::uint32_t end;  ///< contacts from this id on are in others
+    std::uint64_t end;  ///< contacts from this id on are in others
   };
   struct SegmentManifold {
     std::uint32_t segment;

@@ -1,6 +1,7 @@
 #include "resting_patch.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 
 #include "contact_list.h"
@@ -18,7 +19,9 @@ void RestingPatch::settle(std::span<Contact> contacts, double thickness, double 
   const auto gap_of = [&](const Contact& contact) {
     return -static_cast<double>(contact.depth) - thickness;
   };
-  lifts_.resize(contacts.size());
+  // With room to spare: a body at rest finds a few more contacts now and then.
+  if (lifts_.size() < contacts.size()) lifts_.resize(std::bit_ceil(contacts.size()));
+  held_.reserve(lifts_.size());
   std::ranges::transform(contacts, lifts_.begin(),
                          [&](const Contact& contact) { return gap_of(contact) - nearest; });
   for (const Held& held : held_) {

@@ -37,7 +37,7 @@ class RestingPatch {
   };
 
   std::vector<Held> held_;
-  std::vector<double> lifts_;  ///< of all contacts
+  std::vector<double> lifts_;  ///< of all contacts of a step, and room for more
 };
 
 }  // namespace voxshell::bullet

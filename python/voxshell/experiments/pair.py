@@ -1,4 +1,4 @@
-"""Bunny on bunny: the narrow phase of two meshes that touch or rest, with every method."""
+"""Bunny on bunny: the narrow phase of two meshes that touch, fall or rest, with every method."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ from voxshell.scenes.stack import StackSettings, build_bunny_world
 from voxshell.world import World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from voxshell.body_shapes import Inertia
     from voxshell.experiments.part import Columns, Tables
     from voxshell.scenes.drop import DropShapes, Method
 
@@ -37,8 +38,17 @@ QUICK = ("vps-fine", "vps-coarse", "hull", "decomposition")
 """Of these, those whose steps take microseconds. They take turns of milliseconds, or their ratios would
 be of how fast the machine happened to be; at rest GImpact, at 0.4 s a step, would take minutes."""
 
+GRAVITY = 9.81
+"""Of falls, m/s2."""
+
+FALL_SECONDS = 1.0
+"""After which a body has slid off the other, or lies on it."""
+
+FALL_HEIGHT = 1.4
+"""From the middle of one to that of the other, of their size."""
+
 UNTIMED_STEPS = 10
-"""Of a resting pair, in which caches and solvers warm up."""
+"""Of a pair that rests or falls, in which caches warm up."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +64,11 @@ class PairSettings(DropSettings):
         drift: How far the body moves between these, metres.
         repeats: How often all poses are timed.
         turns: How often in each repeat :data:`QUICK` methods take turns.
-        seed: Of the poses, and of the stack.
+        seed: Of the poses, of the falls and of the stack.
         rest_seconds: How long a stack of five bunnies has stood when its poses are taken.
         rest_steps: How many of its steps are then timed, each pair's one after another.
+        falls: How often one body falls on the other.
+        fall_steps: How many of the steps in which they touch then are timed, at most.
     """
 
     mesh: str = ""
@@ -70,21 +82,24 @@ class PairSettings(DropSettings):
     seed: int = 53
     rest_seconds: float = 3.0
     rest_steps: int = 40
+    falls: int = 10
+    fall_steps: int = 60
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("least_depth", "most_depth", "drift", "rest_seconds"):
             as_positive(getattr(self, name), name)
-        for name in ("poses", "repeats", "turns"):
+        for name in ("poses", "repeats", "turns", "falls"):
             as_integer(getattr(self, name), name, 1, 100_000)
         as_integer(self.steps_a_pose, "steps_a_pose", 2, 1000)
         as_integer(self.rest_steps, "rest_steps", 2 * UNTIMED_STEPS, 100_000)
+        as_integer(self.fall_steps, "fall_steps", 1, 100_000)
         if self.most_depth < self.least_depth:
             raise SettingsError("most_depth must be at least least_depth")
 
 
 def plan(settings: PairSettings) -> list[Part]:
-    """A part each for bodies that touch and that rest: all methods in one process and the same poses."""
+    """A part each for bodies that touch, fall and rest: all methods in one process and the same poses."""
     touching = Part(
         "times",
         time_methods,
@@ -93,7 +108,8 @@ def plan(settings: PairSettings) -> list[Part]:
         cost=10.0 + 0.01 * settings.poses * settings.repeats,
     )
     resting = Part("at-rest", time_at_rest, {"settings": settings}, timed=True, cost=15.0)
-    return [touching, resting] if rests(settings) else [touching]
+    falling = Part("falling", time_falling, {"settings": settings}, timed=True, cost=15.0)
+    return [touching, falling, resting] if rests(settings) else [touching, falling]
 
 
 def rests(settings: PairSettings) -> bool:
@@ -114,7 +130,7 @@ def time_methods(settings: PairSettings) -> Tables:
     poses = find_poses_between(
         model, settings.poses, settings.least_depth, settings.most_depth, settings.seed
     )
-    rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
+    rows: dict[str, list[Any]] = {"method": [], "turn": [], "pose": [], "seconds": []}
     asks = _make_queries(model)
     with pinned():
         for turn in range(settings.repeats * settings.turns):
@@ -143,19 +159,96 @@ def time_at_rest(settings: PairSettings) -> Tables:
     model = shapes.bodies["vps-fine"]
     assert isinstance(model, Model)
     pairs = find_resting_poses(settings, model)
-    rows: dict[str, list[Any]] = {"method": [], "repeat": [], "pose": [], "seconds": []}
+    resting = [(poses, np.zeros((len(poses), 2, 3))) for poses in pairs]
+    return _time_states(settings, shapes, resting, 0.0, lambda times: [np.median(times)])
+
+
+def time_falling(settings: PairSettings) -> Tables:
+    """Times one body that falls on the other, as fast as it does, in steps in which they touch.
+
+    Returns:
+        "times": seconds as of :func:`time_methods`; "pose" numbers the steps of all falls.
+    """
+    shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
+    model = shapes.bodies["vps-fine"]
+    assert isinstance(model, Model)
+    falls = find_falls(settings, model, shapes.mass_properties)
+    warm = [[np.concatenate([x[:1].repeat(UNTIMED_STEPS, 0), x]) for x in fall] for fall in falls]
+    return _time_states(settings, shapes, warm, GRAVITY, lambda times: times)
+
+
+def _time_states(
+    settings: PairSettings,
+    shapes: DropShapes,
+    sequences: Sequence[Sequence[NDArray[np.float64]]],
+    gravity: float,
+    reduce: Callable[[NDArray[np.float64]], Sequence[float] | NDArray[np.float64]],
+) -> Tables:
+    """Times all quick methods in turn.
+
+    Args:
+        settings: Of the experiment.
+        shapes: Of the methods.
+        sequences: Poses and velocities as of :func:`voxshell.experiments.timing.time_poses`, of steps one
+            after another; the first UNTIMED_STEPS are left out.
+        gravity: Downwards, m/s2.
+        reduce: What is kept of the times of a sequence.
+    """
+    rows: dict[str, list[Any]] = {"method": [], "turn": [], "pose": [], "seconds": []}
     with pinned():
-        for repeat in range(settings.repeats):
+        for turn in range(settings.repeats * settings.turns):
             for method in (each for each in METHODS if each.key in QUICK):
                 times = []
-                for poses in pairs:
-                    world, body = _build_world(settings, shapes, method, poses[0])
-                    times.append(time_poses(world, body, poses)[UNTIMED_STEPS:])
+                for poses, velocities in sequences:
+                    world, body = _build_world(settings, shapes, method, poses[0], gravity)
+                    times.append(time_poses(world, body, poses, velocities)[UNTIMED_STEPS:])
                 for name in ("narrow_phase", *(STAGES if method.is_model else ())):
                     key = method.key if name == "narrow_phase" else f"{method.key}-{name}"
-                    medians = np.array([np.median(of_pair[name]) for of_pair in times])
-                    _append(rows, key, repeat, medians)
+                    kept = np.concatenate([reduce(of_one[name]) for of_one in times])
+                    _append(rows, key, turn, kept)
     return {"times": {name: np.array(values) for name, values in rows.items()}}
+
+
+def find_falls(
+    settings: PairSettings, model: Model, inertia: Inertia
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Falls from any orientation.
+
+    Args:
+        settings: Of the experiment.
+        model: Of both bodies; one is fixed.
+        inertia: Of the other, as :meth:`voxshell.World.add` takes it.
+
+    Returns:
+        Of each in which they touch, poses and velocities as of
+        :func:`voxshell.experiments.timing.time_poses`, before the steps in which they do.
+    """
+    from trimesh.transformations import random_rotation_matrix
+
+    rng = np.random.default_rng(settings.seed)
+    middle = model.bounds.mean(axis=0)
+    falls = []
+    for _ in range(settings.falls):
+        world = World(gravity=(0.0, 0.0, -GRAVITY), time_step=1.0 / settings.rate, sleeping=False)
+        world.add(model, mass=0.0)
+        pose = random_rotation_matrix(rng.random(3))
+        offset = settings.size * np.array([*rng.uniform(-0.2, 0.2, 2), FALL_HEIGHT])
+        pose[:3, 3] = middle + offset - pose[:3, :3] @ middle
+        body = world.add(model, mass=settings.mass, pose=pose, inertia=inertia)
+        poses, velocities = [], []
+        for _ in range(round(FALL_SECONDS * settings.rate)):
+            pose, velocity = body.pose, (body.linear_velocity, body.angular_velocity)
+            world.step()
+            if len(world.contacts()):
+                poses.append(pose)
+                velocities.append(velocity)
+            if len(poses) == settings.fall_steps:
+                break
+        if poses:
+            falls.append((np.array(poses), np.array(velocities)))
+    if not falls:
+        raise SettingsError(f"the bodies touch in none of {settings.falls} falls")
+    return falls
 
 
 def find_resting_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
@@ -213,9 +306,11 @@ def find_poses_between(
     return poses
 
 
-def _build_world(settings: PairSettings, shapes: DropShapes, method: Method, pose: Any) -> Any:
+def _build_world(
+    settings: PairSettings, shapes: DropShapes, method: Method, pose: Any, gravity: float = 0.0
+) -> Any:
     world = World(
-        gravity=(0.0, 0.0, 0.0),
+        gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
         **method.solver,
@@ -299,8 +394,8 @@ def _time_queries(
     return seconds
 
 
-def _append(rows: dict[str, list[Any]], name: str, repeat: int, seconds: NDArray) -> None:
+def _append(rows: dict[str, list[Any]], name: str, turn: int, seconds: NDArray) -> None:
     rows["method"] += [name] * len(seconds)
-    rows["repeat"] += [repeat] * len(seconds)
+    rows["turn"] += [turn] * len(seconds)
     rows["pose"] += range(len(seconds))
     rows["seconds"] += seconds.tolist()

@@ -1,6 +1,7 @@
 #include "contact_list.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +14,7 @@ std::vector<Contact> make_contacts(std::size_t count) {
   std::vector<Contact> contacts(count);
   for (std::size_t i = 0; i < count; ++i) {
     contacts[i].id = static_cast<std::uint32_t>(3 * i + 2);
-    contacts[i].depth = static_cast<float>((i * 7) % 5);
+    contacts[i].depth = static_cast<float>((i * 7 + count) % 5) - 10.0f;
   }
   return contacts;
 }

@@ -45,6 +45,17 @@ TEST(RestingPatch, PullsPointsBackToWhereTheyHeld) {
               2e-7);  // has come 10 um nearer, of which it forgets a hundredth
 }
 
+TEST(RestingPatch, KnowsPointsAgainAmongOthers) {
+  RestingPatch patch;
+  std::array first{contact(1, -5e-5f), contact(4, 0.0f), contact(9, -3e-5f), contact(12, -3e-5f)};
+  patch.settle(first, 0.0, kBand);
+  std::array tipped{contact(4, 0.0f), contact(6, -2e-5f), contact(9, -2e-5f)};
+  patch.settle(tipped, 0.0, kBand);
+  EXPECT_EQ(tipped[0].depth, 0.0f);
+  EXPECT_EQ(tipped[1].depth, 0.0f);
+  EXPECT_NEAR(tipped[2].depth, 1e-5f, 2e-7);
+}
+
 TEST(RestingPatch, HoldsForAWhileBeyondTheBand) {
   for (const auto& [gap, holds] : {std::pair(-1.9e-4f, true), std::pair(-2.1e-4f, false)}) {
     RestingPatch patch;

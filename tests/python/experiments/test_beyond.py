@@ -12,7 +12,7 @@ import voxshell as vx
 from voxshell.experiments import convex_parts, rest, slope
 from voxshell.experiments.accuracy import AccuracySettings
 from voxshell.experiments.gears import GearsSettings, turn_gears
-from voxshell.experiments.pair import PairSettings, find_resting_poses
+from voxshell.experiments.pair import FALL_HEIGHT, PairSettings, find_falls, find_resting_poses
 from voxshell.experiments.pair import rests as rests_as_a_stack
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.accuracy import ACCURACY
@@ -358,6 +358,8 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
         coarse_points=300,
         poses=4,
         repeats=2,
+        falls=2,
+        fall_steps=20,
     )
     results = compute(PAIR, settings)
     found = results["times"]["contacts"]
@@ -375,10 +377,36 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
     )
     assert (query < whole).all()
     assert "VPS takes query" in rows["decomposition / VPS fine, bunny on bunny"].note
+    lengths = {key: int((times["method"] == key).sum()) for key in ("gimpact", "vps-fine")}
+    assert lengths == {"gimpact": 2 * 4, "vps-fine": 2 * settings.turns * 4}
+    falling = results["falling"]["times"]
+    least = {
+        key: np.median(
+            falling["seconds"][falling["method"] == key].reshape(2 * settings.turns, -1).min(0)
+        )
+        for key in ("decomposition", "vps-coarse")
+    }
+    assert rows["Decomposition / VPS coarse, bunny on bunny, falling"].here == pytest.approx(
+        least["decomposition"] / least["vps-coarse"]
+    )
     slow = {**times, "seconds": np.where(times["method"] == "vps-fine", 1.0, times["seconds"])}
-    rows = PAIR.reduce(settings, {"times": {**results["times"], "times": slow}})
+    rows = PAIR.reduce(settings, {**results, "times": {**results["times"], "times": slow}})
     assert [row.holds for row in rows if row.bar] == [False, False]
     draw(PAIR, settings, results, tmp_path)
+
+
+def test_falling_pairs_touch_at_speed():
+    settings = replace(PairSettings(), size=0.2, falls=3, fall_steps=20)
+    torus = vx.Model.from_mesh(
+        trimesh.creation.torus(0.08, 0.03), voxel_size=0.004, target_points=2_000
+    )
+    falls = find_falls(settings, torus, "solid")
+    fastest = np.sqrt(2 * 9.81 * FALL_HEIGHT * settings.size)
+    for poses, velocities in falls:
+        assert len(poses) == len(velocities) <= 20
+        # The first touch is at the speed of the fall, and so near.
+        assert 0.5 * fastest < np.linalg.norm(velocities[0, 0]) < fastest
+        assert 0.0 < vx.distance(torus, torus, None, poses[0]).distance < fastest / settings.rate
 
 
 def test_pairs_at_rest_touch_and_hardly_move():

@@ -19,7 +19,7 @@ enum class ContactMode {
 /// Seconds spent in voxshell's part of the narrow phase since the last reset, for one thread.
 struct NarrowPhaseTimings {
   double query = 0.0;      ///< finding contacts
-  double reduction = 0.0;  ///< choosing those that go into manifolds
+  double reduction = 0.0;  ///< choosing those that go into manifolds, and these
   double manifold = 0.0;   ///< filling manifolds
 };
 

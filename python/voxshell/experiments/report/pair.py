@@ -17,6 +17,7 @@ from voxshell.experiments.verdict import Row, at_least, format_value
 from voxshell.scenes.drop import METHODS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
     from voxshell.experiments.experiment import Results
 
 LEAST_OVER_GIMPACT, LEAST_OVER_PARTS = 600.0, 15.0
+BARS_AT_REST = {("decomposition", "vps-fine"): LEAST_OVER_PARTS, ("hull", "vps-fine"): None}
+BARS_FALLING = {("decomposition", "vps-fine"): None, ("decomposition", "vps-coarse"): None}
+"""By keys of a peer and a model, what the peer's time over the model's should at least be."""
+
 LABELS = {method.key: method.label for method in METHODS} | {
     "collide": "VPS fine, yes/no (from Python)",
     "coal": "coal, yes/no (from Python)",
@@ -37,9 +42,11 @@ def describe(settings: PairSettings) -> str:
         f"{settings.least_depth * 1e3:g} to {settings.most_depth * 1e3:g} mm into each other, the "
         "same poses for every method in one process; at each pose the bunny moves to and fro by "
         f"{settings.drift * 1e3:g} mm, as in a simulation. Medians over poses of the least over "
-        f"{settings.repeats} repeats, in each of which all methods but GImpact take {settings.turns} turns: what "
-        "a busy machine adds belongs to none of them. The yes/no queries are called from Python, ours and coal's "
+        f"{settings.repeats} repeats, in each of which the quick methods take {settings.turns} turns "
+        "and GImpact and the yes/no queries one: what a busy machine adds belongs to none of them. The yes/no queries are called from Python, ours and coal's "
         "(trees of oriented boxes with swept spheres)."
+        + f" Falling: one of them falls {settings.falls} times on the other, which is fixed; timed are the steps in "
+        "which they touch, at the speed that it has there."
         + (_describe_rest(settings) if pair.rests(settings) else "")
     )
 
@@ -80,7 +87,12 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
             times["hull"] / times["vps-fine"],
             "times",
         ),
-        *(_tell_rest(results) if pair.rests(settings) else ()),
+        *(
+            _tell_part(results, "at-rest", "at rest", "pairs", BARS_AT_REST)
+            if pair.rests(settings)
+            else ()
+        ),
+        *_tell_part(results, "falling", "falling", "steps", BARS_FALLING),
         Row(
             "coal / ours, yes/no from Python",
             None,
@@ -104,33 +116,45 @@ def reduce(settings: PairSettings, results: Results) -> list[Row]:
     return rows
 
 
-def _tell_rest(results: Results) -> list[Row]:
-    """The ratios of a stack that stands."""
-    times = {key: _median(results, key, "at-rest") for key in pair.QUICK}
-    bars = {"decomposition": LEAST_OVER_PARTS, "hull": None}
+def _tell_part(
+    results: Results,
+    part: str,
+    state: str,
+    poses: str,
+    bars: Mapping[tuple[str, str], float | None],
+) -> list[Row]:
+    """The ratios of bodies that rest or fall.
+
+    Args:
+        results: Of the experiment.
+        part: Its name.
+        state: Of the bodies, in words.
+        poses: What its poses are, in words.
+        bars: As BARS_AT_REST.
+    """
     rows = []
-    for key, bar in bars.items():
-        ratio = times[key] / times["vps-fine"]
-        by_pair = _of_poses(results, key, "at-rest") / _of_poses(results, "vps-fine", "at-rest")
+    for (peer, model), bar in bars.items():
+        theirs, ours = (_median(results, key, part) for key in (peer, model))
+        each = _of_poses(results, peer, part) / _of_poses(results, model, part)
+        low, high = (format_value(float(x)) for x in (each.min(), each.max()))
         rows.append(
             Row(
-                f"{LABELS[key]} / VPS fine, bunny on bunny, at rest",
+                f"{LABELS[peer]} / {LABELS[model]}, bunny on bunny, {state}",
                 None,
-                ratio,
+                theirs / ours,
                 "times",
                 bar="" if bar is None else f">= {bar:g}",
-                holds=None if bar is None else at_least(ratio, bar),
-                note=f"{format_value(float(by_pair.min()))} to {format_value(float(by_pair.max()))} over the "
-                f"pairs; {format_value(times[key] * 1e6)} to {format_value(times['vps-fine'] * 1e6)} \N{MICRO SIGN}s, "
-                f"of which {_list_stages(results, 'at-rest')}",
+                holds=None if bar is None else at_least(theirs / ours, bar),
+                note=f"{low} to {high} over the {poses}; {format_value(theirs * 1e6)} to {format_value(ours * 1e6)} "
+                f"\N{MICRO SIGN}s, of which, each at its least, {_list_stages(results, part, model)}",
             )
         )
     return rows
 
 
-def _list_stages(results: Results, part: str) -> str:
+def _list_stages(results: Results, part: str, model: str = "vps-fine") -> str:
     return ", ".join(
-        f"{stage} {format_value(1e6 * _median(results, f'vps-fine-{stage}', part))}"
+        f"{stage} {format_value(1e6 * _median(results, f'{model}-{stage}', part))}"
         for stage in STAGES
     )
 
