@@ -220,7 +220,9 @@ int ModelAlgorithm::level() const {
 
 ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
                                                    const Contact& contact) const {
-  if (pair.has_triangles() || contact.id >= kFirstFeature) return {contact.id, std::uint64_t{contact.id} + 1};
+  if (pair.has_triangles() || contact.id >= kFirstFeature) {
+    return {contact.id, std::uint64_t{contact.id} + 1};
+  }
   const PointSphereTree& tree = pair.shell().tree();
   const std::uint32_t segment = tree.segment(contact.id, level());
   return {segment, tree.cluster_points(level(), segment).end};
