@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,7 +24,7 @@ from voxshell.scenes.stack import StackSettings, build_bunny_world
 from voxshell.world import World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -37,6 +38,12 @@ PAIRED = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
 QUICK = ("vps-fine", "vps-coarse", "hull", "decomposition")
 """Of these, those whose steps take microseconds. They take turns of milliseconds, or their ratios would
 be of how fast the machine happened to be; at rest GImpact, at 0.4 s a step, would take minutes."""
+
+QUICK_WORLDS: dict[str, tuple[str, dict[str, Any]]] = {key: (key, {}) for key in QUICK}
+"""As of :func:`_time_states`."""
+
+UNFOLLOWED = "vps-fine-unfollowed"
+"""Key of the fine shell in falls in which no model is followed through its steps, as hulls are not."""
 
 GRAVITY = 9.81
 """Of falls, m/s2."""
@@ -160,35 +167,41 @@ def time_at_rest(settings: PairSettings) -> Tables:
     assert isinstance(model, Model)
     pairs = find_resting_poses(settings, model)
     resting = [(poses, np.zeros((len(poses), 2, 3))) for poses in pairs]
-    return _time_states(settings, shapes, resting, 0.0, lambda times: [np.median(times)])
+    return _time_states(
+        settings, shapes, QUICK_WORLDS, resting, 0.0, lambda times: [np.median(times)]
+    )
 
 
 def time_falling(settings: PairSettings) -> Tables:
     """Times one body that falls on the other, as fast as it does, in steps in which they touch.
 
     Returns:
-        "times": seconds as of :func:`time_methods`; "pose" numbers the steps of all falls.
+        "times": seconds as of :func:`time_methods`, of UNFOLLOWED, too; "pose" numbers the steps of all
+        falls.
     """
     shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
     model = shapes.bodies["vps-fine"]
     assert isinstance(model, Model)
     falls = find_falls(settings, model, shapes.mass_properties)
     warm = [[np.concatenate([x[:1].repeat(UNTIMED_STEPS, 0), x]) for x in fall] for fall in falls]
-    return _time_states(settings, shapes, warm, GRAVITY, lambda times: times)
+    worlds = QUICK_WORLDS | {UNFOLLOWED: ("vps-fine", {"sweep_beyond": math.inf})}
+    return _time_states(settings, shapes, worlds, warm, GRAVITY, lambda times: times)
 
 
 def _time_states(
     settings: PairSettings,
     shapes: DropShapes,
+    worlds: Mapping[str, tuple[str, Mapping[str, Any]]],
     sequences: Sequence[Sequence[NDArray[np.float64]]],
     gravity: float,
     reduce: Callable[[NDArray[np.float64]], Sequence[float] | NDArray[np.float64]],
 ) -> Tables:
-    """Times all quick methods in turn.
+    """Times methods in turn.
 
     Args:
         settings: Of the experiment.
         shapes: Of the methods.
+        worlds: By the key to keep times under, that of a method and more arguments of its World.
         sequences: Poses and velocities as of :func:`voxshell.experiments.timing.time_poses`, of steps one
             after another; the first UNTIMED_STEPS are left out.
         gravity: Downwards, m/s2.
@@ -197,15 +210,17 @@ def _time_states(
     rows: dict[str, list[Any]] = {"method": [], "turn": [], "pose": [], "seconds": []}
     with pinned():
         for turn in range(settings.repeats * settings.turns):
-            for method in (each for each in METHODS if each.key in QUICK):
+            for key, (of_method, arguments) in worlds.items():
+                method = next(each for each in METHODS if each.key == of_method)
                 times = []
                 for poses, velocities in sequences:
-                    world, body = _build_world(settings, shapes, method, poses[0], gravity)
+                    world, body = _build_world(
+                        settings, shapes, method, poses[0], gravity, **arguments
+                    )
                     times.append(time_poses(world, body, poses, velocities)[UNTIMED_STEPS:])
                 for name in ("narrow_phase", *(STAGES if method.is_model else ())):
-                    key = method.key if name == "narrow_phase" else f"{method.key}-{name}"
                     kept = np.concatenate([reduce(of_one[name]) for of_one in times])
-                    _append(rows, key, turn, kept)
+                    _append(rows, key if name == "narrow_phase" else f"{key}-{name}", turn, kept)
     return {"times": {name: np.array(values) for name, values in rows.items()}}
 
 
@@ -307,13 +322,19 @@ def find_poses_between(
 
 
 def _build_world(
-    settings: PairSettings, shapes: DropShapes, method: Method, pose: Any, gravity: float = 0.0
+    settings: PairSettings,
+    shapes: DropShapes,
+    method: Method,
+    pose: Any,
+    gravity: float = 0.0,
+    **arguments: Any,
 ) -> Any:
     world = World(
         gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
         **method.solver,
+        **arguments,
     )
     shape = shapes.bodies[method.key]
     world.add(shape, mass=0.0)

@@ -389,6 +389,7 @@ def test_pair_times_every_method_in_touching_poses(tmp_path):
     assert rows["Decomposition / VPS coarse, bunny on bunny, falling"].here == pytest.approx(
         least["decomposition"] / least["vps-coarse"]
     )
+    assert "Decomposition / VPS fine, not followed, bunny on bunny, falling" in rows
     slow = {**times, "seconds": np.where(times["method"] == "vps-fine", 1.0, times["seconds"])}
     rows = PAIR.reduce(settings, {**results, "times": {**results["times"], "times": slow}})
     assert [row.holds for row in rows if row.bar] == [False, False]

@@ -26,10 +26,15 @@ if TYPE_CHECKING:
 
 LEAST_OVER_GIMPACT, LEAST_OVER_PARTS = 600.0, 15.0
 BARS_AT_REST = {("decomposition", "vps-fine"): LEAST_OVER_PARTS, ("hull", "vps-fine"): None}
-BARS_FALLING = {("decomposition", "vps-fine"): None, ("decomposition", "vps-coarse"): None}
+BARS_FALLING = {
+    ("decomposition", "vps-fine"): None,
+    ("decomposition", pair.UNFOLLOWED): None,
+    ("decomposition", "vps-coarse"): None,
+}
 """By keys of a peer and a model, what the peer's time over the model's should at least be."""
 
 LABELS = {method.key: method.label for method in METHODS} | {
+    pair.UNFOLLOWED: "VPS fine, not followed",
     "collide": "VPS fine, yes/no (from Python)",
     "coal": "coal, yes/no (from Python)",
 }
@@ -46,7 +51,8 @@ def describe(settings: PairSettings) -> str:
         "and GImpact and the yes/no queries one: what a busy machine adds belongs to none of them. The yes/no queries are called from Python, ours and coal's "
         "(trees of oriented boxes with swept spheres)."
         + f" Falling: one of them falls {settings.falls} times on the other, which is fixed; timed are the steps in "
-        "which they touch, at the speed that it has there."
+        "which they touch, at the speed that it has there. Models that move by more than a voxel in a step are "
+        "followed through it, hulls are not; so the fine shell falls once more without (`sweep_beyond`)."
         + (_describe_rest(settings) if pair.rests(settings) else "")
     )
 
