@@ -167,15 +167,11 @@ def _tabulate(
     for rate, speed, orientation in cases:
         world, body = _build_world(settings, rule, ground, mode, rate, speed, orientation)
         steps = _count_steps(settings, rate)
-        lowest, middle, sideways = _land(world, body, settings.build_mesh(), steps)
+        lowest, middle, sideways = _land(world, body, settings.build_mesh(), ground, steps)
         rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
-        over = lowest
-        if ground == "slab" and sideways[-1] > SLAB_HALF_EXTENTS[0] and not middle[-1] > 0.0:
-            # It bounced over the edge: until its centre is below the surface.
-            over = lowest[: int(np.argmax(~(middle > 0.0)))]
         first = int(np.argmax(lowest <= 0.0))
-        later = over[first + 1 :].min(initial=0.0)
-        depths = (-over.min(initial=0.0), -later, -rest.min())
+        later = lowest[first + 1 :].min(initial=0.0)
+        depths = (-lowest.min(initial=0.0), -later, -rest.min())
         rows.append((rate, speed, orientation, *depths, middle[-1], sideways[-1]))
     names = ("deepest", "later_depth", "rest_depth", "middle", "sideways")
     names = ("rate", "speed", "orientation", *names)
@@ -188,17 +184,30 @@ def _count_steps(settings: RatesSettings, rate: float) -> int:
 
 
 def _land(
-    world: World, body: Body, mesh: Mesh, steps: int
+    world: World, body: Body, mesh: Mesh, ground: Ground, steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Heights of the lowest vertex and of the centre of mass, and its way sideways, each step."""
+    """Heights of the lowest vertex over the ground and of the centre of mass, and its way sideways.
+
+    Each step's; the lowest is infinite where a body that bounced over the slab's edge is beside it.
+    """
     lowest, middle, sideways = np.zeros((3, steps))
+    reach = float(np.linalg.norm(mesh.vertices, axis=1).max())
     for step in range(steps):
         world.step()
         pose = body.pose
-        lowest[step] = find_lowest(mesh, pose)
         middle[step] = pose[2, 3]
         sideways[step] = math.hypot(pose[0, 3], pose[1, 3])
+        if ground == "slab" and sideways[step] + reach > min(SLAB_HALF_EXTENTS[:2]):
+            lowest[step] = _find_lowest_over_slab(mesh, pose)
+        else:
+            lowest[step] = find_lowest(mesh, pose)
     return lowest, middle, sideways
+
+
+def _find_lowest_over_slab(mesh: Mesh, pose: NDArray[np.float64]) -> float:
+    vertices = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+    is_over = (np.abs(vertices[:, :2]) <= SLAB_HALF_EXTENTS[:2]).all(axis=1)
+    return float(vertices[is_over, 2].min(initial=math.inf))
 
 
 def _build_world(

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
+from trimesh.transformations import rotation_matrix
 from voxshell.errors import SettingsError
 from voxshell.experiments import rates
 from voxshell.experiments.motion import read_poses
@@ -72,6 +74,18 @@ def test_beside_the_slab_is_not_carried():
     runs = {"middle": np.array([0.1, 0.1, -0.1]), "sideways": np.array([0.0, 0.6, 0.0])}
     assert is_carried(runs, "slab").tolist() == [True, False, False]
     assert is_carried(runs, "plane").tolist() == [True, True, False]
+
+
+def test_what_hangs_over_the_slabs_edge_is_not_deep():
+    mesh = trimesh.creation.box((0.2, 0.2, 0.2))
+    pose = np.eye(4)
+    pose[2, 3] = -0.05
+    assert rates._find_lowest_over_slab(mesh, pose) == find_lowest(mesh, pose)
+    pose[0, 3] = 0.55
+    turned = pose @ rotation_matrix(0.3, (0.0, 1.0, 0.0))
+    assert find_lowest(mesh, turned) < rates._find_lowest_over_slab(mesh, turned) < math.inf
+    pose[0, 3] = 0.7
+    assert rates._find_lowest_over_slab(mesh, pose) == math.inf
 
 
 def test_low_rates_run_long_enough_to_come_to_rest():
