@@ -167,11 +167,11 @@ def _tabulate(
     for rate, speed, orientation in cases:
         world, body = _build_world(settings, rule, ground, mode, rate, speed, orientation)
         steps = _count_steps(settings, rate)
-        lowest, middle, sideways = _land(world, body, settings.build_mesh(), ground, steps)
+        lowest, over, middle, sideways = _land(world, body, settings.build_mesh(), ground, steps)
         rest = lowest[-max(round(REST_SECONDS * rate), 2) :]
         first = int(np.argmax(lowest <= 0.0))
-        later = lowest[first + 1 :].min(initial=0.0)
-        depths = (-lowest.min(initial=0.0), -later, -rest.min())
+        later = over[first + 1 :].min(initial=0.0)
+        depths = (-over.min(initial=0.0), -later, -rest.min())
         rows.append((rate, speed, orientation, *depths, middle[-1], sideways[-1]))
     names = ("deepest", "later_depth", "rest_depth", "middle", "sideways")
     names = ("rate", "speed", "orientation", *names)
@@ -185,23 +185,24 @@ def _count_steps(settings: RatesSettings, rate: float) -> int:
 
 def _land(
     world: World, body: Body, mesh: Mesh, ground: Ground, steps: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Heights of the lowest vertex over the ground and of the centre of mass, and its way sideways.
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Lets a body fall.
 
-    Each step's; the lowest is infinite where a body that bounced over the slab's edge is beside it.
+    Returns:
+        Of each step, metres: the height of the lowest vertex, that of the lowest vertex over the ground
+        (infinity where none is), that of the centre of mass and its way sideways.
     """
-    lowest, middle, sideways = np.zeros((3, steps))
+    lowest, over, middle, sideways = np.zeros((4, steps))
     reach = float(np.linalg.norm(mesh.vertices, axis=1).max())
     for step in range(steps):
         world.step()
         pose = body.pose
         middle[step] = pose[2, 3]
         sideways[step] = math.hypot(pose[0, 3], pose[1, 3])
+        lowest[step] = over[step] = find_lowest(mesh, pose)
         if ground == "slab" and sideways[step] + reach > min(SLAB_HALF_EXTENTS[:2]):
-            lowest[step] = _find_lowest_over_slab(mesh, pose)
-        else:
-            lowest[step] = find_lowest(mesh, pose)
-    return lowest, middle, sideways
+            over[step] = _find_lowest_over_slab(mesh, pose)
+    return lowest, over, middle, sideways
 
 
 def _find_lowest_over_slab(mesh: Mesh, pose: NDArray[np.float64]) -> float:

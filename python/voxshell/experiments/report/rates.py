@@ -217,7 +217,7 @@ def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Pictur
         axes.legend(fontsize=8, frameon=False)
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("rates.png", "Depth of the lowest vertex at rest over the rate, medians over orientations; dashed: a voxel. Above 100 mm the body has fallen through."),
+        Picture("rates.png", "Depth of the lowest vertex at rest over the rate, medians over orientations; dashed: a voxel. Above 100 mm the body has fallen through, or over the slab's edge."),
         Picture("lowest.png", "The lowest rate down to which every orientation is carried (twice the highest rate: at none)."),
         Picture("replay.html", "The upright bunny's fall on the half-space at low rates, published rule and ours."),
     ]  # fmt: skip
