@@ -40,7 +40,7 @@ QUICK = ("vps-fine", "vps-coarse", "hull", "decomposition")
 be of how fast the machine happened to be; at rest GImpact, at 0.4 s a step, would take minutes."""
 
 QUICK_WORLDS: dict[str, tuple[str, dict[str, Any]]] = {key: (key, {}) for key in QUICK}
-"""As of :func:`_time_states`."""
+"""By key, a method's and arguments of its World that are not the method's own."""
 
 UNFOLLOWED = "vps-fine-unfollowed"
 """Key of the fine shell in falls in which no model is followed through its steps, as hulls are not."""
