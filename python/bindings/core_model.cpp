@@ -23,13 +23,14 @@ namespace voxshell::python {
 namespace {
 
 std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray& faces,
-                                   double voxel_size, int resolution, double point_spacing,
+                                   double tolerance, double voxel_size, int resolution, double point_spacing,
                                    std::size_t target_points, double padding,
                                    const std::string& sign, unsigned threads, nb::handle progress) {
   const std::vector<Vec3> corners = read_points(vertices);
   const std::vector<Triangle> triangles = read_triangles(faces);
 
-  const ModelSettings settings{.voxel_size = voxel_size,
+  const ModelSettings settings{.tolerance = tolerance,
+                               .voxel_size = voxel_size,
                                .resolution = resolution,
                                .point_spacing = point_spacing,
                                .target_points = target_points,
@@ -88,12 +89,12 @@ void bind_model(nb::module_& module) {
   nb::class_<Model>(module, "Model", "Field, shell and mass properties of a mesh.")
       .def_static(
           "build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
-          nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
+          nb::arg("tolerance"), nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
           nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"), nb::arg("threads"),
           nb::arg("progress").none(),
           nb::sig(
               "def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
-              "numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: "
+              "numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, resolution: "
               "int, point_spacing: float, target_points: int, padding: float, "
               "sign: str, threads: int, progress: collections.abc.Callable[[str, float], object] "
               "| None) -> Model"),
@@ -118,6 +119,19 @@ void bind_model(nb::module_& module) {
       .def_prop_ro(
           "shell",
           [](const SharedModel& m) { return std::shared_ptr<const PointShell>(m, &m->shell()); })
+      .def_prop_ro(
+          "accuracy",
+          [](const Model& m) {
+            const Accuracy& a = m.accuracy();
+            const auto of = [](const ErrorStatistic& s) {
+              return std::array{s.median, s.p99, s.worst};
+            };
+            return std::tuple{a.places, of(a.distance), of(a.normal), of(a.coverage),
+                              a.gap,    a.is_sharp,     a.curvature};
+          },
+          "Places, and median, 99 % and worst of distance, normal and coverage; gap, is_sharp, "
+          "curvature.")
+      .def_prop_ro("thickness", &Model::thickness, "Where the body is thinnest, metres.")
       .def_prop_ro(
           "solid_mass_properties",
           [](const Model& m) { return to_tuple(m.solid_mass_properties()); },

@@ -69,6 +69,7 @@ class Model:
         cls,
         mesh: MeshLike,
         *,
+        tolerance: float | None = None,
         voxel_size: float | None = None,
         resolution: int | None = None,
         point_spacing: float | None = None,
@@ -143,6 +144,7 @@ class Model:
                 raise SettingsError(f"give either {names}, not both")
         # The core takes 0 for "not given".
         settings = {
+            "tolerance": 0.0 if tolerance is None else as_length(tolerance, "tolerance"),
             "voxel_size": 0.0 if voxel_size is None else as_length(voxel_size, "voxel_size"),
             "resolution": 0
             if resolution is None

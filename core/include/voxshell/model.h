@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "voxshell/accuracy.h"
 #include "voxshell/field.h"
 #include "voxshell/mass_properties.h"
 #include "voxshell/point_shell.h"
@@ -13,8 +14,11 @@
 namespace voxshell {
 
 struct ModelSettings {
+  /// Metres that field and shell may be off the surface. Cells, lists of triangles, points and edge
+  /// segments are then chosen by the shape. Or leave it 0 and give sizes for a uniform model:
+  double tolerance = 0.0;
   double voxel_size = 0.0;        ///< metres; or leave it 0 and give:
-  int resolution = 0;             ///< voxels along the mesh's longest side; neither: 100
+  int resolution = 0;             ///< voxels along the mesh's longest side
   double point_spacing = 0.0;     ///< metres; neither this nor a target: the voxel size
   std::size_t target_points = 0;  ///< reached within 1 %
   double padding = -1.0;          ///< metres of grid beyond the mesh; negative: 16 voxels
@@ -35,7 +39,9 @@ class Model {
   /// From what a model consists of, each part sound by itself: checks that they belong together.
   static Result<std::shared_ptr<const Model>> from_parts(TriangleMesh mesh, GridField field,
                                                          PointShell shell,
-                                                         const ModelSettings& settings);
+                                                         const ModelSettings& settings,
+                                                         const Accuracy& accuracy,
+                                                         double thickness);
 
   const ModelSettings& settings() const { return settings_; }  ///< as they were given
   /// Right side out, as far as it is closed.
@@ -44,11 +50,15 @@ class Model {
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }
   const PointShell& shell() const { return shell_; }
   const Bounds& bounds() const { return mesh_.bounds(); }
+  const Accuracy& accuracy() const { return accuracy_; }
+  /// Of the body where it is thinnest, metres.
+  double thickness() const { return thickness_; }
   const MassProperties& solid_mass_properties() const { return solid_; }      ///< at 1 kg
   const MassProperties& surface_mass_properties() const { return surface_; }  ///< at 1 kg
 
  private:
-  Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings);
+  Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings,
+        const Accuracy& accuracy, double thickness);
 
   TriangleMesh mesh_;
   Field field_;
@@ -56,6 +66,8 @@ class Model {
   MassProperties solid_;
   MassProperties surface_;
   ModelSettings settings_;
+  Accuracy accuracy_;
+  double thickness_;
 };
 
 }  // namespace voxshell

@@ -6,6 +6,8 @@
 
 #include "base/text.h"
 #include "field/brick_grid.h"
+#include "mesh/thickness.h"
+#include "model/measure_accuracy.h"
 
 namespace voxshell {
 namespace {
@@ -103,13 +105,16 @@ MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
 
 }  // namespace
 
-Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings)
+Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings,
+             const Accuracy& accuracy, double thickness)
     : mesh_(std::move(mesh)),
       field_(std::move(field)),
       shell_(std::move(shell)),
       solid_(compute_solid(mesh_, grid())),
       surface_(compute_surface_mass_properties(mesh_)),
-      settings_(settings) {}
+      settings_(settings),
+      accuracy_(accuracy),
+      thickness_(thickness) {}
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
@@ -148,13 +153,17 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 
-  return std::shared_ptr<const Model>(
-      new Model(std::move(mesh), *std::move(field), *std::move(shell), settings));
+  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, settings.threads);
+  const double thickness = compute_thickness(mesh);
+  return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
+                                                *std::move(shell), settings, accuracy, thickness));
 }
 
 Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
                                                        PointShell shell,
-                                                       const ModelSettings& settings) {
+                                                       const ModelSettings& settings,
+                                                       const Accuracy& accuracy,
+                                                       double thickness) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
   const Bounds& bounds = mesh.bounds();
   if (field.surface_bounds().lower != bounds.lower ||
@@ -173,7 +182,7 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
     }
   }
   std::shared_ptr<const Model> model(
-      new Model(std::move(mesh), std::move(field), std::move(shell), settings));
+      new Model(std::move(mesh), std::move(field), std::move(shell), settings, accuracy, thickness));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
     if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");

@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 5;
+inline constexpr std::uint32_t kVersion = 6;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -53,6 +53,7 @@ static_assert(sizeof(TableEntry) == 32);
 /// What is not an array. Metres.
 struct Record {
   // What the model was built with.
+  double tolerance;
   double voxel_size;
   std::int64_t resolution;
   double point_spacing;
@@ -79,8 +80,15 @@ struct Record {
   double sign_cap_error;
   // The point shell.
   double shell_spacing;
+  // How exact all this is.
+  std::uint64_t accuracy_places;
+  std::array<double, 9> accuracy_errors;  ///< distance, normal, coverage: median, 99 %, worst
+  double accuracy_gap;
+  std::uint64_t accuracy_is_sharp;
+  double accuracy_curvature;
+  double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{39} * 8);
+static_assert(sizeof(Record) == std::size_t{54} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

@@ -230,19 +230,38 @@ Result<ModelSettings> make_settings(const Record& record) {
     return invalid("its settings cannot be used: the resolution is %lld",
                    static_cast<long long>(record.resolution));
   }
-  for (const double value : {record.voxel_size, record.point_spacing, record.padding}) {
+  for (const double value :
+       {record.tolerance, record.voxel_size, record.point_spacing, record.padding}) {
     if (!std::isfinite(value)) return invalid("its settings cannot be used: one is %g", value);
   }
   if (!is_method(record.sign)) {
     return invalid("its settings cannot be used: the sign is %lld",
                    static_cast<long long>(record.sign));
   }
-  return ModelSettings{.voxel_size = record.voxel_size,
+  return ModelSettings{.tolerance = record.tolerance,
+                       .voxel_size = record.voxel_size,
                        .resolution = static_cast<int>(record.resolution),
                        .point_spacing = record.point_spacing,
                        .target_points = record.target_points,
                        .padding = record.padding,
                        .sign = static_cast<SignMethod>(record.sign)};
+}
+
+Result<Accuracy> make_accuracy(const Record& record) {
+  const auto is_error = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  const auto& errors = record.accuracy_errors;
+  if (!std::ranges::all_of(errors, is_error) || !is_error(record.accuracy_gap) ||
+      !is_error(record.accuracy_curvature) || !is_error(record.thickness) ||
+      record.accuracy_is_sharp > 1) {
+    return invalid("its accuracy cannot be used: a number is negative or not finite");
+  }
+  return Accuracy{.places = static_cast<std::size_t>(record.accuracy_places),
+                  .distance = {errors[0], errors[1], errors[2]},
+                  .normal = {errors[3], errors[4], errors[5]},
+                  .coverage = {errors[6], errors[7], errors[8]},
+                  .gap = record.accuracy_gap,
+                  .is_sharp = record.accuracy_is_sharp != 0,
+                  .curvature = record.accuracy_curvature};
 }
 
 Result<std::shared_ptr<const Model>> make_model(Sections<Array> sections) {
@@ -258,7 +277,10 @@ Result<std::shared_ptr<const Model>> make_model(Sections<Array> sections) {
   if (!field) return field.error();
   auto shell = make_shell(record, sections);
   if (!shell) return shell.error();
-  auto model = Model::from_parts(*std::move(mesh), *std::move(field), *std::move(shell), *settings);
+  const auto accuracy = make_accuracy(record);
+  if (!accuracy) return accuracy.error();
+  auto model = Model::from_parts(*std::move(mesh), *std::move(field), *std::move(shell), *settings,
+                                 *accuracy, record.thickness);
   if (!model) return in_file("parts", model.error());
   return model;
 }

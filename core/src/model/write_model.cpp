@@ -20,7 +20,9 @@ Record make_record(const Model& model) {
   const ModelSettings& settings = model.settings();
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
-  return {.voxel_size = settings.voxel_size,
+  const Accuracy& accuracy = model.accuracy();
+  return {.tolerance = settings.tolerance,
+          .voxel_size = settings.voxel_size,
           .resolution = settings.resolution,
           .point_spacing = settings.point_spacing,
           .target_points = settings.target_points,
@@ -43,7 +45,16 @@ Record make_record(const Model& model) {
           .sign_first_defect = grid.sign.defects.first_location,
           .sign_first_location = grid.sign.first_location,
           .sign_cap_error = grid.sign.cap_error,
-          .shell_spacing = shell.spacing()};
+          .shell_spacing = shell.spacing(),
+          .accuracy_places = accuracy.places,
+          .accuracy_errors = {accuracy.distance.median, accuracy.distance.p99,
+                              accuracy.distance.worst, accuracy.normal.median, accuracy.normal.p99,
+                              accuracy.normal.worst, accuracy.coverage.median,
+                              accuracy.coverage.p99, accuracy.coverage.worst},
+          .accuracy_gap = accuracy.gap,
+          .accuracy_is_sharp = accuracy.is_sharp ? 1u : 0u,
+          .accuracy_curvature = accuracy.curvature,
+          .thickness = model.thickness()};
 }
 
 /// `points` are the shell's.
