@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "field/brick_grid.h"
+#include "field/choose_voxels.h"
 #include "mesh/thickness.h"
 #include "model/measure_accuracy.h"
 
@@ -13,6 +14,10 @@ namespace voxshell {
 namespace {
 
 constexpr int kDefaultResolution = 100;
+
+/// The tolerance where nothing is given: of the longest side and of where the body is thinnest.
+constexpr double kToleranceOfSide = 1.0 / 4000.0;
+constexpr double kToleranceOfThickness = 1.0 / 20.0;
 
 Error invalid_argument(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
@@ -29,6 +34,25 @@ Result<std::monostate> check_unit(const char* name, double size, const TriangleM
                format_text("mesh has a longest side of %.6g m, below the %s of %.6g m: check their "
                            "units (a scale of 0.001 brings a mesh from millimetres to metres)",
                            longest_side(mesh), name, size)};
+}
+
+/// 0 for a uniform model.
+Result<double> choose_tolerance(const TriangleMesh& mesh, const ModelSettings& settings,
+                                double thickness) {
+  const bool is_uniform = settings.voxel_size != 0.0 || settings.resolution != 0 ||
+                          settings.point_spacing != 0.0 || settings.target_points != 0;
+  if (settings.tolerance != 0.0) {
+    if (is_uniform) {
+      return invalid_argument(
+          "give either a tolerance or the sizes of a uniform model (voxel size, resolution, point "
+          "spacing, target points), not both");
+    }
+    if (settings.tolerance > 0.0 && std::isfinite(settings.tolerance)) return settings.tolerance;
+    return invalid_argument(format_text("tolerance must be above 0 m, not %g", settings.tolerance));
+  }
+  if (is_uniform) return 0.0;
+  const double by_side = kToleranceOfSide * longest_side(mesh);
+  return thickness > 0.0 ? std::min(by_side, kToleranceOfThickness * thickness) : by_side;
 }
 
 Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& settings) {
@@ -118,7 +142,11 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
-  const auto voxel_size = choose_voxel_size(mesh, settings);
+  const double thickness = compute_thickness(mesh);
+  const auto tolerance = choose_tolerance(mesh, settings, thickness);
+  if (!tolerance) return tolerance.error();
+  const auto voxel_size = *tolerance > 0.0 ? choose_voxels(mesh, *tolerance, settings.threads)
+                                           : choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
   if (auto unit = check_unit("voxel size", *voxel_size, mesh); !unit) return unit.error();
   if (auto unit = check_unit("point spacing", settings.point_spacing, mesh); !unit) {
@@ -137,6 +165,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   const double padding =
       settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding;
   const GridFieldSettings field_settings{.voxel_size = *voxel_size,
+                                         .tolerance = *tolerance,
                                          .padding = padding,
                                          .sign = settings.sign,
                                          .threads = settings.threads};
@@ -154,7 +183,6 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   if (!shell) return shell.error();
 
   const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, settings.threads);
-  const double thickness = compute_thickness(mesh);
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
                                                 *std::move(shell), settings, accuracy, thickness));
 }
@@ -162,8 +190,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
                                                        PointShell shell,
                                                        const ModelSettings& settings,
-                                                       const Accuracy& accuracy,
-                                                       double thickness) {
+                                                       const Accuracy& accuracy, double thickness) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
   const Bounds& bounds = mesh.bounds();
   if (field.surface_bounds().lower != bounds.lower ||
@@ -181,8 +208,8 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
       return refuse("points of the shell lie outside the mesh's bounds");
     }
   }
-  std::shared_ptr<const Model> model(
-      new Model(std::move(mesh), std::move(field), std::move(shell), settings, accuracy, thickness));
+  std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),
+                                               settings, accuracy, thickness));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
     if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");

@@ -113,22 +113,18 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
                                        QueryScratch& scratch) {
   QueryScratch::State& state = scratch.state();
   const simd::TreeView tree = view_tree(shell);
-  std::visit(
-      [&](const auto& typed) {
-        const auto view = typed.view();
-        if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
-        state.reserve(tree);
-        const auto posed = make_posed(typed, view, shell, field_from_shell);
-        const auto& kernels =
-            simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
-        const simd::PointList points =
-            find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
-        kernels.complete(posed, tree, points, state.contact_data());
-        state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
-        state.survivors.are_contacts_kept = true;
-        state.survivors.max_points = options.max_points;
-      },
-      field);
+  with_view(field, [&]<class V>(const auto& typed, const V& view) {
+    if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
+    state.reserve(tree);
+    const auto posed = make_posed(typed, view, shell, field_from_shell);
+    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    const simd::PointList points =
+        find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
+    kernels.complete(posed, tree, points, state.contact_data());
+    state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
+    state.survivors.are_contacts_kept = true;
+    state.survivors.max_points = options.max_points;
+  });
   return scratch.contacts();
 }
 

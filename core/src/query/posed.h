@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <variant>
 
+#include "simd/exact_view.h"
 #include "simd/posed_view.h"
 #include "simd/tree_view.h"
 #include "voxshell/field.h"
@@ -61,15 +63,26 @@ inline simd::PosedView<simd::PlaneView> make_posed(const PlaneField& plane, cons
   return posed;
 }
 
+/// Calls `visit` with the field and its view, whatever its type.
+template <class Visit>
+auto with_view(const Field& field, const Visit& visit) {
+  return std::visit(
+      [&]<class F>(const F& typed) {
+        if constexpr (std::is_same_v<F, GridField>) {
+          if (typed.has_exact_cells()) return visit(typed, typed.exact_view());
+        }
+        return visit(typed, typed.view());
+      },
+      field);
+}
+
 /// Calls `visit` with the field as the shell sees it, whatever its type.
 template <class Visit>
 auto with_posed(const Field& field, const PointShell& shell, const Pose& field_from_shell,
                 const Visit& visit) {
-  return std::visit(
-      [&](const auto& typed) {
-        return visit(make_posed(typed, typed.view(), shell, field_from_shell));
-      },
-      field);
+  return with_view(field, [&](const auto& typed, const auto& view) {
+    return visit(make_posed(typed, view, shell, field_from_shell));
+  });
 }
 
 inline simd::TreeView view_tree(const PointShell& shell) {

@@ -18,7 +18,8 @@ template <class Variant>
 struct ViewOf;
 template <class... Fields>
 struct ViewOf<std::variant<Fields...>> {
-  using Any = std::variant<std::monostate, decltype(std::declval<const Fields&>().view())...>;
+  using Any = std::variant<std::monostate, simd::ExactGridView,
+                           decltype(std::declval<const Fields&>().view())...>;
 };
 
 /// Memory for lists that are used side by side. Each begins with a cache line, at another place in

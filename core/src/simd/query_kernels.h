@@ -91,6 +91,7 @@ struct QueryKernels {
 /// The views that there are kernels for.
 #define VOXSHELL_FOR_EACH_VIEW(DO) \
   DO(GridView)                     \
+  DO(ExactGridView)                \
   DO(PlaneView)                    \
   DO(BoxView) DO(SphereView) DO(CapsuleView) DO(CylinderView) DO(ConeView) DO(ConvexView)
 
