@@ -59,13 +59,14 @@ struct ExactCells {
   std::vector<std::uint32_t> bricks;  ///< one a brick, or none where no cell is exact
   std::vector<std::uint32_t> masks;
   std::vector<std::uint32_t> lists;
-  std::vector<float> blocks;
+  std::vector<std::uint32_t> listed;
+  std::vector<float> triangles;
   std::vector<float> feature_normals;
 
   std::size_t count() const { return lists.size(); }
   std::size_t nbytes() const {
-    return 4 *
-           (bricks.size() + masks.size() + lists.size() + blocks.size() + feature_normals.size());
+    return 4 * (bricks.size() + masks.size() + lists.size() + listed.size() + triangles.size() +
+                feature_normals.size());
   }
 };
 

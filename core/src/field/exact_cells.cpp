@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <utility>
@@ -30,9 +29,7 @@ constexpr float kRidge = 0.2f;
 /// Away from the surface samples may be off by this share of the distance more.
 constexpr float kOfDistance = 0.1f;
 /// Of the tolerance, as few places of a cell are looked at.
-constexpr double kSafety = 0.8;
-constexpr std::size_t kMostTriangles =
-    static_cast<std::size_t>(simd::kMostBlocksInList) * simd::portable::kLanes;
+constexpr double kSafety = 0.7;
 
 Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
@@ -84,6 +81,23 @@ std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
     for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
   }
   return normals;
+}
+
+/// See simd/exact_view.h.
+std::vector<float> make_records(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangles().size();
+  std::vector<float> records(simd::kTriangleFloats * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [a, b, c] = mesh.corners(i);
+    float* to = &records[simd::kTriangleFloats * i];
+    for (const Vec3& row : {a, b - a, c - a, unit_normal(mesh, i)}) {
+      const auto rounded = static_cast<Vec3f>(row);
+      *to++ = rounded.x;
+      *to++ = rounded.y;
+      *to++ = rounded.z;
+    }
+  }
+  return records;
 }
 
 /// What trilinear samples may be off in the cells of a brick, voxels, estimated from how the
@@ -161,6 +175,7 @@ ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid
       grid_(grid),
       tree_(tree),
       tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
+      records_(make_records(mesh)),
       feature_normals_(compute_feature_normals(mesh)) {}
 
 ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const float> nodes,
@@ -192,16 +207,21 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
     const bool is_near =
         least < kAtSurface || (deepest < 0.0f && least < kDeep && errors[cell] > kRidge);
     if (!is_near) continue;
-    // Where a crease passes through a cell, its middle is off by half as much or more as any place.
+    // On smooth surfaces the estimate is several times too large. There the middle of a cell is off
+    // by half as much or more as any place.
+    constexpr float kTooLarge = 4.0f;
     constexpr float kOfMost = 0.4f;
-    float mean = 0.0f;
-    for (std::size_t corner = 0; corner < 8; ++corner) mean += 0.125f * corner_of(corner);
-    nearest = tree_.find_nearest(centre_of(place) + Vec3{static_cast<double>(x) - kHalfEdge + 0.5,
-                                                         static_cast<double>(y) - kHalfEdge + 0.5,
-                                                         static_cast<double>(z) - kHalfEdge + 0.5},
-                                 nearest.guess);
-    job.candidates[cell] = std::abs(std::abs(mean) - nearest.distance) >
-                           kOfMost * (tolerance_ + kOfDistance * nearest.distance);
+    if (errors[cell] <= kTooLarge * tolerance_) {
+      float mean = 0.0f;
+      for (std::size_t corner = 0; corner < 8; ++corner) mean += 0.125f * corner_of(corner);
+      const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
+                        static_cast<double>(z) + 0.5};
+      nearest = tree_.find_nearest(
+          centre_of(place) + middle - Vec3{kHalfEdge, kHalfEdge, kHalfEdge}, nearest.guess);
+      const float off = std::abs(std::abs(mean) - nearest.distance);
+      if (off <= kOfMost * (tolerance_ + kOfDistance * nearest.distance)) continue;
+    }
+    job.candidates[cell] = true;
   }
   if (job.candidates.none()) return brick;
   const Vec3 centre = centre_of(place);
@@ -216,7 +236,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
   std::vector<std::uint32_t> triangles = work.nearby;
   std::ranges::sort(triangles);
   triangles.erase(std::ranges::unique(triangles).begin(), triangles.end());
-  divide(job, {{0, 0, 0}, kBrickCells}, triangles, work, brick);
+  divide(job, {{0, 0, 0}, kBrickCells}, triangles, brick);
   // Cells were found in the order of octants.
   std::vector<std::size_t> order(brick.cells.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -233,8 +253,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
 /// Keeps those triangles that may be the nearest somewhere in the cube, and goes on with its
 /// octants.
 void ExactCellFinder::divide(const Job& job, const Cube& cube,
-                             std::span<const std::uint32_t> triangles, Work& work,
-                             Brick& brick) const {
+                             std::span<const std::uint32_t> triangles, Brick& brick) const {
   const double h = grid_.voxel_size;
   const auto [x, y, z] = cube.first;
   bool is_candidate = false;
@@ -283,8 +302,8 @@ void ExactCellFinder::divide(const Job& job, const Cube& cube,
     std::erase_if(kept, [&](std::uint32_t triangle) {
       return unit_normal(mesh_, triangle) == Vec3{};  // its edges are those of others
     });
-    if (kept.empty() || kept.size() > kMostTriangles) return;
-    if (!is_needed(job, cube, kept, work)) return;
+    if (kept.empty() || kept.size() > simd::kMostInList) return;
+    if (!is_needed(job, cube, kept)) return;
     brick.cells.push_back(static_cast<std::uint16_t>(x + kBrickCells * (y + kBrickCells * z)));
     brick.lists.push_back(std::move(kept));
     return;
@@ -294,16 +313,16 @@ void ExactCellFinder::divide(const Job& job, const Cube& cube,
     divide(
         job,
         {{x + size * (octant & 1), y + size * (octant >> 1 & 1), z + size * (octant >> 2)}, size},
-        kept, work, brick);
+        kept, brick);
   }
 }
 
 /// Whether samples are off by more than the tolerance at some of a few places in the cell.
 bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
-                                std::span<const std::uint32_t> triangles, Work& work) const {
-  work.block.clear();
-  append_blocks(triangles, work.block);
-  const auto count = static_cast<std::uint32_t>((triangles.size() + 7) / 8);
+                                std::span<const std::uint32_t> triangles) const {
+  const simd::portable::ListedTriangles list{triangles.data(),
+                                             static_cast<std::uint32_t>(triangles.size()),
+                                             records_.data(), feature_normals_.data()};
   const auto [x, y, z] = cell.first;
   const auto at = [&](int i, int j, int k) {
     return job.nodes[static_cast<std::size_t>(x + i + kNodes * (y + j + kNodes * (z + k)))];
@@ -319,47 +338,19 @@ bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
                                                         y + static_cast<double>(ty),
                                                         z + static_cast<double>(tz)};
     const auto q = static_cast<Vec3f>(p);
-    const float exact = simd::portable::evaluate_list(work.block.data(), feature_normals_.data(),
-                                                      count - 1, q.x, q.y, q.z)
-                            .distance;
+    const float exact = simd::portable::evaluate_triangles(list, q.x, q.y, q.z).distance;
     return !(std::abs(lerp(low, high, tz) - exact / h) <=
              tolerance_ + kOfDistance * std::abs(exact / h));
   };
-  if (is_off(0.5f, 0.5f, 0.5f)) return true;
-  for (int i = 0; i < 8; ++i) {
-    const auto t = [&](int bit) { return (i & bit) != 0 ? 0.8f : 0.2f; };
-    if (is_off(t(1), t(2), t(4))) return true;
-  }
-  for (int i = 0; i < 6; ++i) {
-    std::array<float, 3> t{0.5f, 0.5f, 0.5f};
-    t[static_cast<std::size_t>(i / 2)] = i % 2 == 0 ? 0.1f : 0.9f;
-    if (is_off(t[0], t[1], t[2])) return true;
-  }
-  return false;
-}
-
-/// Indices are of all triangles.
-void ExactCellFinder::append_blocks(std::span<const std::uint32_t> triangles,
-                                    std::vector<float>& blocks) const {
-  constexpr std::size_t kLanes = simd::portable::kLanes;
-  for (std::size_t first = 0; first < triangles.size(); first += kLanes) {
-    const std::size_t begin = blocks.size();
-    blocks.resize(begin + simd::kTriangleBlockFloats);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::uint32_t triangle = triangles[std::min(first + lane, triangles.size() - 1)];
-      const auto [a, b, c] = mesh_.corners(triangle);
-      const std::array<Vec3f, 4> rows{static_cast<Vec3f>(a), static_cast<Vec3f>(b - a),
-                                      static_cast<Vec3f>(c - a),
-                                      static_cast<Vec3f>(unit_normal(mesh_, triangle))};
-      for (std::size_t row = 0; row < rows.size(); ++row) {
-        for (int axis = 0; axis < 3; ++axis) {
-          blocks[begin + kLanes * (3 * row + static_cast<std::size_t>(axis)) + lane] =
-              rows[row][axis];
-        }
+  constexpr std::array kAlong{0.5f, 0.1f, 0.9f};
+  for (const float tz : kAlong) {
+    for (const float ty : kAlong) {
+      for (const float tx : kAlong) {
+        if (is_off(tx, ty, tz)) return true;
       }
-      std::memcpy(&blocks[begin + simd::kTriangleIndices + lane], &triangle, sizeof triangle);
     }
   }
+  return false;
 }
 
 ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
@@ -367,12 +358,6 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
   if (bricks.empty()) return exact;
   exact.bricks.resize(grid_.count());
   std::map<std::vector<std::uint32_t>, std::uint32_t> known;
-  std::vector<std::uint32_t> used;  // triangles
-  for (const Brick& brick : bricks) {
-    for (const auto& list : brick.lists) used.insert(used.end(), list.begin(), list.end());
-  }
-  std::ranges::sort(used);
-  used.erase(std::ranges::unique(used).begin(), used.end());
   std::uint32_t number = 0;
   for (const Brick& brick : bricks) {
     exact.bricks[brick.index] = ++number;
@@ -384,31 +369,28 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
       for (; next < brick.cells.size() && brick.cells[next] / 32 == word; ++next) {
         exact.masks[masks + word] |= 1u << brick.cells[next] % 32;
         const auto& list = brick.lists[next];
-        const auto first =
-            static_cast<std::uint32_t>(exact.blocks.size() / simd::kTriangleBlockFloats);
-        const auto blocks = static_cast<std::uint32_t>((list.size() + 7) / 8);
-        const auto [found, is_new] =
-            known.try_emplace(list, first << simd::kBlockCountBits | (blocks - 1));
-        if (is_new) append_blocks(list, exact.blocks);
+        const std::size_t packed = exact.listed.size() << simd::kListCountBits | list.size();
+        const auto [found, is_new] = known.try_emplace(list, static_cast<std::uint32_t>(packed));
+        if (is_new) exact.listed.insert(exact.listed.end(), list.begin(), list.end());
         exact.lists.push_back(found->second);
       }
     }
   }
-  // Only the triangles in use keep their normals; indices become those among them.
-  for (const std::uint32_t triangle : used) {
-    const float* from = &feature_normals_[simd::kFeatureNormalFloats * std::size_t{triangle}];
-    exact.feature_normals.insert(exact.feature_normals.end(), from,
-                                 from + simd::kFeatureNormalFloats);
-  }
-  for (std::size_t block = 0; block < exact.blocks.size(); block += simd::kTriangleBlockFloats) {
-    for (std::size_t lane = 0; lane < simd::portable::kLanes; ++lane) {
-      float* at = &exact.blocks[block + simd::kTriangleIndices + lane];
-      std::uint32_t triangle = 0;
-      std::memcpy(&triangle, at, sizeof triangle);
-      const auto place = std::ranges::lower_bound(used, triangle) - used.begin();
-      triangle = static_cast<std::uint32_t>(place);
-      std::memcpy(at, &triangle, sizeof triangle);
+  // Only the triangles in use are kept, and indices become those among them.
+  std::vector<std::uint32_t> used = exact.listed;
+  std::ranges::sort(used);
+  used.erase(std::ranges::unique(used).begin(), used.end());
+  const auto copy = [&](const std::vector<float>& all, std::size_t each, std::vector<float>& to) {
+    to.reserve(each * used.size());
+    for (const std::uint32_t triangle : used) {
+      const auto from = all.begin() + static_cast<std::ptrdiff_t>(each * triangle);
+      to.insert(to.end(), from, from + static_cast<std::ptrdiff_t>(each));
     }
+  };
+  copy(records_, simd::kTriangleFloats, exact.triangles);
+  copy(feature_normals_, simd::kFeatureNormalFloats, exact.feature_normals);
+  for (std::uint32_t& triangle : exact.listed) {
+    triangle = static_cast<std::uint32_t>(std::ranges::lower_bound(used, triangle) - used.begin());
   }
   return exact;
 }

@@ -31,7 +31,6 @@ class ExactCellFinder {
   /// What one thread works with.
   struct Work {
     std::vector<std::uint32_t> nearby;
-    std::vector<float> block;
   };
 
   /// `nodes` are the signed distances of the brick's nodes, voxels, x fastest.
@@ -47,15 +46,14 @@ class ExactCellFinder {
   };
   struct Job;
   void divide(const Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
-              Work& work, Brick& brick) const;
-  bool is_needed(const Job& job, const Cube& cell, std::span<const std::uint32_t> triangles,
-                 Work& work) const;
-  void append_blocks(std::span<const std::uint32_t> triangles, std::vector<float>& blocks) const;
+              Brick& brick) const;
+  bool is_needed(const Job& job, const Cube& cell, std::span<const std::uint32_t> triangles) const;
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;
   const DistanceTree& tree_;
-  float tolerance_;  ///< voxels
+  float tolerance_;             ///< voxels
+  std::vector<float> records_;  ///< of triangles; see simd/exact_view.h
   std::vector<float> feature_normals_;
 };
 

@@ -77,7 +77,8 @@ simd::ExactGridView GridField::exact_view() const {
           data_.exact.bricks.data(),
           data_.exact.masks.data(),
           data_.exact.lists.data(),
-          data_.exact.blocks.data(),
+          data_.exact.listed.data(),
+          data_.exact.triangles.data(),
           data_.exact.feature_normals.data()};
 }
 

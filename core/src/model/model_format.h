@@ -104,8 +104,14 @@ struct Sections {
   Array<float> areas;
   Array<Sphere> spheres;
   Array<float> blocks;
+  Array<std::uint32_t> exact_bricks;
+  Array<std::uint32_t> exact_masks;
+  Array<std::uint32_t> exact_lists;
+  Array<std::uint32_t> listed_triangles;
+  Array<float> exact_triangles;
+  Array<float> feature_normals;
 };
-inline constexpr std::uint32_t kSectionCount = 11;
+inline constexpr std::uint32_t kSectionCount = 17;
 
 /// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
 /// Returns false where it did.
@@ -116,7 +122,13 @@ bool visit_sections(AnySections& s, const Visit& visit) {
          visit(5u, "samples", s.samples) && visit(6u, "planes", s.planes) &&
          visit(7u, "points", s.points) && visit(8u, "normals", s.normals) &&
          visit(9u, "areas", s.areas) && visit(10u, "spheres", s.spheres) &&
-         visit(11u, "sphere blocks", s.blocks);
+         visit(11u, "sphere blocks", s.blocks) &&
+         visit(12u, "bricks with exact cells", s.exact_bricks) &&
+         visit(13u, "masks of exact cells", s.exact_masks) &&
+         visit(14u, "lists of exact cells", s.exact_lists) &&
+         visit(15u, "listed triangles", s.listed_triangles) &&
+         visit(16u, "exact triangles", s.exact_triangles) &&
+         visit(17u, "feature normals", s.feature_normals);
 }
 
 inline constexpr std::uint64_t kTableEnd =

@@ -197,6 +197,12 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
                .hidden_triangles = record.sign_hidden_triangles,
                .first_location = record.sign_first_location,
                .cap_error = record.sign_cap_error},
+      .exact = {.bricks = std::move(sections.exact_bricks),
+                .masks = std::move(sections.exact_masks),
+                .lists = std::move(sections.exact_lists),
+                .listed = std::move(sections.listed_triangles),
+                .triangles = std::move(sections.exact_triangles),
+                .feature_normals = std::move(sections.feature_normals)},
   };
   if (!is_method(record.sign_method) || record.sign_was_turned > 1) {
     return invalid("its field cannot be used: its signs were found in no known way");

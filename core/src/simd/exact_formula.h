@@ -81,47 +81,57 @@ struct ExactValue {
   Triple<float> gradient;  ///< unit length
 };
 
-/// The signed distance to the nearest of the triangles of a list.
-inline ExactValue evaluate_list(const float* blocks, const float* feature_normals, uint32_t list,
-                                float x, float y, float z) {
-  const uint32_t first = list >> kBlockCountBits;
-  const uint32_t count = (list & (kMostBlocksInList - 1)) + 1;
-  const auto load_row = [](const float* block, int row) {
-    return Triple<F8>{load<F8>(block + 8 * row), load<F8>(block + 8 * row + 8),
-                      load<F8>(block + 8 * row + 16)};
-  };
+/// Triangles as they lie in memory, see simd/exact_view.h.
+struct ListedTriangles {
+  const uint32_t* listed;  ///< the list's first
+  uint32_t count;          ///< 1 at least
+  const float* triangles;
+  const float* feature_normals;
+
+  uint32_t index(uint32_t i) const { return listed[i < count ? i : count - 1]; }
+  const float* record(uint32_t i) const {
+    return triangles + static_cast<uint64_t>(index(i)) * kTriangleFloats;
+  }
+};
+
+/// The signed distance to the nearest of a few triangles.
+inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float y, float z) {
   F8 least = splat<F8>(__builtin_inff());
-  I8 least_block{};
+  I8 least_index{};
   const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* block = blocks + static_cast<uint64_t>(first + i) * kTriangleBlockFloats;
-    const Triple<F8> p = subtract(place, load_row(block, 0));
-    const F8 squared =
-        find_on_triangle(p, load_row(block, 3), load_row(block, 6), load_row(block, 9))
-            .squared_distance;
+  for (uint32_t first = 0; first < list.count; first += kLanes) {
+    F8 rows[kLanes];
+    F8 others[kLanes];
+    for (uint32_t i = 0; i < kLanes; ++i) {
+      const float* record = list.record(first + i);
+      rows[i] = load<F8>(record);
+      others[i] = load<F8>(record + kLanes);
+    }
+    transpose(rows);
+    transpose(others);
+    const Triple<F8> p = subtract(place, Triple<F8>{rows[0], rows[1], rows[2]});
+    const F8 squared = find_on_triangle(p, Triple<F8>{rows[3], rows[4], rows[5]},
+                                        Triple<F8>{rows[6], rows[7], others[0]},
+                                        Triple<F8>{others[1], others[2], others[3]})
+                           .squared_distance;
     const I8 is_nearer = squared < least;
     least = select(is_nearer, squared, least);
-    least_block = select(is_nearer, I8{} + static_cast<int32_t>(i), least_block);
+    least_index = select(is_nearer, kLaneIndex + static_cast<int32_t>(first), least_index);
   }
   int lane = 0;
   for (int other = 1; other < kLanes; ++other) {
     if (least[other] < least[lane]) lane = other;
   }
-  const float* block = blocks +
-                       static_cast<uint64_t>(first + static_cast<uint32_t>(least_block[lane])) *
-                           kTriangleBlockFloats +
-                       lane;
-  const auto pick = [&](int row) {
-    return Triple<float>{block[8 * row], block[8 * row + 8], block[8 * row + 16]};
-  };
+  const auto found = static_cast<uint32_t>(least_index[lane]);
+  const float* record = list.record(found);
+  const auto pick = [&](int i) { return Triple<float>{record[i], record[i + 1], record[i + 2]}; };
   const Triple<float> normal = pick(9);
   const auto nearest =
       find_on_triangle<float>(subtract(Triple<float>{x, y, z}, pick(0)), pick(3), pick(6), normal);
   const Triple<float>& offset = nearest.offset;
   if (nearest.feature == 0) return {dot(normal, offset), normal};
-  uint32_t triangle;
-  memcpy(&triangle, block + kTriangleIndices, sizeof triangle);
-  const float* out = feature_normals + static_cast<uint64_t>(triangle) * kFeatureNormalFloats +
+  const float* out = list.feature_normals +
+                     static_cast<uint64_t>(list.index(found)) * kFeatureNormalFloats +
                      3 * nearest.feature;
   const Triple<float> outward{out[0], out[1], out[2]};
   const float length = square_root(nearest.squared_distance);

@@ -4,20 +4,19 @@
 
 namespace voxshell::simd {
 
-/// Triangles lie in blocks of eight: eight x, y, z of a corner a, of b - a, of c - a and of the
-/// unit normal, then eight indices of triangles. The last block of a list is filled up with copies
-/// of its last triangle.
-inline constexpr int kTriangleBlockFloats = 104;
-inline constexpr int kTriangleIndices = 96;  ///< where the indices begin
+/// Numbers that one triangle is described by: a corner a, b - a, c - a and the unit normal, filled
+/// up to a cache line.
+inline constexpr int kTriangleFloats = 16;
 
 /// The outward normals of a triangle's features, three floats each: face, edges ab, bc, ca, corners
 /// a, b, c. Those of edges and corners are angle-weighted means (Baerentzen and Aanaes 2005), which
 /// tell inside from outside and need not have unit length.
 inline constexpr int kFeatureNormalFloats = 21;
 
-/// A list of triangles in 32 bits: the number of its blocks less one, then the index of the first.
-inline constexpr int kBlockCountBits = 5;
-inline constexpr int kMostBlocksInList = 1 << kBlockCountBits;
+/// A list of triangles in 32 bits: where its first index is, then how many there are.
+inline constexpr int kListCountBits = 8;
+inline constexpr uint32_t kMostInList = (1u << kListCountBits) - 1;
+inline constexpr uint32_t kMostListed = 1u << (32 - kListCountBits);
 
 /// Of a brick with exact cells: kMaskWords words with a bit for each cell, x fastest, then as many
 /// indices of the lists of the first exact cells that the words say.
@@ -30,8 +29,9 @@ struct ExactGridView : GridView {
   const uint32_t* exact_bricks;  ///< one a brick: 0, or 1 + its index among those with exact cells
   const uint32_t* exact_masks;   ///< 2 * kMaskWords for each of these
   const uint32_t* exact_lists;   ///< one for each exact cell
-  const float* triangle_blocks;  ///< kTriangleBlockFloats each
-  const float* feature_normals;  ///< kFeatureNormalFloats for each triangle
+  const uint32_t* listed;        ///< triangles, list by list
+  const float* triangles;        ///< kTriangleFloats each
+  const float* feature_normals;  ///< kFeatureNormalFloats each
 };
 
 }  // namespace voxshell::simd

@@ -206,9 +206,11 @@ VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Tripl
     if ((*masks & bit) == 0) continue;
     const uint32_t index =
         masks[kMaskWords] + static_cast<uint32_t>(__builtin_popcount(*masks & (bit - 1)));
+    const uint32_t list = grid.exact_lists[index];
     const ExactValue exact =
-        evaluate_list(grid.triangle_blocks, grid.feature_normals, grid.exact_lists[index],
-                      lane_of(p.x, lane), lane_of(p.y, lane), lane_of(p.z, lane));
+        evaluate_triangles({grid.listed + (list >> kListCountBits), list & kMostInList,
+                            grid.triangles, grid.feature_normals},
+                           lane_of(p.x, lane), lane_of(p.y, lane), lane_of(p.z, lane));
     set_lane(value.distance, lane, exact.distance);
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
       set_lane(value.gradient.x, lane, exact.gradient.x);
