@@ -153,8 +153,8 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 
-  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, settings.threads);
   const double thickness = compute_thickness(mesh);
+  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
                                                 *std::move(shell), settings, accuracy, thickness));
 }
@@ -162,8 +162,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
                                                        PointShell shell,
                                                        const ModelSettings& settings,
-                                                       const Accuracy& accuracy,
-                                                       double thickness) {
+                                                       const Accuracy& accuracy, double thickness) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
   const Bounds& bounds = mesh.bounds();
   if (field.surface_bounds().lower != bounds.lower ||
@@ -181,8 +180,8 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
       return refuse("points of the shell lie outside the mesh's bounds");
     }
   }
-  std::shared_ptr<const Model> model(
-      new Model(std::move(mesh), std::move(field), std::move(shell), settings, accuracy, thickness));
+  std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),
+                                               settings, accuracy, thickness));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
     if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/box_hierarchy.h"
+#include "voxshell/point_shell.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+/// What a shell sees with: a point with the normal there, or a segment of an edge with the normals
+/// of the faces beside it. Metres, the mesh's frame.
+struct ShellElement {
+  Vec3f from;
+  Vec3f to;  ///< the same as `from` for a point
+  Vec3f normal;
+  Vec3f other_normal;  ///< the same as `normal` for a point
+};
+
+std::vector<ShellElement> list_elements(const PointShell& shell);
+
+/// The elements of a shell around places of the surface.
+class ShellElements {
+ public:
+  explicit ShellElements(std::span<const ShellElement> elements);
+
+  struct Nearest {
+    double distance;  ///< metres; infinite where no element faces the same way
+    /// Of the place above the nearest elements along its normal: the least of all that are at most
+    /// twice as far away as the nearest, and not below 0; metres.
+    double height;
+  };
+
+  /// Only elements that do not face away from `normal`, a unit vector. `guess` is an upper bound on
+  /// the distance; a small one makes the search short.
+  Nearest find_nearest(const Vec3& place, const Vec3& normal, double guess) const;
+
+ private:
+  static constexpr std::size_t kEach = BoxHierarchy::kRun;
+  struct Block {
+    float from[3][kEach];
+    float along[3][kEach];    ///< to the other end
+    float per_length[kEach];  ///< one over its squared length; 0 for a point
+    float normal[3][kEach];
+    float other_normal[3][kEach];
+  };
+  struct Measured {
+    float squared[kEach];  ///< distance
+    float height[kEach];
+    bool faces[kEach];
+  };
+
+  static void measure(const Block& block, const Vec3f& place, const Vec3f& normal, Measured& out);
+
+  template <class Visit>
+  void visit_near(const Vec3& place, double& most_squared, const Visit& visit) const;
+
+  std::vector<std::uint32_t> order_;
+  std::vector<Block> blocks_;
+  BoxHierarchy hierarchy_;
+};
+
+}  // namespace voxshell
