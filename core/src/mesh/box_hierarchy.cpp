@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 namespace voxshell {
 namespace {
@@ -49,16 +51,40 @@ std::vector<std::uint32_t> order_by_place(std::span<const Vec3> points) {
   return order;
 }
 
-BoxHierarchy::BoxHierarchy(std::span<const Bounds> items)
-    : leaves_(std::bit_ceil(std::max<std::size_t>(1, (items.size() + kRun - 1) / kRun))),
-      boxes_(2 * leaves_) {
-  for (std::size_t i = 0; i < items.size(); ++i) boxes_[leaves_ + i / kRun].extend(items[i]);
-  for (std::size_t node = leaves_ - 1; node >= kRoot; --node) {
-    boxes_[node] = boxes_[2 * node];
-    // Only the last boxes are empty; to extend by one would make a box infinite.
-    const Bounds& right = boxes_[2 * node + 1];
-    if (right.lower.x <= right.upper.x) boxes_[node].extend(right);
-  }
+BoxHierarchy::BoxHierarchy(std::span<const Bounds> items, double slack) {
+  const auto set = [](Node& node, std::size_t k, const Vec3& lower, const Vec3& upper) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.lower[axis][k] =
+          std::nextafter(static_cast<float>(lower[static_cast<int>(axis)]), -kInfinity);
+      node.upper[axis][k] =
+          std::nextafter(static_cast<float>(upper[static_cast<int>(axis)]), kInfinity);
+    }
+  };
+  const auto clear = [](Node& node) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    node.lower.fill(simd::portable::splat<F8>(kInfinity));
+    node.upper.fill(simd::portable::splat<F8>(-kInfinity));
+  };
+  std::vector<Bounds> boxes((items.size() + kEach - 1) / kEach);
+  for (std::size_t i = 0; i < items.size(); ++i) boxes[i / kEach].extend(items[i]);
+  const Vec3 margin{slack, slack, slack};
+  for (Bounds& box : boxes) box = {box.lower - margin, box.upper + margin};
+  do {
+    const std::size_t count = std::max<std::size_t>(1, (boxes.size() + kEach - 1) / kEach);
+    levels_[level_count_++] = {nodes_.size(), count};
+    std::vector<Bounds> larger(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      Node& node = nodes_.emplace_back();
+      clear(node);
+      for (std::size_t k = 0; k < kEach && kEach * i + k < boxes.size(); ++k) {
+        const Bounds& box = boxes[kEach * i + k];
+        set(node, k, box.lower, box.upper);
+        larger[i].extend(box);
+      }
+    }
+    boxes = std::move(larger);
+  } while (boxes.size() > 1);
 }
 
 }  // namespace voxshell

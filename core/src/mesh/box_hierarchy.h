@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "simd/wide.h"
 #include "voxshell/bounds.h"
 #include "voxshell/vector.h"
 
@@ -14,26 +16,70 @@ namespace voxshell {
 /// box around them. Points in the same cell of its 1024^3 keep their order.
 std::vector<std::uint32_t> order_by_place(std::span<const Vec3> points);
 
-/// A complete binary tree of boxes around items in a given order: a leaf holds kRun consecutive
-/// items, and the children of node i are 2 i and 2 i + 1. Cheap to build; as tight as the order.
+/// Boxes around runs of eight items in a given order, around eight of those boxes, and so on. Cheap
+/// to build, and as tight as the order.
 class BoxHierarchy {
  public:
-  static constexpr std::size_t kRun = 8;
-  static constexpr std::size_t kRoot = 1;
+  static constexpr std::size_t kEach = 8;
 
-  /// `items` are the boxes of the items; some may be empty.
-  explicit BoxHierarchy(std::span<const Bounds> items);
+  using F8 = simd::portable::F8;
+  /// Eight boxes by axis, in float32 and not smaller for it. Empty ones are infinitely far away.
+  struct Node {
+    std::array<F8, 3> lower;
+    std::array<F8, 3> upper;
+  };
 
-  bool is_leaf(std::size_t node) const { return node >= leaves_; }
-  std::size_t run_of(std::size_t leaf) const { return leaf - leaves_; }  ///< items / kRun
-  const Bounds& box(std::size_t node) const { return boxes_[node]; }
+  /// `items` are the boxes of the items; they are grown by `slack` metres on each side.
+  BoxHierarchy(std::span<const Bounds> items, double slack);
 
-  /// A stack for a walk from the root: one node waits at each level.
-  static constexpr std::size_t kStack = 64;
+  /// Calls `visit(run)` for the runs whose boxes are not farther than `limit`, which it may lower;
+  /// near ones first, roughly. `measure(node)` says how far away eight boxes are.
+  template <class Measure, class Visit>
+  void search(const float& limit, const Measure& measure, const Visit& visit) const;
 
  private:
-  std::size_t leaves_;
-  std::vector<Bounds> boxes_;
+  static constexpr std::size_t kMostLevels = 11;  // 8^11 runs are more than there is memory for
+
+  struct Level {
+    std::size_t first = 0;  ///< node
+    std::size_t count = 0;
+  };
+
+  std::vector<Node> nodes_;
+  std::array<Level, kMostLevels> levels_{};  ///< 0: its boxes hold runs
+  std::size_t level_count_ = 0;
 };
+
+template <class Measure, class Visit>
+void BoxHierarchy::search(const float& limit, const Measure& measure, const Visit& visit) const {
+  struct Waiting {
+    float distance;
+    std::uint32_t level;  ///< of the node that holds the box
+    std::size_t box;      ///< of that level: a node of the one below, or a run
+  };
+  std::array<Waiting, kMostLevels * kEach> stack;  // NOLINT: filled as it is needed
+  std::size_t waiting = 0;
+  const auto open = [&](std::size_t level, std::size_t node) {
+    const F8 distances = measure(nodes_[levels_[level].first + node]);
+    const std::size_t bottom = waiting;
+    for (std::size_t k = 0; k < kEach; ++k) {
+      const float distance = distances[k];
+      if (!(distance <= limit)) continue;
+      std::size_t at = waiting++;
+      for (; at > bottom && stack[at - 1].distance < distance; --at) stack[at] = stack[at - 1];
+      stack[at] = {distance, static_cast<std::uint32_t>(level), kEach * node + k};
+    }
+  };
+  open(level_count_ - 1, 0);
+  while (waiting > 0) {
+    const Waiting next = stack[--waiting];
+    if (!(next.distance <= limit)) continue;
+    if (next.level == 0) {
+      visit(next.box);
+    } else {
+      open(next.level - 1, next.box);
+    }
+  }
+}
 
 }  // namespace voxshell

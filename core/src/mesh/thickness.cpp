@@ -16,36 +16,48 @@
 namespace voxshell {
 namespace {
 
+using namespace simd::portable;
+
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 struct Ray {
   Vec3 origin;
   Vec3 direction;  ///< unit length
-  Vec3 inverse;    ///< of each component of the direction
-
-  Ray(const Vec3& from, const Vec3& along)
-      : origin(from), direction(along), inverse{1.0 / along.x, 1.0 / along.y, 1.0 / along.z} {}
 };
 
-/// How far along the ray it enters the box; kNone where it misses it or enters beyond `limit`.
-double enter(const Ray& ray, const Bounds& box, double limit) {
-  double first = 0.0;
-  double last = limit;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double lower = box.lower[axis] - ray.origin[axis];
-    const double upper = box.upper[axis] - ray.origin[axis];
-    if (!(lower <= upper)) return kNone;  // an empty box
-    if (ray.direction[axis] == 0.0) {
-      if (lower > 0.0 || upper < 0.0) return kNone;
-      continue;
+/// How far along a ray it enters boxes.
+class BoxEntry {
+ public:
+  explicit BoxEntry(const Ray& ray) {
+    // A ray that is square to an axis counts as slightly slanted.
+    constexpr float kLeast = 1e-20f;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int i = static_cast<int>(axis);
+      origin_[axis] = static_cast<float>(ray.origin[i]);
+      const auto along = static_cast<float>(ray.direction[i]);
+      inverse_[axis] = 1.0f / (std::abs(along) < kLeast ? kLeast : along);
     }
-    const double a = lower * ray.inverse[axis];
-    const double b = upper * ray.inverse[axis];
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
   }
-  return first <= last ? first : kNone;
-}
+
+  /// Infinite for boxes that it misses.
+  F8 operator()(const BoxHierarchy::Node& node) const {
+    constexpr float kRounding = 1.0f + 1e-5f;
+    const F8 infinite = splat<F8>(std::numeric_limits<float>::infinity());
+    F8 first{};
+    F8 last = infinite;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const F8 a = (node.lower[axis] - origin_[axis]) * inverse_[axis];
+      const F8 b = (node.upper[axis] - origin_[axis]) * inverse_[axis];
+      first = maximum(first, minimum(a, b));
+      last = minimum(last, maximum(a, b));
+    }
+    return select(first <= last * kRounding && node.lower[0] <= node.upper[0], first, infinite);
+  }
+
+ private:
+  std::array<float, 3> origin_{};
+  std::array<float, 3> inverse_{};
+};
 
 /// Where the ray leaves the body through the triangle, as a distance along it; kNone elsewhere
 /// (Möller and Trumbore 1997). Edges count as part of both of their triangles.
@@ -71,37 +83,24 @@ class RayCaster {
   RayCaster(const TriangleMesh& mesh, bool inside_out)
       : order_(order_triangles(mesh)),
         corners_(collect(mesh, order_, inside_out)),
-        hierarchy_(bound(corners_)) {}
+        hierarchy_(bound(corners_), compute_slack(mesh.bounds())) {}
 
-  /// The shortest way along the ray from `nearest` on, leaving out one triangle.
-  double find_exit(const Ray& ray, double nearest, std::uint32_t except) const {
-    double found = kNone;
-    std::array<std::pair<std::size_t, double>, BoxHierarchy::kStack> stack{};
-    std::size_t waiting = 0;
-    stack[waiting++] = {BoxHierarchy::kRoot,
-                        enter(ray, hierarchy_.box(BoxHierarchy::kRoot), kNone)};
-    while (waiting > 0) {
-      const auto [node, distance] = stack[--waiting];
-      if (!(distance < found)) continue;
-      if (hierarchy_.is_leaf(node)) {
-        const std::size_t begin = hierarchy_.run_of(node) * BoxHierarchy::kRun;
-        const std::size_t end = std::min(begin + BoxHierarchy::kRun, corners_.size());
-        for (std::size_t i = begin; i < end; ++i) {
-          if (order_[i] == except) continue;
-          const double exit = leave(ray, corners_[i]);
-          if (exit >= nearest && exit < found) found = exit;
-        }
-        continue;
+  /// The shortest way along the ray that is at least `nearest` long and at most `farthest`, leaving
+  /// out one triangle; `farthest` where there is none.
+  double find_exit(const Ray& ray, double nearest, double farthest, std::uint32_t except) const {
+    constexpr float kRounding = 1.0f + 1e-5f;
+    double found = farthest;
+    float limit = kRounding * static_cast<float>(found);
+    hierarchy_.search(limit, BoxEntry(ray), [&](std::size_t run) {
+      const std::size_t begin = run * BoxHierarchy::kEach;
+      const std::size_t end = std::min(begin + BoxHierarchy::kEach, corners_.size());
+      for (std::size_t i = begin; i < end; ++i) {
+        if (order_[i] == except) continue;
+        const double exit = leave(ray, corners_[i]);
+        if (exit >= nearest && exit < found) found = exit;
       }
-      const std::size_t left = 2 * node;
-      const double to_left = enter(ray, hierarchy_.box(left), found);
-      const double to_right = enter(ray, hierarchy_.box(left + 1), found);
-      const bool left_first = to_left <= to_right;
-      const std::pair first{left_first ? left : left + 1, std::min(to_left, to_right)};
-      const std::pair second{left_first ? left + 1 : left, std::max(to_left, to_right)};
-      if (second.second < found) stack[waiting++] = second;
-      if (first.second < found) stack[waiting++] = first;
-    }
+      limit = kRounding * static_cast<float>(found);
+    });
     return found;
   }
 
@@ -127,12 +126,18 @@ class RayCaster {
     return corners;
   }
 
-  static BoxHierarchy bound(const std::vector<std::array<Vec3, 3>>& corners) {
+  /// Outweighs the rounding of places to float32.
+  static double compute_slack(const Bounds& bounds) {
+    constexpr double kRounding = 1e-6;
+    return kRounding * (length(bounds.centre()) + length(bounds.extents()));
+  }
+
+  static std::vector<Bounds> bound(const std::vector<std::array<Vec3, 3>>& corners) {
     std::vector<Bounds> boxes(corners.size());
     for (std::size_t i = 0; i < corners.size(); ++i) {
       for (const Vec3& corner : corners[i]) boxes[i].extend(corner);
     }
-    return BoxHierarchy(boxes);
+    return boxes;
   }
 
   std::vector<std::uint32_t> order_;          ///< triangle indices
@@ -158,8 +163,8 @@ double compute_thickness(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const std::array<Vec3, 3> corners = mesh.corners(faces[i]);
     const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    const Ray ray(place_on_triangle(corners, i), inside_out ? normal : -normal);
-    chords.push_back(std::min(caster.find_exit(ray, kTouching * longest, faces[i]), shortest));
+    const Ray ray{place_on_triangle(corners, i), inside_out ? normal : -normal};
+    chords.push_back(caster.find_exit(ray, kTouching * longest, shortest, faces[i]));
   }
   if (chords.empty()) return shortest;
   const auto at =

@@ -33,7 +33,7 @@ constexpr double kSharpChord = 0.3472963553338607;
 /// triangles around, whichever is least.
 constexpr double kPushedCells = 0.25;
 constexpr double kPushedThickness = 0.05;
-constexpr double kPushedHeight = 0.25;
+constexpr double kPushedHeight = 0.05;
 constexpr double kLeastPush = 4e-6;  // of the largest coordinate, so that float32 resolves it
 /// Surfaces farther away than the nearest by up to this share of the push count as nearest, too.
 constexpr double kNearestSlack = 0.05;

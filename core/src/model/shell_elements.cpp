@@ -9,6 +9,9 @@
 namespace voxshell {
 namespace {
 
+using namespace simd::portable;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cosine. What is square to a normal does not face away from it.
 constexpr float kFacesAway = -1e-3f;
 
@@ -46,7 +49,7 @@ std::vector<ShellElement> list_elements(const PointShell& shell) {
 ShellElements::ShellElements(std::span<const ShellElement> elements)
     : order_(order_elements(elements)),
       blocks_((elements.size() + kEach - 1) / kEach),
-      hierarchy_(bound_elements(elements, order_)) {
+      hierarchy_(bound_elements(elements, order_), 0.0) {
   for (std::size_t i = 0; i < kEach * blocks_.size(); ++i) {
     Block& block = blocks_[i / kEach];
     const std::size_t k = i % kEach;
@@ -55,97 +58,69 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
     const Vec3f along = e.to - e.from;
     const float squared = squared_length(along);
     block.per_length[k] = squared > 0.0f ? 1.0f / squared : 0.0f;
-    for (int axis = 0; axis < 3; ++axis) {
-      block.from[axis][k] = e.from[axis];
-      block.along[axis][k] = along[axis];
-      block.normal[axis][k] = e.normal[axis];
-      block.other_normal[axis][k] = e.other_normal[axis];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int i3 = static_cast<int>(axis);
+      block.from[axis][k] = e.from[i3];
+      block.along[axis][k] = along[i3];
+      block.normal[axis][k] = e.normal[i3];
+      block.other_normal[axis][k] = e.other_normal[i3];
     }
   }
 }
 
-void ShellElements::measure(const Block& block, const Vec3f& place, const Vec3f& normal,
-                            Measured& out) {
-  for (std::size_t k = 0; k < kEach; ++k) {
-    const float x = place.x - block.from[0][k];
-    const float y = place.y - block.from[1][k];
-    const float z = place.z - block.from[2][k];
-    const float to_end = x * block.along[0][k] + y * block.along[1][k] + z * block.along[2][k];
-    const float share = std::min(std::max(to_end * block.per_length[k], 0.0f), 1.0f);
-    const float dx = x - share * block.along[0][k];
-    const float dy = y - share * block.along[1][k];
-    const float dz = z - share * block.along[2][k];
-    out.squared[k] = dx * dx + dy * dy + dz * dz;
-    out.height[k] = dx * normal.x + dy * normal.y + dz * normal.z;
-    const float one = normal.x * block.normal[0][k] + normal.y * block.normal[1][k] +
-                      normal.z * block.normal[2][k];
-    const float other = normal.x * block.other_normal[0][k] + normal.y * block.other_normal[1][k] +
-                        normal.z * block.other_normal[2][k];
-    out.faces[k] = std::max(one, other) > kFacesAway;
-  }
-}
-
-/// Calls `visit(block)` for the blocks that come nearer than most_squared, which it may lower.
-template <class Visit>
-void ShellElements::visit_near(const Vec3& place, double& most_squared, const Visit& visit) const {
-  std::array<std::pair<std::size_t, double>, BoxHierarchy::kStack> stack{};
-  std::size_t waiting = 0;
-  stack[waiting++] = {BoxHierarchy::kRoot, 0.0};
-  while (waiting > 0) {
-    const auto [node, distance] = stack[--waiting];
-    if (!(distance <= most_squared)) continue;
-    if (hierarchy_.is_leaf(node)) {
-      visit(blocks_[hierarchy_.run_of(node)]);
-      continue;
-    }
-    const std::size_t left = 2 * node;
-    std::pair near{left, squared_distance(hierarchy_.box(left), place)};
-    std::pair far{left + 1, squared_distance(hierarchy_.box(left + 1), place)};
-    if (far.second < near.second) std::swap(near, far);
-    // Empty boxes are infinitely far away.
-    if (far.second <= most_squared) stack[waiting++] = far;
-    if (near.second <= most_squared) stack[waiting++] = near;
-  }
+ShellElements::Measured ShellElements::measure(const Block& block, const Vec3f& place,
+                                               const Vec3f& normal) {
+  const auto along_normal = [&](const std::array<F8, 3>& v) {
+    return v[0] * normal.x + v[1] * normal.y + v[2] * normal.z;
+  };
+  std::array<F8, 3> off{place.x - block.from[0], place.y - block.from[1], place.z - block.from[2]};
+  const F8 to_end = off[0] * block.along[0] + off[1] * block.along[1] + off[2] * block.along[2];
+  const F8 share = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
+  for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= share * block.along[axis];
+  const F8 squared = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+  const F8 facing = maximum(along_normal(block.normal), along_normal(block.other_normal));
+  return {select(facing > kFacesAway, squared, splat<F8>(kInfinity)), along_normal(off)};
 }
 
 ShellElements::Nearest ShellElements::find_nearest(const Vec3& place, const Vec3& normal,
                                                    double guess) const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kAround = 2.0;  // times as far as the nearest
-  if (blocks_.empty()) return {kInfinity, kInfinity};
+  constexpr float kAround = 4.0f;  // squared distances: twice as far as the nearest
+  constexpr float kRounding = 1.0f + 1e-5f;
   const auto p = static_cast<Vec3f>(place);
   const auto n = static_cast<Vec3f>(normal);
-  Measured measured;
+  const auto measure_boxes = [&](const BoxHierarchy::Node& node) {
+    const F8 x = maximum(maximum(node.lower[0] - p.x, p.x - node.upper[0]), F8{});
+    const F8 y = maximum(maximum(node.lower[1] - p.y, p.y - node.upper[1]), F8{});
+    const F8 z = maximum(maximum(node.lower[2] - p.z, p.z - node.upper[2]), F8{});
+    return x * x + y * y + z * z;
+  };
 
-  // Float32 places differ a little from those of the boxes.
-  const auto widen = [&](double squared) { return squared * (1.0 + 1e-5); };
-  double most = widen(guess * guess);
-  double nearest = kInfinity;
-  double height = 0.0;
-  visit_near(place, most, [&](const Block& block) {
-    measure(block, p, n, measured);
+  float nearest = kInfinity;
+  float height = 0.0f;
+  float limit = static_cast<float>(guess * guess) * kRounding;
+  hierarchy_.search(limit, measure_boxes, [&](std::size_t run) {
+    const Measured measured = measure(blocks_[run], p, n);
     for (std::size_t k = 0; k < kEach; ++k) {
-      const double squared = measured.squared[k];
-      if (!measured.faces[k] || !(squared < nearest)) continue;
-      nearest = squared;
+      if (!(measured.squared[k] < nearest)) continue;
+      nearest = measured.squared[k];
       height = measured.height[k];
-      most = std::min(most, widen(squared));
     }
+    limit = std::min(limit, nearest * kRounding);
   });
   if (nearest == kInfinity) return {kInfinity, kInfinity};
-  const double distance = std::sqrt(nearest);
-  if (height <= 0.0) return {distance, 0.0};
+  const auto distance = std::sqrt(static_cast<double>(nearest));
+  if (height <= 0.0f) return {distance, 0.0};
 
-  const double around = kAround * kAround * nearest;
-  most = widen(around);
-  visit_near(place, most, [&](const Block& block) {
-    measure(block, p, n, measured);
+  const float around = kAround * nearest;
+  limit = around * kRounding;
+  hierarchy_.search(limit, measure_boxes, [&](std::size_t run) {
+    const Measured measured = measure(blocks_[run], p, n);
     for (std::size_t k = 0; k < kEach; ++k) {
-      if (!measured.faces[k] || static_cast<double>(measured.squared[k]) > around) continue;
-      height = std::min(height, static_cast<double>(measured.height[k]));
+      if (measured.squared[k] <= around) height = std::min<float>(height, measured.height[k]);
     }
+    if (height <= 0.0f) limit = -1.0f;  // there is nothing left to find
   });
-  return {distance, std::max(height, 0.0)};
+  return {distance, std::max(static_cast<double>(height), 0.0)};
 }
 
 }  // namespace voxshell

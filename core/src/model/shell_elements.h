@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "mesh/box_hierarchy.h"
+#include "simd/wide.h"
 #include "voxshell/point_shell.h"
 #include "voxshell/vector.h"
 
@@ -39,24 +41,22 @@ class ShellElements {
   Nearest find_nearest(const Vec3& place, const Vec3& normal, double guess) const;
 
  private:
-  static constexpr std::size_t kEach = BoxHierarchy::kRun;
+  using F8 = simd::portable::F8;
+  static constexpr std::size_t kEach = BoxHierarchy::kEach;
+  /// Eight elements, by axis.
   struct Block {
-    float from[3][kEach];
-    float along[3][kEach];    ///< to the other end
-    float per_length[kEach];  ///< one over its squared length; 0 for a point
-    float normal[3][kEach];
-    float other_normal[3][kEach];
+    std::array<F8, 3> from;
+    std::array<F8, 3> along;  ///< to the other end
+    F8 per_length;            ///< one over its squared length; 0 for a point
+    std::array<F8, 3> normal;
+    std::array<F8, 3> other_normal;
   };
   struct Measured {
-    float squared[kEach];  ///< distance
-    float height[kEach];
-    bool faces[kEach];
+    F8 squared;  ///< distance; infinite of elements that face away
+    F8 height;
   };
 
-  static void measure(const Block& block, const Vec3f& place, const Vec3f& normal, Measured& out);
-
-  template <class Visit>
-  void visit_near(const Vec3& place, double& most_squared, const Visit& visit) const;
+  static Measured measure(const Block& block, const Vec3f& place, const Vec3f& normal);
 
   std::vector<std::uint32_t> order_;
   std::vector<Block> blocks_;
