@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,7 @@ class BoxHierarchy {
 
 template <class Measure, class Visit>
 void BoxHierarchy::search(const float& limit, const Measure& measure, const Visit& visit) const {
+  constexpr float kEmpty = std::numeric_limits<float>::infinity();
   struct Waiting {
     float distance;
     std::uint32_t level;  ///< of the node that holds the box
@@ -64,7 +66,7 @@ void BoxHierarchy::search(const float& limit, const Measure& measure, const Visi
     const std::size_t bottom = waiting;
     for (std::size_t k = 0; k < kEach; ++k) {
       const float distance = distances[k];
-      if (!(distance <= limit)) continue;
+      if (!(distance <= limit) || distance == kEmpty) continue;
       std::size_t at = waiting++;
       for (; at > bottom && stack[at - 1].distance < distance; --at) stack[at] = stack[at - 1];
       stack[at] = {distance, static_cast<std::uint32_t>(level), kEach * node + k};

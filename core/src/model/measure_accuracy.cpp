@@ -318,8 +318,7 @@ class Measurement {
       for (std::size_t k = 0; k < waiting; ++k) distances_[of[k]] = std::abs(distances[k]);
       waiting = 0;
     };
-    Vec3 last = around_.mesh().bounds().centre();
-    double last_gap = kInfinity;
+    std::size_t guess = 0;
     for (std::size_t i = begin; i < end; ++i) {
       find_place(i, place);
       if (place.normal == Vec3{} || is_hidden(place)) continue;
@@ -328,22 +327,12 @@ class Measurement {
       if (waiting == kEach) flush();
       chords_[i] = static_cast<float>(measure_normal(place));
 
-      const auto nearest = find_elements(place, last_gap + length(place.point - last));
-      last = place.point;
-      last_gap = nearest.distance;
+      const auto nearest = elements_.find_nearest(place.point, place.normal, guess);
+      if (!(nearest.distance < kInfinity)) continue;
       gaps_[i] = static_cast<float>(nearest.distance);
       heights_[i] = static_cast<float>(nearest.height);
     }
     if (waiting > 0) flush();
-  }
-
-  /// `guess`: there was an element that near, which may face away from this place, though.
-  ShellElements::Nearest find_elements(const Place& place, double guess) const {
-    const auto nearest = elements_.find_nearest(place.point, place.normal, guess);
-    if (nearest.distance < kInfinity) return nearest;
-    const auto any = elements_.find_nearest(place.point, place.normal, kInfinity);
-    if (any.distance < kInfinity) return any;
-    return {0.0, 0.0};
   }
 
   /// Chord between the field's gradient and the cone of the normals of the nearest surface.

@@ -15,20 +15,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cosine. What is square to a normal does not face away from it.
 constexpr float kFacesAway = -1e-3f;
 
-std::vector<std::uint32_t> order_elements(std::span<const ShellElement> elements) {
-  std::vector<Vec3> middles(elements.size());
-  std::ranges::transform(elements, middles.begin(), [](const ShellElement& e) {
-    return 0.5 * (static_cast<Vec3>(e.from) + static_cast<Vec3>(e.to));
-  });
-  return order_by_place(middles);
-}
-
-std::vector<Bounds> bound_elements(std::span<const ShellElement> elements,
-                                   std::span<const std::uint32_t> order) {
+std::vector<Bounds> bound_elements(std::span<const ShellElement> elements) {
   std::vector<Bounds> boxes(elements.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    boxes[i].extend(static_cast<Vec3>(elements[order[i]].from));
-    boxes[i].extend(static_cast<Vec3>(elements[order[i]].to));
+    boxes[i].extend(static_cast<Vec3>(elements[i].from));
+    boxes[i].extend(static_cast<Vec3>(elements[i].to));
   }
   return boxes;
 }
@@ -47,14 +38,12 @@ std::vector<ShellElement> list_elements(const PointShell& shell) {
 }
 
 ShellElements::ShellElements(std::span<const ShellElement> elements)
-    : order_(order_elements(elements)),
-      blocks_((elements.size() + kEach - 1) / kEach),
-      hierarchy_(bound_elements(elements, order_), 0.0) {
+    : blocks_((elements.size() + kEach - 1) / kEach), hierarchy_(bound_elements(elements), 0.0) {
   for (std::size_t i = 0; i < kEach * blocks_.size(); ++i) {
     Block& block = blocks_[i / kEach];
     const std::size_t k = i % kEach;
     // Blocks are filled up with their last element.
-    const ShellElement& e = elements[order_[std::min(i, elements.size() - 1)]];
+    const ShellElement& e = elements[std::min(i, elements.size() - 1)];
     const Vec3f along = e.to - e.from;
     const float squared = squared_length(along);
     block.per_length[k] = squared > 0.0f ? 1.0f / squared : 0.0f;
@@ -83,7 +72,7 @@ ShellElements::Measured ShellElements::measure(const Block& block, const Vec3f& 
 }
 
 ShellElements::Nearest ShellElements::find_nearest(const Vec3& place, const Vec3& normal,
-                                                   double guess) const {
+                                                   std::size_t& guess) const {
   constexpr float kAround = 4.0f;  // squared distances: twice as far as the nearest
   constexpr float kRounding = 1.0f + 1e-5f;
   const auto p = static_cast<Vec3f>(place);
@@ -97,16 +86,19 @@ ShellElements::Nearest ShellElements::find_nearest(const Vec3& place, const Vec3
 
   float nearest = kInfinity;
   float height = 0.0f;
-  float limit = static_cast<float>(guess * guess) * kRounding;
-  hierarchy_.search(limit, measure_boxes, [&](std::size_t run) {
+  float limit = kInfinity;
+  const auto look_at = [&](std::size_t run) {
     const Measured measured = measure(blocks_[run], p, n);
     for (std::size_t k = 0; k < kEach; ++k) {
       if (!(measured.squared[k] < nearest)) continue;
       nearest = measured.squared[k];
       height = measured.height[k];
+      guess = run;
     }
-    limit = std::min(limit, nearest * kRounding);
-  });
+    limit = nearest * kRounding;
+  };
+  look_at(guess);
+  hierarchy_.search(limit, measure_boxes, look_at);
   if (nearest == kInfinity) return {kInfinity, kInfinity};
   const auto distance = std::sqrt(static_cast<double>(nearest));
   if (height <= 0.0f) return {distance, 0.0};

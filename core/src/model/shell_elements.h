@@ -27,6 +27,7 @@ std::vector<ShellElement> list_elements(const PointShell& shell);
 /// The elements of a shell around places of the surface.
 class ShellElements {
  public:
+  /// In an order that keeps near ones together, such as that of a point-sphere tree.
   explicit ShellElements(std::span<const ShellElement> elements);
 
   struct Nearest {
@@ -36,9 +37,9 @@ class ShellElements {
     double height;
   };
 
-  /// Only elements that do not face away from `normal`, a unit vector. `guess` is an upper bound on
-  /// the distance; a small one makes the search short.
-  Nearest find_nearest(const Vec3& place, const Vec3& normal, double guess) const;
+  /// Only elements that do not face away from `normal`, a unit vector. `guess` makes the
+  /// search short for a place near the last one; 0 at first. It does not change the answer.
+  Nearest find_nearest(const Vec3& place, const Vec3& normal, std::size_t& guess) const;
 
  private:
   using F8 = simd::portable::F8;
@@ -58,7 +59,6 @@ class ShellElements {
 
   static Measured measure(const Block& block, const Vec3f& place, const Vec3f& normal);
 
-  std::vector<std::uint32_t> order_;
   std::vector<Block> blocks_;
   BoxHierarchy hierarchy_;
 };
