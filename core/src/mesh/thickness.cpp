@@ -1,12 +1,176 @@
 #include "mesh/thickness.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "mesh/box_hierarchy.h"
+#include "mesh/surface_places.h"
+#include "voxshell/bounds.h"
 
 namespace voxshell {
+namespace {
+
+using namespace simd::portable;
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+struct Ray {
+  Vec3 origin;
+  Vec3 direction;  ///< unit length
+};
+
+/// How far along a ray it enters boxes.
+class BoxEntry {
+ public:
+  explicit BoxEntry(const Ray& ray) {
+    // A ray that is square to an axis counts as slightly slanted.
+    constexpr float kLeast = 1e-20f;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int i = static_cast<int>(axis);
+      origin_[axis] = static_cast<float>(ray.origin[i]);
+      const auto along = static_cast<float>(ray.direction[i]);
+      inverse_[axis] = 1.0f / (std::abs(along) < kLeast ? kLeast : along);
+    }
+  }
+
+  /// Infinite for boxes that it misses.
+  F8 operator()(const BoxHierarchy::Node& node) const {
+    constexpr float kRounding = 1.0f + 1e-5f;
+    const F8 infinite = splat<F8>(std::numeric_limits<float>::infinity());
+    F8 first{};
+    F8 last = infinite;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const F8 a = (node.lower[axis] - origin_[axis]) * inverse_[axis];
+      const F8 b = (node.upper[axis] - origin_[axis]) * inverse_[axis];
+      first = maximum(first, minimum(a, b));
+      last = minimum(last, maximum(a, b));
+    }
+    return select(first <= last * kRounding && node.lower[0] <= node.upper[0], first, infinite);
+  }
+
+ private:
+  std::array<float, 3> origin_{};
+  std::array<float, 3> inverse_{};
+};
+
+/// Where the ray leaves the body through the triangle, as a distance along it; kNone elsewhere
+/// (Möller and Trumbore 1997). Edges count as part of both of their triangles.
+double leave(const Ray& ray, const std::array<Vec3, 3>& triangle) {
+  constexpr double kSlack = 1e-9;
+  const Vec3 ab = triangle[1] - triangle[0];
+  const Vec3 ac = triangle[2] - triangle[0];
+  const double facing = dot(ray.direction, cross(ab, ac));
+  if (!(facing > 0.0)) return kNone;
+  const Vec3 p = cross(ray.direction, ac);
+  const double scale = 1.0 / dot(ab, p);
+  const Vec3 from = ray.origin - triangle[0];
+  const double u = scale * dot(from, p);
+  const Vec3 q = cross(from, ab);
+  const double v = scale * dot(ray.direction, q);
+  if (!(u >= -kSlack && v >= -kSlack && u + v <= 1.0 + kSlack)) return kNone;
+  return scale * dot(ac, q);
+}
+
+/// Finds where rays leave a body.
+class RayCaster {
+ public:
+  RayCaster(const TriangleMesh& mesh, bool inside_out)
+      : order_(order_triangles(mesh)),
+        corners_(collect(mesh, order_, inside_out)),
+        hierarchy_(bound(corners_), compute_slack(mesh.bounds())) {}
+
+  /// The shortest way along the ray that is at least `nearest` long and at most `farthest`, leaving
+  /// out one triangle; `farthest` where there is none.
+  double find_exit(const Ray& ray, double nearest, double farthest, std::uint32_t except) const {
+    constexpr float kRounding = 1.0f + 1e-5f;
+    double found = farthest;
+    float limit = kRounding * static_cast<float>(found);
+    hierarchy_.search(limit, BoxEntry(ray), [&](std::size_t run) {
+      const std::size_t begin = run * BoxHierarchy::kEach;
+      const std::size_t end = std::min(begin + BoxHierarchy::kEach, corners_.size());
+      for (std::size_t i = begin; i < end; ++i) {
+        if (order_[i] == except) continue;
+        const double exit = leave(ray, corners_[i]);
+        if (exit >= nearest && exit < found) found = exit;
+      }
+      limit = kRounding * static_cast<float>(found);
+    });
+    return found;
+  }
+
+ private:
+  static std::vector<std::uint32_t> order_triangles(const TriangleMesh& mesh) {
+    std::vector<Vec3> middles(mesh.triangles().size());
+    for (std::size_t i = 0; i < middles.size(); ++i) {
+      const auto [a, b, c] = mesh.corners(i);
+      middles[i] = (a + b + c) / 3.0;
+    }
+    return order_by_place(middles);
+  }
+
+  static std::vector<std::array<Vec3, 3>> collect(const TriangleMesh& mesh,
+                                                  const std::vector<std::uint32_t>& order,
+                                                  bool inside_out) {
+    std::vector<std::array<Vec3, 3>> corners;
+    corners.reserve(order.size());
+    for (const std::uint32_t triangle : order) {
+      corners.push_back(mesh.corners(triangle));
+      if (inside_out) std::swap(corners.back()[1], corners.back()[2]);
+    }
+    return corners;
+  }
+
+  /// Outweighs the rounding of places to float32.
+  static double compute_slack(const Bounds& bounds) {
+    constexpr double kRounding = 1e-6;
+    return kRounding * (length(bounds.centre()) + length(bounds.extents()));
+  }
+
+  static std::vector<Bounds> bound(const std::vector<std::array<Vec3, 3>>& corners) {
+    std::vector<Bounds> boxes(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (const Vec3& corner : corners[i]) boxes[i].extend(corner);
+    }
+    return boxes;
+  }
+
+  std::vector<std::uint32_t> order_;          ///< triangle indices
+  std::vector<std::array<Vec3, 3>> corners_;  ///< in that order
+  BoxHierarchy hierarchy_;
+};
+
+}  // namespace
 
 double compute_thickness(const TriangleMesh& mesh) {
+  constexpr std::size_t kChords = 4096;
+  constexpr double kShare = 0.01;     // of the area that may be thinner
+  constexpr double kTouching = 1e-7;  // of the longest side: chords that do not leave the surface
   const Vec3 sides = mesh.bounds().extents();
-  return std::min({sides.x, sides.y, sides.z});
+  const double longest = sides[mesh.bounds().longest_axis()];
+  const double shortest = std::max(std::min({sides.x, sides.y, sides.z}), kTouching * longest);
+
+  const bool inside_out = mesh.compute_volume() < 0.0;
+  const RayCaster caster(mesh, inside_out);
+  std::vector<double> chords;
+  chords.reserve(kChords);
+  const std::vector<std::uint32_t> faces = spread_over_faces(mesh, kChords);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::array<Vec3, 3> corners = mesh.corners(faces[i]);
+    const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    const Ray ray{place_on_triangle(corners, i), inside_out ? normal : -normal};
+    chords.push_back(caster.find_exit(ray, kTouching * longest, shortest, faces[i]));
+  }
+  if (chords.empty()) return shortest;
+  const auto at =
+      chords.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(chords.size()));
+  std::nth_element(chords.begin(), at, chords.end());
+  return *at;
 }
 
 }  // namespace voxshell

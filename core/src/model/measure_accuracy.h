@@ -7,9 +7,10 @@
 
 namespace voxshell {
 
-/// On at least 100,000 places of the mesh's surface. The same for any number of threads (0: one a
-/// core).
+/// Measures on 100,000 places of the mesh's surface or slightly more: on faces by their area, along
+/// edges by their length, and at vertices. `thickness` is compute_thickness() of the mesh. The
+/// result is the same for any number of threads (0: one a core).
 Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, const PointShell& shell,
-                          unsigned threads);
+                          double thickness, unsigned threads);
 
 }  // namespace voxshell

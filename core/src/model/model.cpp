@@ -182,7 +182,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 
-  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, settings.threads);
+  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
                                                 *std::move(shell), settings, accuracy, thickness));
 }

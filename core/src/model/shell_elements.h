@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/box_hierarchy.h"
+#include "simd/wide.h"
+#include "voxshell/point_shell.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+/// What a shell sees with: a point with the normal there, or a segment of an edge with the normals
+/// of the faces beside it. Metres, the mesh's frame.
+struct ShellElement {
+  Vec3f from;
+  Vec3f to;  ///< the same as `from` for a point
+  Vec3f normal;
+  Vec3f other_normal;  ///< the same as `normal` for a point
+};
+
+std::vector<ShellElement> list_elements(const PointShell& shell);
+
+/// The elements of a shell around places of the surface.
+class ShellElements {
+ public:
+  /// In an order that keeps near ones together, such as that of a point-sphere tree.
+  explicit ShellElements(std::span<const ShellElement> elements);
+
+  struct Nearest {
+    double distance;  ///< metres; infinite where no element faces the same way
+    /// Of the place above the nearest elements along its normal: the least of all that are at most
+    /// twice as far away as the nearest, and not below 0; metres.
+    double height;
+  };
+
+  /// Only elements that do not face away from `normal`, a unit vector. `guess` makes the
+  /// search short for a place near the last one; 0 at first. It does not change the answer.
+  Nearest find_nearest(const Vec3& place, const Vec3& normal, std::size_t& guess) const;
+
+ private:
+  using F8 = simd::portable::F8;
+  static constexpr std::size_t kEach = BoxHierarchy::kEach;
+  /// Eight elements, by axis.
+  struct Block {
+    std::array<F8, 3> from;
+    std::array<F8, 3> along;  ///< to the other end
+    F8 per_length;            ///< one over its squared length; 0 for a point
+    std::array<F8, 3> normal;
+    std::array<F8, 3> other_normal;
+  };
+  struct Measured {
+    F8 squared;  ///< distance; infinite of elements that face away
+    F8 height;
+  };
+
+  static Measured measure(const Block& block, const Vec3f& place, const Vec3f& normal);
+
+  std::vector<Block> blocks_;
+  BoxHierarchy hierarchy_;
+};
+
+}  // namespace voxshell
