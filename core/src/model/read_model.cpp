@@ -220,7 +220,8 @@ Result<PointShell> make_shell(const Record& record, Sections<Array>& sections) {
   auto shell = PointShell::from_parts({.tree = *std::move(tree),
                                        .normals = std::move(sections.normals),
                                        .areas = std::move(sections.areas),
-                                       .spacing = record.shell_spacing});
+                                       .spacing = record.shell_spacing,
+                                       .edges = {}});
   if (!shell) return in_file("shell", shell.error());
   return shell;
 }

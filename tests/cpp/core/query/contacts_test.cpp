@@ -42,7 +42,7 @@ void expect_equal_to_flat(const Field& field, const PointShell& shell, const Pos
   expect_chosen(find_manifold(field, shell, pose, margin, others), select_manifold(flat).chosen());
   std::vector<std::uint32_t> deepest;
   for (const int level : {1, 3, 12}) {
-    select_deepest_per_segment(flat, shell.tree(), level, deepest);
+    select_deepest_per_segment(flat, shell, level, deepest);
     expect_chosen(find_deepest_per_segment(field, shell, pose, level, margin, others), deepest);
   }
 }
