@@ -118,6 +118,11 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
+  const bool by_tolerance = settings.tolerance != 0.0;
+  if (by_tolerance && (settings.voxel_size != 0.0 || settings.resolution != 0 ||
+                       settings.point_spacing != 0.0 || settings.target_points != 0)) {
+    return invalid_argument("give a tolerance or the sizes of a uniform model, not both");
+  }
   const auto voxel_size = choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
   if (auto unit = check_unit("voxel size", *voxel_size, mesh); !unit) return unit.error();
@@ -126,10 +131,12 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   }
   if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
 
-  PointShellSettings shell_settings{.spacing = settings.point_spacing,
+  PointShellSettings shell_settings{.tolerance = settings.tolerance,
+                                    .spacing = settings.point_spacing,
                                     .target_points = settings.target_points,
                                     .threads = settings.threads};
-  const bool as_voxels = shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
+  const bool as_voxels =
+      !by_tolerance && shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
   if (as_voxels) shell_settings.spacing = *voxel_size;
 
   // Two bricks: over a flat face clusters of some size then lie in bricks of its plane alone.
@@ -162,8 +169,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
                                                        PointShell shell,
                                                        const ModelSettings& settings,
-                                                       const Accuracy& accuracy,
-                                                       double thickness) {
+                                                       const Accuracy& accuracy, double thickness) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
   const Bounds& bounds = mesh.bounds();
   if (field.surface_bounds().lower != bounds.lower ||
@@ -172,17 +178,25 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
   }
   Bounds of_points;
   for (const Vec3f& p : shell.points()) of_points.extend(static_cast<Vec3>(p));
+  if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
+    for (std::size_t i = 0; i < edges->size(); ++i) {
+      const auto middle = static_cast<Vec3>(edges->middles()[i]);
+      const auto half = static_cast<Vec3>(edges->halves()[i]);
+      of_points.extend(middle - half);
+      of_points.extend(middle + half);
+    }
+  }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kRounding = 1e-6;  // of float32, several times
     const double slack =
         kRounding * std::max(std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]));
     if (of_points.lower[axis] < bounds.lower[axis] - slack ||
         of_points.upper[axis] > bounds.upper[axis] + slack) {
-      return refuse("points of the shell lie outside the mesh's bounds");
+      return refuse("points or edges of the shell lie outside the mesh's bounds");
     }
   }
-  std::shared_ptr<const Model> model(
-      new Model(std::move(mesh), std::move(field), std::move(shell), settings, accuracy, thickness));
+  std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),
+                                               settings, accuracy, thickness));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
     if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");

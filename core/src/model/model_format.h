@@ -80,6 +80,7 @@ struct Record {
   double sign_cap_error;
   // The point shell.
   double shell_spacing;
+  double edge_tolerance;  ///< 0 where there are no edge segments
   // How exact all this is.
   std::uint64_t accuracy_places;
   std::array<double, 9> accuracy_errors;  ///< distance, normal, coverage: median, 99 %, worst
@@ -88,7 +89,7 @@ struct Record {
   double accuracy_curvature;
   double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{54} * 8);
+static_assert(sizeof(Record) == std::size_t{55} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>
@@ -104,8 +105,14 @@ struct Sections {
   Array<float> areas;
   Array<Sphere> spheres;
   Array<float> blocks;
+  // Of the edge segments, empty where there are none.
+  Array<Vec3f> edge_middles;
+  Array<Vec3f> edge_halves;
+  Array<Vec3f> edge_normals;
+  Array<Sphere> edge_spheres;
+  Array<float> edge_blocks;
 };
-inline constexpr std::uint32_t kSectionCount = 11;
+inline constexpr std::uint32_t kSectionCount = 16;
 
 /// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
 /// Returns false where it did.
@@ -116,7 +123,10 @@ bool visit_sections(AnySections& s, const Visit& visit) {
          visit(5u, "samples", s.samples) && visit(6u, "planes", s.planes) &&
          visit(7u, "points", s.points) && visit(8u, "normals", s.normals) &&
          visit(9u, "areas", s.areas) && visit(10u, "spheres", s.spheres) &&
-         visit(11u, "sphere blocks", s.blocks);
+         visit(11u, "sphere blocks", s.blocks) && visit(12u, "edge middles", s.edge_middles) &&
+         visit(13u, "edge halves", s.edge_halves) && visit(14u, "edge normals", s.edge_normals) &&
+         visit(15u, "edge spheres", s.edge_spheres) &&
+         visit(16u, "edge sphere blocks", s.edge_blocks);
 }
 
 inline constexpr std::uint64_t kTableEnd =

@@ -21,46 +21,58 @@ Record make_record(const Model& model) {
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
   const Accuracy& accuracy = model.accuracy();
-  return {.tolerance = settings.tolerance,
-          .voxel_size = settings.voxel_size,
-          .resolution = settings.resolution,
-          .point_spacing = settings.point_spacing,
-          .target_points = settings.target_points,
-          .padding = settings.padding,
-          .sign = static_cast<std::int64_t>(settings.sign),
-          .grid_voxel_size = grid.voxel_size,
-          .grid_origin = grid.origin,
-          .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
-          .grid_surface_lower = grid.surface_bounds.lower,
-          .grid_surface_upper = grid.surface_bounds.upper,
-          .grid_node_error = grid.node_error,
-          .grid_coarse_floors = grid.coarse_floors,
-          .sign_method = static_cast<std::int64_t>(grid.sign.method),
-          .sign_confidence = grid.sign.confidence,
-          .sign_was_turned = grid.sign.was_turned ? 1u : 0u,
-          .sign_defects = {grid.sign.defects.open_edges, grid.sign.defects.non_manifold_edges,
-                           grid.sign.defects.flipped_edges},
-          .sign_overlaps = grid.sign.overlaps,
-          .sign_hidden_triangles = grid.sign.hidden_triangles,
-          .sign_first_defect = grid.sign.defects.first_location,
-          .sign_first_location = grid.sign.first_location,
-          .sign_cap_error = grid.sign.cap_error,
-          .shell_spacing = shell.spacing(),
-          .accuracy_places = accuracy.places,
-          .accuracy_errors = {accuracy.distance.median, accuracy.distance.p99,
-                              accuracy.distance.worst, accuracy.normal.median, accuracy.normal.p99,
-                              accuracy.normal.worst, accuracy.coverage.median,
-                              accuracy.coverage.p99, accuracy.coverage.worst},
-          .accuracy_gap = accuracy.gap,
-          .accuracy_is_sharp = accuracy.is_sharp ? 1u : 0u,
-          .accuracy_curvature = accuracy.curvature,
-          .thickness = model.thickness()};
+  return {
+      .tolerance = settings.tolerance,
+      .voxel_size = settings.voxel_size,
+      .resolution = settings.resolution,
+      .point_spacing = settings.point_spacing,
+      .target_points = settings.target_points,
+      .padding = settings.padding,
+      .sign = static_cast<std::int64_t>(settings.sign),
+      .grid_voxel_size = grid.voxel_size,
+      .grid_origin = grid.origin,
+      .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
+      .grid_surface_lower = grid.surface_bounds.lower,
+      .grid_surface_upper = grid.surface_bounds.upper,
+      .grid_node_error = grid.node_error,
+      .grid_coarse_floors = grid.coarse_floors,
+      .sign_method = static_cast<std::int64_t>(grid.sign.method),
+      .sign_confidence = grid.sign.confidence,
+      .sign_was_turned = grid.sign.was_turned ? 1u : 0u,
+      .sign_defects = {grid.sign.defects.open_edges, grid.sign.defects.non_manifold_edges,
+                       grid.sign.defects.flipped_edges},
+      .sign_overlaps = grid.sign.overlaps,
+      .sign_hidden_triangles = grid.sign.hidden_triangles,
+      .sign_first_defect = grid.sign.defects.first_location,
+      .sign_first_location = grid.sign.first_location,
+      .sign_cap_error = grid.sign.cap_error,
+      .shell_spacing = shell.spacing(),
+      .edge_tolerance = shell.edges() == nullptr ? 0.0 : shell.edges()->tolerance(),
+      .accuracy_places = accuracy.places,
+      .accuracy_errors = {accuracy.distance.median, accuracy.distance.p99, accuracy.distance.worst,
+                          accuracy.normal.median, accuracy.normal.p99, accuracy.normal.worst,
+                          accuracy.coverage.median, accuracy.coverage.p99, accuracy.coverage.worst},
+      .accuracy_gap = accuracy.gap,
+      .accuracy_is_sharp = accuracy.is_sharp ? 1u : 0u,
+      .accuracy_curvature = accuracy.curvature,
+      .thickness = model.thickness()};
 }
 
-/// `points` are the shell's.
-Sections<View> view_sections(const Model& model, const Record& record, View<Vec3f> points) {
+/// The tree holds them coordinate by coordinate.
+std::vector<Vec3f> copy_points(const BucketPoints& in_buckets) {
+  std::vector<Vec3f> points;
+  points.reserve(in_buckets.size());
+  points.assign(in_buckets.begin(), in_buckets.end());
+  return points;
+}
+
+/// `points` are the shell's, `edge_middles` those of its edges.
+Sections<View> view_sections(const Model& model, const Record& record, View<Vec3f> points,
+                             View<Vec3f> edge_middles) {
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
+  const EdgeSegments* edges = shell.edges();
+  const bool has_edges = edges != nullptr;
   return {.record = View<Record>(&record, 1),
           .vertices = model.mesh().vertices(),
           .triangles = model.mesh().triangles(),
@@ -71,7 +83,12 @@ Sections<View> view_sections(const Model& model, const Record& record, View<Vec3
           .normals = shell.normals(),
           .areas = shell.areas(),
           .spheres = shell.tree().spheres(),
-          .blocks = shell.tree().blocks()};
+          .blocks = shell.tree().blocks(),
+          .edge_middles = edge_middles,
+          .edge_halves = has_edges ? edges->halves() : View<Vec3f>{},
+          .edge_normals = has_edges ? edges->normals() : View<Vec3f>{},
+          .edge_spheres = has_edges ? edges->tree().spheres() : View<Sphere>{},
+          .edge_blocks = has_edges ? edges->tree().blocks() : View<float>{}};
 }
 
 /// The header, without its checksum, and the table.
@@ -116,11 +133,11 @@ Result<std::monostate> append_sections(const Sections<View>& sections, const App
 
 Result<std::monostate> write_model(const Model& model, const Append& append) {
   const Record record = make_record(model);
-  const BucketPoints in_buckets = model.shell().points();
-  std::vector<Vec3f> points;
-  points.reserve(in_buckets.size());
-  points.assign(in_buckets.begin(), in_buckets.end());
-  const Sections<View> sections = view_sections(model, record, points);
+  const std::vector<Vec3f> points = copy_points(model.shell().points());
+  const EdgeSegments* edges = model.shell().edges();
+  const std::vector<Vec3f> edge_middles =
+      edges == nullptr ? std::vector<Vec3f>{} : copy_points(edges->middles());
+  const Sections<View> sections = view_sections(model, record, points, edge_middles);
   std::vector<std::byte> front = make_front(sections);
 
   Checksum checksum;
