@@ -308,7 +308,7 @@ bool ContactRule::is_beside(const Contact& contact) const {
   constexpr float kFree = 0.3f;      // spacings
   if (!shell_is_larger() || contact.id >= kFirstFeature) return false;
   const PointShell& shell = pair_.shell();
-  if (dot(shell.normals()[contact.id], contact.normal) < kAgainst) return false;
+  if (dot(shell.normal_of(contact.id), contact.normal) < kAgainst) return false;
   const auto spacing = static_cast<float>(shell.spacing());
   if (contact.depth > spacing) return false;
   const Vec3f in_front = contact.point - spacing * contact.normal;

@@ -223,9 +223,9 @@ ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
   if (pair.has_triangles() || contact.id >= kFirstFeature) {
     return {contact.id, std::uint64_t{contact.id} + 1};
   }
-  const PointSphereTree& tree = pair.shell().tree();
-  const std::uint32_t segment = tree.segment(contact.id, level());
-  return {segment, tree.cluster_points(level(), segment).end};
+  const PointShell& shell = pair.shell();
+  const std::uint32_t segment = shell.segment_of(contact.id, level());
+  return {segment, shell.segment_elements(level(), segment).end};
 }
 
 void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {

@@ -31,7 +31,7 @@ void ContactArrays::append(const ShellContact& of_shell, const Bodies& bodies, c
   normals.push_back(world.normal);
   depths.push_back(static_cast<double>(contact.depth));
   ids.push_back(contact.id);
-  segments.push_back(bodies.shell_of(shell_body)->tree().segment(contact.id, level));
+  segments.push_back(bodies.shell_of(shell_body)->segment_of(contact.id, level));
   shells.push_back(shell_body == PairBody::kA ? 0 : 1);
 }
 
@@ -103,8 +103,8 @@ ContactSet deepest_per_segment(const ContactSet& set) {
     std::sort(of_shell.begin(), of_shell.end(),
               [](const Contact& a, const Contact& b) { return a.id < b.id; });
     std::vector<std::uint32_t> deepest;
-    select_deepest_per_segment(of_shell, set.scene.bodies.shell_of(shell_body)->tree(),
-                               set.scene.level, deepest);
+    select_deepest_per_segment(of_shell, *set.scene.bodies.shell_of(shell_body), set.scene.level,
+                               deepest);
     for (const std::uint32_t i : deepest) chosen.push_back({shell_body, of_shell[i]});
   }
   return subset(set, std::move(chosen));

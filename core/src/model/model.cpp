@@ -154,10 +154,12 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   }
   if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
 
-  PointShellSettings shell_settings{.spacing = settings.point_spacing,
+  PointShellSettings shell_settings{.tolerance = *tolerance,
+                                    .spacing = settings.point_spacing,
                                     .target_points = settings.target_points,
                                     .threads = settings.threads};
-  const bool as_voxels = shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
+  const bool as_voxels =
+      *tolerance == 0.0 && shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
   if (as_voxels) shell_settings.spacing = *voxel_size;
 
   // Two bricks: over a flat face clusters of some size then lie in bricks of its plane alone.
@@ -199,13 +201,21 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
   }
   Bounds of_points;
   for (const Vec3f& p : shell.points()) of_points.extend(static_cast<Vec3>(p));
+  if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
+    for (std::size_t i = 0; i < edges->size(); ++i) {
+      const auto middle = static_cast<Vec3>(edges->middles()[i]);
+      const auto half = static_cast<Vec3>(edges->halves()[i]);
+      of_points.extend(middle - half);
+      of_points.extend(middle + half);
+    }
+  }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kRounding = 1e-6;  // of float32, several times
     const double slack =
         kRounding * std::max(std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]));
     if (of_points.lower[axis] < bounds.lower[axis] - slack ||
         of_points.upper[axis] > bounds.upper[axis] + slack) {
-      return refuse("points of the shell lie outside the mesh's bounds");
+      return refuse("points or edges of the shell lie outside the mesh's bounds");
     }
   }
   std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),

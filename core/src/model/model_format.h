@@ -80,6 +80,7 @@ struct Record {
   double sign_cap_error;
   // The point shell.
   double shell_spacing;
+  double edge_tolerance;  ///< 0 where there are no edge segments
   // How exact all this is.
   std::uint64_t accuracy_places;
   std::array<double, 9> accuracy_errors;  ///< distance, normal, coverage: median, 99 %, worst
@@ -88,7 +89,7 @@ struct Record {
   double accuracy_curvature;
   double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{54} * 8);
+static_assert(sizeof(Record) == std::size_t{55} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>
@@ -110,8 +111,14 @@ struct Sections {
   Array<std::uint32_t> listed_triangles;
   Array<float> exact_triangles;
   Array<float> feature_normals;
+  // Of the edge segments, empty where there are none.
+  Array<Vec3f> edge_middles;
+  Array<Vec3f> edge_halves;
+  Array<Vec3f> edge_normals;
+  Array<Sphere> edge_spheres;
+  Array<float> edge_blocks;
 };
-inline constexpr std::uint32_t kSectionCount = 17;
+inline constexpr std::uint32_t kSectionCount = 22;
 
 /// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
 /// Returns false where it did.
@@ -128,7 +135,10 @@ bool visit_sections(AnySections& s, const Visit& visit) {
          visit(14u, "lists of exact cells", s.exact_lists) &&
          visit(15u, "listed triangles", s.listed_triangles) &&
          visit(16u, "exact triangles", s.exact_triangles) &&
-         visit(17u, "feature normals", s.feature_normals);
+         visit(17u, "feature normals", s.feature_normals) &&
+         visit(18u, "edge middles", s.edge_middles) && visit(19u, "edge halves", s.edge_halves) &&
+         visit(20u, "edge normals", s.edge_normals) && visit(21u, "edge spheres", s.edge_spheres) &&
+         visit(22u, "edge sphere blocks", s.edge_blocks);
 }
 
 inline constexpr std::uint64_t kTableEnd =

@@ -21,10 +21,17 @@ inline float compute_rounding_slack(double magnitude) {
   return static_cast<float>(32.0 * kUlp * magnitude);
 }
 
-/// The radius about the shell's origin that holds all its points.
-inline double compute_reach(const PointShell& shell) {
-  const Sphere& root = shell.tree().spheres(1)[0];
+inline double compute_reach(const PointSphereTree& tree) {
+  const Sphere& root = tree.spheres(1)[0];
   return length(static_cast<Vec3>(root.centre)) + static_cast<double>(root.radius);
+}
+
+/// The radius about the shell's origin that holds all its points and edges.
+inline double compute_reach(const PointShell& shell) {
+  const double of_points = compute_reach(shell.tree());
+  const EdgeSegments* edges = shell.edges();
+  if (edges == nullptr) return of_points;
+  return std::max(of_points, compute_reach(edges->tree()) + static_cast<double>(edges->reach()));
 }
 
 inline void write_floats(const Vec3& from, float (&to)[3]) {

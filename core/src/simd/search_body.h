@@ -303,6 +303,7 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Se
       }
     }
   });
+  best.score = best_score;
   return best;
 }
 
@@ -322,6 +323,7 @@ inline FoundPoint choose_widest(const PointList& points, const ManifoldSearch& s
       best_score = scores[lane];
     }
   }
+  best.score = best_score;
   return best;
 }
 

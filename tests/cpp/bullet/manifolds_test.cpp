@@ -70,7 +70,7 @@ TEST_P(Segments, AreThoseOfTheCoreWithOnePointEach) {
     place(blob, random_touch(random));
     world.world.performDiscreteCollisionDetection();
     const auto expected = contacts_by_core(blob);
-    select_deepest_per_segment(expected, blob_model()->shell().tree(), GetParam(), deepest);
+    select_deepest_per_segment(expected, blob_model()->shell(), GetParam(), deepest);
     most = std::max(most, deepest.size());
 
     auto& pairs = world.broadphase.getOverlappingPairCache()->getOverlappingPairArray();

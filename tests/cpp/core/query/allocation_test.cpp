@@ -78,7 +78,7 @@ TEST(Allocation, HappensInNoWarmQuery) {
       const auto ask = [&](const Pose& pose) {
         const auto found = find_contacts(field, shell, pose, {.margin = 0.01f}, scratch);
         const ManifoldPoints manifold = select_manifold(found);
-        select_deepest_per_segment(found, shell.tree(), 4, deepest);
+        select_deepest_per_segment(found, shell, 4, deepest);
         contacts += found.size() + manifold.count + deepest.size();
         contacts += collides(field, shell, pose, 0.01f);
       };
