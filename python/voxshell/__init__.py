@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
+from voxshell._accuracy_warning import AccuracyWarning
 from voxshell._core import version as __version__
 from voxshell.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.cache import CacheWarning
@@ -100,6 +101,7 @@ _SIMULATION = {
 }
 
 __all__ = [
+    "AccuracyWarning",
     "Body",
     "Box",
     "CacheWarning",

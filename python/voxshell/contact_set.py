@@ -14,11 +14,12 @@ if TYPE_CHECKING:
 
     from voxshell._core import ContactSet
 
-_SHELLS: dict[_core.Shells, Literal["a", "b", "both"]] = {
-    _core.Shells.A: "a",
-    _core.Shells.B: "b",
-    _core.Shells.BOTH: "both",
+ROLES: dict[_core.Role, Literal["a", "b", "both"]] = {
+    _core.Role.A: "a",
+    _core.Role.B: "b",
+    _core.Role.BOTH: "both",
 }
+"""Names for the core's roles: whose points are tested."""
 _NAMES = np.array(["a", "b"])
 
 
@@ -88,7 +89,7 @@ class Contacts:
     @property
     def shell(self) -> Literal["a", "b", "both"]:
         """Whose points were tested: "a", "b" or "both"."""
-        return _SHELLS[self._core.shells_asked]
+        return ROLES[self._core.role]
 
     @property
     def shells(self) -> NDArray[np.str_]:

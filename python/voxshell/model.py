@@ -20,7 +20,7 @@ from voxshell._arguments import (
 from voxshell._core import Model as CoreModel
 from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.field import DistanceField
+from voxshell.field import SERIALS, DistanceField
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, MeshWarning, naming_file, read_mesh
 from voxshell.shell import PointShell
@@ -55,12 +55,14 @@ class Model:
                [ 0.5,  0.5,  0.5]])
     """
 
-    __slots__ = ("_core", "_field", "_shell")
+    __slots__ = ("_core", "_field", "_judged", "_serial", "_shell")
 
     def __init__(self, core: CoreModel) -> None:
         if not isinstance(core, CoreModel):
             raise InputTypeError("build a model with Model.from_mesh(mesh)")
         self._core = core
+        self._serial = next(SERIALS)
+        self._judged: set[int] = set()
         self._field = DistanceField(core.field, core.grid)
         self._shell = PointShell(core.shell)
 
