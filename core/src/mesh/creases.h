@@ -10,7 +10,7 @@
 namespace voxshell {
 
 /// An edge of a mesh between two of its vertices.
-struct MeshEdge {
+struct BentEdge {
   std::uint32_t from;
   std::uint32_t to;
   std::array<std::uint32_t, 2> triangles;  ///< the first is the only one of an open edge
@@ -32,7 +32,7 @@ struct Creases {
   /// The sharp edges: those where the surface bends outwards by more than 20 degrees, or where wide
   /// facets meet at smaller angles; edges of one triangle or of more than two; all of them only
   /// where they stand out by more than the tolerance.
-  std::vector<MeshEdge> sharp_edges;
+  std::vector<BentEdge> sharp_edges;
   std::vector<Vec3> edge_normals;  ///< the means of their triangles' normals, unit length
   /// Where sharp edges end, meet or turn, and vertices without any that stand out, as tips of
   /// cones.
@@ -48,6 +48,6 @@ struct Creases {
 Creases find_creases(const TriangleMesh& mesh, double tolerance);
 
 /// All edges, ascending by their vertices.
-std::vector<MeshEdge> find_edges(const TriangleMesh& mesh);
+std::vector<BentEdge> find_bent_edges(const TriangleMesh& mesh);
 
 }  // namespace voxshell

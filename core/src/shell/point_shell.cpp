@@ -346,7 +346,7 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
   std::vector<EdgeSegments::Edge> edges;
   edges.reserve(creases.sharp_edges.size());
   for (std::size_t i = 0; i < creases.sharp_edges.size(); ++i) {
-    const MeshEdge& edge = creases.sharp_edges[i];
+    const BentEdge& edge = creases.sharp_edges[i];
     edges.push_back(
         {mesh.vertices()[edge.from], mesh.vertices()[edge.to], creases.edge_normals[i]});
   }
