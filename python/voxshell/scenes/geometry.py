@@ -195,10 +195,10 @@ _ALL = (
     ),
     GeometryScene(
         *("crossed bars, edge on edge", "edges", "bar 1 m x 10 mm", "bar 1 m x 10 mm"),
-        # Both lie on an edge: they come nearer along the diagonal of b's section.
-        turn=(0.0, 90.0, 0.0),
+        # They come nearer along the diagonal of both sections.
+        turn=(45.0, 45.0, 90.0),
         at=(0.0123, 0.0, 0.0),
-        spread=(0.2, 0.2, 0.2),
+        spread=(0.2, 0.1, 0.1),
         spin="spin",
         spin_degrees=40.0,
         approach=(0.0, -1.0, -1.0),
@@ -376,6 +376,7 @@ _ALL = (
         at=(0.0, 0.0, 0.005),
         spread=(0.0002, 0.0002, 0.01),
         spin="spin",
+        spin_degrees=1.0,
         approach=(1.0, 0.3, 0.0),
         start="here",
         bar=LEAST_BAR,
