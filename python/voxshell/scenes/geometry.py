@@ -229,6 +229,14 @@ _ALL = (
         **_EDGES,
     ),
     GeometryScene(
+        *("box on its edge on slab 2 m", "edges", "box 0.1 m", "slab 2 m"),
+        turn=(40.0, 0.0, 0.0),
+        at=(0.0123, 0.0077, 0.0),
+        spread=(0.7, 0.7, 0.0),
+        spin="spin",
+        **_EDGES,
+    ),
+    GeometryScene(
         *("box on its corner on slab 1 m", "edges", "box 0.1 m", "slab 1 m"),
         turn=(45.0, _ROOT_HALF_DEGREES, 0.0),
         at=(0.0123, 0.0077, 0.0),
@@ -431,10 +439,16 @@ _ALL = (
         approach=(1.0, 0.0, 0.0),
         start="here",
         bar=LEAST_BAR,
+        deepest=0.0009,  # farther on, fins come out of fins
         held_out=True,
     ),
     _rest(
-        "bunny under sheet 1 m x 0.5 mm", "sheet 1 m x 0.5 mm", "bunny 0.2 m", 0.1, held_out=True
+        "bunny under sheet 1 m x 0.5 mm",
+        "sheet 1 m x 0.5 mm",
+        "bunny 0.2 m",
+        0.1,
+        bar=EDGE_BAR,
+        held_out=True,
     ),
     GeometryScene(
         *("knurl on knurl", "edges", "knurl", "knurl"),
