@@ -52,8 +52,22 @@ ORDERS = (0, 1)
 """Of arguments: a before b, and b before a."""
 
 _NEAREST_STEP = 1e-6
+"""Metres from the first touch to the nearest offset at which ``collide`` is asked."""
+
 _SCANNED = 48
-"""Offsets on each side of the first touch at which ``collide`` is asked, from the nearest step on."""
+"""Offsets on each side of the first touch at which it is asked."""
+
+_OFFSETS = 5
+"""Poses of a pair on each of its approaches."""
+
+_FACES = 3
+"""Largest faces of an overlap along whose normals a shorter way out is looked for."""
+
+_LOOKED_AT = 5
+"""Denied overlaps, of which the one that reaches deepest is made worse."""
+
+_PLACES = 100
+"""Of the surface of an overlap that are looked at."""
 
 _EXACT = 1e-7
 """Metres to which the first yes is bracketed."""
@@ -213,10 +227,9 @@ class Pair:
             warnings.simplefilter("ignore")
             return query(first, second, first_pose, second_pose, **options)
 
-    @property
-    def voxel_size(self) -> float:
-        """The smaller of both fields' voxels, metres."""
-        return min(each.model.field.voxel_size for each in self._models)
+    def find_voxel_size(self, of_a: bool) -> float:
+        """Of a's field or b's, metres."""
+        return self._models[0 if of_a else 1].model.field.voxel_size
 
     def find_bounds(self, shell: str, order: int) -> tuple[float, float]:
         """Overlap and clearance that the library states for a shell's contacts, metres."""
@@ -260,17 +273,26 @@ def overlap(a: str, b: str, b_from_a: NDArray[np.float64]) -> Any:
 def measure_scene(settings: GeometrySettings, name: str) -> Tables:
     """Measures a scene in all its poses and copies, in both orders of the bodies.
 
+    Args:
+        settings: Of the study.
+        name: Of the scene.
+
     Returns:
         "approaches", a row a pose, copy and order: "onset", how far beyond the true first touch
         ``collide`` first says yes (infinite: never), and "unseen", how deep the deepest overlap is to
-        which it says no, metres. "depths", a row a depth as well: whether ``collide`` says yes so deep
+        which it says no, metres. "depths", a row a depth along the approach as well: the
+        true depth ("way_out", the shortest separating translation), whether ``collide`` says yes so deep
         and so far apart (-1: not asked), how many contacts there are, the deepest of them, and what
-        ``distance`` says of it so deep and so far apart, metres. "contacts", a row for each that is
+        ``distance`` says so deep and so far apart, metres. "contacts", a row for each that is
         judged: the angle of its normal, radians, and how far its places are off their bodies, metres.
     """
     scene = SCENES[name]
     touches = [_touch(scene, index) for index in range(settings.poses)]
     tables: dict[str, list[tuple[float, ...]]] = {"approaches": [], "depths": [], "contacts": []}
+    ways = [
+        [_measure_depth(scene, index, touch, depth) for depth in scene.looked_at]
+        for index, touch in enumerate(touches)
+    ]
     copies = [0] + [RETRIANGULATED] * settings.retriangulated
     copies += range(1, settings.rotations + 1)
     for copy in copies:
@@ -285,14 +307,24 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
                 tables["approaches"].append(
                     (*key, touch, *_approach(scene, pair, pose, touch, order))
                 )
-                for depth in scene.looked_at:
+                for depth, way in zip(scene.looked_at, ways[index], strict=True):
                     row, judged = _look(settings, scene, pair, pose, touch, depth, order)
-                    tables["depths"].append((*key, depth, *row))
+                    tables["depths"].append((*key, depth, way, *row))
                     tables["contacts"] += [(*key, depth, *each) for each in judged]
     key = ("copy", "pose", "order")
     names = {
         "approaches": (*key, "touch", "onset", "unseen"),
-        "depths": (*key, "depth", "yes", "apart_yes", "count", "deepest", "distance", "gap"),
+        "depths": (
+            *key,
+            "depth",
+            "way_out",
+            "yes",
+            "apart_yes",
+            "count",
+            "deepest",
+            "distance",
+            "gap",
+        ),
         "contacts": (*key, "depth", "angle", "a_off", "b_off", "voxel"),
     }
     return {table: as_columns(names[table], rows) for table, rows in tables.items()}
@@ -312,6 +344,37 @@ def _touch(scene: GeometryScene, index: int) -> float:
         scene.direction,
         from_here=scene.start == "here",
     )
+
+
+def _measure_depth(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
+    """The length of the shortest separating translation, metres: the way back, or a shorter one.
+
+    Of bodies at rest, shorter ones are looked for along the normals of the largest faces of what the
+    bodies have in common, which are faces of theirs. NaN where the bodies never touch.
+    """
+    if not np.isfinite(touch):
+        return np.nan
+    if scene.group != "rest":
+        return depth
+    pose = move(scene.place(index), scene.direction, touch + depth)
+    common = overlap(scene.a, scene.b, pose)
+    if common.is_empty():
+        return 0.0
+    mesh = as_mesh(common)
+    corners = mesh.vertices[mesh.faces]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(areas, axis=1)
+    sound = sizes > 1e-18
+    normals, which = np.unique(
+        (areas[sound] / sizes[sound, None]).round(6), axis=0, return_inverse=True
+    )
+    shares = np.bincount(which.ravel(), sizes[sound])
+    lengths = [depth]
+    for normal in normals[np.argsort(-shares, kind="stable")[:_FACES]]:
+        into = normal / np.linalg.norm(normal)
+        into *= 1.0 if into @ scene.direction > 0.0 else -1.0
+        lengths.append(-find_first_touch(make_body(scene.a), make_body(scene.b), pose, into))
+    return min(length for length in lengths if np.isfinite(length) and length >= 0.0)
 
 
 def _approach(
@@ -408,7 +471,7 @@ def _judge(
         # Outwards of the body whose surface was come through.
         normal = found.normals[index] * (1.0 if of_a else -1.0)
         angle = _find_angle(shell, field, place, normal)
-        rows.append((angle, *off, pair.voxel_size))
+        rows.append((angle, *off, pair.find_voxel_size(of_a == (order == 1))))
     return rows
 
 
@@ -479,52 +542,62 @@ class _Meeting(NamedTuple):
     direction: NDArray[np.float64]
 
 
+class _Missed(NamedTuple):
+    """An overlap that was denied, and how far it is beyond the first touch, metres."""
+
+    offset: float
+    meeting: _Meeting
+
+
 def measure_pair(settings: GeometrySettings, index: int) -> Tables:
     """Asks a pair in many poses, overlapping and apart near the first touch, and looks for the worst.
 
     Returns:
         "poses", a row a pose and order: "offset" beyond the first touch along a random direction, whether
-        ``collide`` says "yes", the stated bounds of what it must see ("overlap") and of what it must
+        the meshes overlap and whether ``collide`` says "yes", the stated bounds of what it must see ("overlap") and of what it must
         deny ("clearance"), and how deep or how far apart the bodies are where the answer is wrong beyond
         the bounds along the direction ("proven", 0 elsewhere), metres. "worst", a row an order: the
-        deepest overlap that was denied, by chance and after the search, as the length of the shortest of
-        many ways out, metres, and the stated bound.
+        how deep the shell's surface reaches into the other body in the worst overlap that was denied, by
+        chance and after the search, metres.
     """
     a, b = PAIRS[index]
     rng = np.random.default_rng((settings.seed, index))
     pair = Pair(a, b)
     mesh_a, mesh_b = make_body(a), make_body(b)
     size = min(float(np.ptp(mesh.vertices, axis=0).max()) for mesh in (mesh_a, mesh_b))
-    offsets_each = 5
-    count = max(1, settings.pair_poses // max(settings.pairs, 1) // offsets_each)
+    count = max(1, settings.pair_poses // max(settings.pairs, 1) // _OFFSETS)
     rows: list[tuple[float, ...]] = []
-    worst: list[tuple[float, _Meeting, float] | None] = [None, None]
+    missed: tuple[list[_Missed], ...] = ([], [])
     for _ in range(count):
         meeting = _meet(mesh_a, mesh_b, rng)
         if meeting is None:
             continue
-        depths = 10.0 ** rng.uniform(-5.0, np.log10(0.15 * size), offsets_each)
-        signs = np.where(rng.random(offsets_each) < 0.6, 1.0, -1.0)
-        for offset in depths * signs:
-            pose = move(meeting.pose, meeting.direction, float(offset))
+        depths = 10.0 ** rng.uniform(-5.0, np.log10(0.15 * size), _OFFSETS)
+        signs = np.where(rng.random(_OFFSETS) < 0.6, 1.0, -1.0)
+        for offset in (depths * signs).tolist():
+            pose = move(meeting.pose, meeting.direction, offset)
+            said = [pair.ask(collide, pose, order) for order in ORDERS]
+            # Where one body has passed through a thin one, no is right again.
+            overlaps = offset > 0.0 and (all(said) or not overlap(a, b, pose).is_empty())
             for order in ORDERS:
-                yes = pair.ask(collide, pose, order)
-                found_shell = pair.ask(contacts, pose, order, max_points=1).shell
-                bounds = pair.find_bounds(found_shell, order)
+                shell = pair.ask(contacts, pose, order, max_points=1).shell
+                most, clearance = pair.find_bounds(shell, order)
                 proven = 0.0
-                if offset > bounds[0] and not yes:
-                    proven = _prove_depth(a, b, pose, found_shell, order)
-                elif -offset > bounds[1] and yes:
-                    proven = _measure_gap(a, b, pose, -float(offset))
-                rows.append((offset, order, float(yes), *bounds, proven))
-                kept = worst[order]
-                if not yes and offset > 0.0 and (kept is None or offset > kept[0]):
-                    worst[order] = float(offset), meeting, bounds[0]
+                if overlaps and not said[order]:
+                    missed[order].append(_Missed(offset, meeting))
+                    if offset > most:
+                        proven = _prove_depth(pair, pose, order)
+                elif -offset > clearance and said[order]:
+                    proven = _measure_gap(a, b, pose, -offset)
+                rows.append(
+                    (offset, order, float(overlaps), float(said[order]), most, clearance, proven)
+                )
+    names = ("offset", "order", "overlaps", "yes", "overlap", "clearance", "proven")
     return {
-        "poses": as_columns(("offset", "order", "yes", "overlap", "clearance", "proven"), rows),
+        "poses": as_columns(names, rows),
         "worst": as_columns(
-            ("order", "random", "optimized", "overlap"),
-            [_worsen(settings, pair, order, worst[order], rng) for order in ORDERS],
+            ("order", "random", "optimized"),
+            [_worsen(settings, pair, order, missed[order], rng) for order in ORDERS],
         ),
     }
 
@@ -547,21 +620,25 @@ def _pick(mesh: Mesh, rng: np.random.Generator) -> NDArray[np.float64]:
     return shares @ mesh.vertices[mesh.faces[rng.integers(len(mesh.faces))]]
 
 
-def _prove_depth(a: str, b: str, pose: NDArray[np.float64], shell: str, order: int) -> float:
-    """How deep the shell's surface certainly reaches into the other body, metres."""
-    common = overlap(a, b, pose)
+def _prove_depth(pair: Pair, pose: NDArray[np.float64], order: int) -> float:
+    """How deep the surface of the shell, or of both, certainly reaches into the other body, metres."""
+    common = overlap(pair.a, pair.b, pose)
     if common.is_empty():
         return 0.0
+    shell = pair.ask(contacts, pose, order, max_points=1).shell
     mesh = as_mesh(common)
     places = np.concatenate([mesh.vertices, mesh.vertices[mesh.faces].mean(axis=1)])
-    places = places[:: max(1, len(places) // 200)]
+    places = places[:: max(1, len(places) // _PLACES)]
     # On the surface of what they have in common and deep in one body: on the other one's surface.
-    a_from_b = np.linalg.inv(pose)
-    of_b = max(find_surface(b).measure_distance(place) for place in places)
-    of_a = max(find_surface(a).measure_distance(_carry(a_from_b, place)) for place in places)
-    if shell == "both":
-        return max(of_a, of_b)
-    return of_b if (shell == "a") == (order == 0) else of_a
+    a_is_shell = (shell == "a") == (order == 0)
+    depths = []
+    if shell == "both" or a_is_shell:
+        surface = find_surface(pair.b)
+        depths += [surface.measure_distance(place) for place in places]
+    if shell == "both" or not a_is_shell:
+        surface, a_from_b = find_surface(pair.a), np.linalg.inv(pose)
+        depths += [surface.measure_distance(_carry(a_from_b, place)) for place in places]
+    return max(depths)
 
 
 def _measure_gap(a: str, b: str, pose: NDArray[np.float64], most: float) -> float:
@@ -573,16 +650,20 @@ def _worsen(
     settings: GeometrySettings,
     pair: Pair,
     order: int,
-    start: tuple[float, _Meeting, float] | None,
+    missed: list[_Missed],
     rng: np.random.Generator,
 ) -> tuple[float, ...]:
     """The deepest overlap that is denied, by chance and after a search for worse poses."""
-    if start is None:
-        return (order, 0.0, 0.0, np.nan)
-    offset, meeting, bound = start
-    random = _measure_way_out(
-        pair, move(meeting.pose, meeting.direction, offset), meeting.direction
-    )
+    if not missed:
+        return (order, 0.0, 0.0)
+    # What is far beyond the first touch may lie on a grazing way: a few of the farthest are looked at.
+    farthest = sorted(missed, key=lambda each: -each.offset)[:_LOOKED_AT]
+    reaches = [
+        _prove_depth(pair, move(each.meeting.pose, each.meeting.direction, each.offset), order)
+        for each in farthest
+    ]
+    random = max(reaches)
+    offset, meeting = farthest[int(np.argmax(reaches))]
     mesh_a, mesh_b = make_body(pair.a), make_body(pair.b)
     step = np.array([0.02, 0.02, 0.02, 0.5 * offset, 0.5 * offset, 0.5 * offset])
 
@@ -597,12 +678,12 @@ def _worsen(
         deepest = _find_last_no(pair, pose, meeting.direction, order, offset)
         if deepest == 0.0:
             return 0.0
-        return _measure_way_out(pair, move(pose, meeting.direction, deepest), meeting.direction)
+        return _prove_depth(pair, move(pose, meeting.direction, deepest), order)
 
     best = random
     if settings.optimized > 0:
         best = max(best, -_minimize(lambda change: -judge(change), step, settings.optimized, rng))
-    return (order, random, best, bound)
+    return (order, random, best)
 
 
 def _turn(angles: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -634,18 +715,6 @@ def _find_last_no(
         else:
             low = middle
     return low
-
-
-def _measure_way_out(
-    pair: Pair, pose: NDArray[np.float64], direction: NDArray[np.float64]
-) -> float:
-    """The shortest of many straight ways out of an overlap, metres: at least the shortest of all."""
-    mesh_a, mesh_b = make_body(pair.a), make_body(pair.b)
-    ways = [direction, *np.eye(3), *-np.eye(3)]
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / np.sqrt(3)
-    ways += [*corners, *(pose[:3, :3] @ np.concatenate([np.eye(3), -np.eye(3)]).T).T]
-    lengths = [-find_first_touch(mesh_a, mesh_b, pose, np.asarray(way)) for way in ways]
-    return max(0.0, min(length for length in lengths if np.isfinite(length)))
 
 
 def _minimize(
