@@ -278,9 +278,10 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
         name: Of the scene.
 
     Returns:
-        "approaches", a row a pose, copy and order: "onset", how far beyond the true first touch
-        ``collide`` first says yes (infinite: never), and "unseen", how deep the deepest overlap is to
-        which it says no, metres. "depths", a row a depth along the approach as well: the
+        "approaches", a row a pose, copy and order: "onset", how far beyond the true first touch, along the
+        approach, ``collide`` first says yes (infinite: never), and "unseen", how far beyond it the last
+        overlap is to which it says no, metres; "slope", by which both become lengths of the shortest
+        separating translation, as an approach may graze. "depths", a row a depth along the approach as well: the
         true depth ("way_out", the shortest separating translation), whether ``collide`` says yes so deep
         and so far apart (-1: not asked), how many contacts there are, the deepest of them, and what
         ``distance`` says so deep and so far apart, metres. "contacts", a row for each that is
@@ -293,6 +294,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
         [_measure_depth(scene, index, touch, depth) for depth in scene.looked_at]
         for index, touch in enumerate(touches)
     ]
+    slopes = [_measure_slope(scene, index, touch) for index, touch in enumerate(touches)]
     copies = [0] + [RETRIANGULATED] * settings.retriangulated
     copies += range(1, settings.rotations + 1)
     for copy in copies:
@@ -305,7 +307,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
             for order in ORDERS:
                 key = (copy, index, order)
                 tables["approaches"].append(
-                    (*key, touch, *_approach(scene, pair, pose, touch, order))
+                    (*key, touch, slopes[index], *_approach(scene, pair, pose, touch, order))
                 )
                 for depth, way in zip(scene.looked_at, ways[index], strict=True):
                     row, judged = _look(settings, scene, pair, pose, touch, depth, order)
@@ -313,7 +315,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
                     tables["contacts"] += [(*key, depth, *each) for each in judged]
     key = ("copy", "pose", "order")
     names = {
-        "approaches": (*key, "touch", "onset", "unseen"),
+        "approaches": (*key, "touch", "slope", "onset", "unseen"),
         "depths": (
             *key,
             "depth",
@@ -347,19 +349,33 @@ def _touch(scene: GeometryScene, index: int) -> float:
 
 
 def _measure_depth(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
-    """The length of the shortest separating translation, metres: the way back, or a shorter one.
+    """The shortest separating translation of bodies at rest, and the way back of others, metres.
 
-    Of bodies at rest, shorter ones are looked for along the normals of the largest faces of what the
-    bodies have in common, which are faces of theirs. NaN where the bodies never touch.
+    NaN where the bodies never touch.
     """
     if not np.isfinite(touch):
         return np.nan
-    if scene.group != "rest":
-        return depth
+    return depth if scene.group != "rest" else _find_way_out(scene, index, touch, depth)
+
+
+def _measure_slope(scene: GeometryScene, index: int, touch: float) -> float:
+    """The shortest separating translation over the way along the approach, just beyond the touch."""
+    if not np.isfinite(touch):
+        return np.nan
+    depth = min(0.25 * scene.onset_bar, 0.1 * scene.reach)
+    return _find_way_out(scene, index, touch, depth) / depth
+
+
+def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
+    """The length of the shortest separating translation that is found, metres: at least the shortest.
+
+    Tried are the way back, and the normals of the largest faces of what the bodies have in common, which
+    are faces of theirs.
+    """
     pose = move(scene.place(index), scene.direction, touch + depth)
     common = overlap(scene.a, scene.b, pose)
     if common.is_empty():
-        return 0.0
+        return depth
     mesh = as_mesh(common)
     corners = mesh.vertices[mesh.faces]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -373,6 +389,7 @@ def _measure_depth(scene: GeometryScene, index: int, touch: float, depth: float)
     for normal in normals[np.argsort(-shares, kind="stable")[:_FACES]]:
         into = normal / np.linalg.norm(normal)
         into *= 1.0 if into @ scene.direction > 0.0 else -1.0
+        # Moved out and come back along the normal, the bodies touch before they are in this pose.
         lengths.append(-find_first_touch(make_body(scene.a), make_body(scene.b), pose, into))
     return min(length for length in lengths if np.isfinite(length) and length >= 0.0)
 
@@ -450,7 +467,7 @@ def _judge(
         return []
     chosen = np.unique(np.linspace(0, len(found) - 1, settings.judged).astype(int))
     chosen = np.union1d(chosen, [int(np.argmax(found.depths))])
-    a_from_b = np.linalg.inv(b_from_a)
+    a_from_b = _invert(b_from_a)
     # The first and the second body of the query, with the poses of both in the world, which is b's frame.
     bodies = [
         (find_surface(pair.a), b_from_a, a_from_b),
@@ -497,6 +514,13 @@ def _find_angle(
             if entry is not None:
                 angle = min(angle, measure_angle(outward, entry[None]))
     return angle
+
+
+def _invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
+    inverse = np.eye(4)
+    inverse[:3, :3] = pose[:3, :3].T
+    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return inverse
 
 
 def _carry(pose: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -636,7 +660,7 @@ def _prove_depth(pair: Pair, pose: NDArray[np.float64], order: int) -> float:
         surface = find_surface(pair.b)
         depths += [surface.measure_distance(place) for place in places]
     if shell == "both" or not a_is_shell:
-        surface, a_from_b = find_surface(pair.a), np.linalg.inv(pose)
+        surface, a_from_b = find_surface(pair.a), _invert(pose)
         depths += [surface.measure_distance(_carry(a_from_b, place)) for place in places]
     return max(depths)
 

@@ -319,8 +319,8 @@ def _knurl() -> Any:
             [(x, y, 0.003)]
             + [(x + i, y + j, -0.001) for i in (-0.0026, 0.0026) for j in (-0.0026, 0.0026)]
         )
-        for x in np.arange(-0.046, 0.0461, 0.004)
-        for y in np.arange(-0.046, 0.0461, 0.004)
+        for x in np.arange(-0.046, 0.0461, 0.004).tolist()
+        for y in np.arange(-0.046, 0.0461, 0.004).tolist()
     ]
     return _union([_box(0.1, 0.1, 0.005).translate((0.0, 0.0, -0.0025)), *tops])
 
@@ -347,7 +347,7 @@ def _slab_of(length: float) -> Callable[[], Any]:
 BODIES: dict[str, Callable[[], Any]] = {
     # Named in the table of what was measured before.
     "ball 30 mm": _ball_of(0.015),
-    **{f"slab {length:g} m": _slab_of(length) for length in (0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)},
+    **{f"slab {length:g} m": _slab_of(length) for length in (0.3, 1.0, 1.5, 2.0, 3.0, 5.0)},
     "terrain 5 m": lambda: _terrain(5.0, 100),
     "bunny 0.2 m": lambda: _bunny(0.2, 5e-5),
     "mug": _mug,

@@ -133,7 +133,7 @@ def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) ->
 
 def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
     """How far off the true first touch the first contact is."""
-    onset = table["onset"]
+    onset = _correct(table)
     worst = float(onset[np.argmax(np.abs(onset))]) if len(onset) else np.nan
     notes = []
     never = int(np.isinf(onset).sum())
@@ -158,6 +158,11 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
         holds=at_most(abs(worst), scene.onset_bar),
         note="; ".join(notes),
     )
+
+
+def _correct(table: Columns) -> NDArray[np.float64]:
+    """First contacts beyond the first touch as lengths of the shortest separating translation, metres."""
+    return table["onset"] * table["slope"]
 
 
 def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
@@ -338,7 +343,7 @@ def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Pic
         axes = figure.subplots()
         never = 0.1
         for line, scene in enumerate(scenes):
-            onset = np.abs(results[name_scene(scene.name)]["approaches"]["onset"])
+            onset = np.abs(_correct(results[name_scene(scene.name)]["approaches"]))
             seen = np.isfinite(onset)
             late = onset > scene.onset_bar
             for chosen, color, marker in (
@@ -364,7 +369,7 @@ def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Pic
     return [
         Picture(
             "onset.png",
-            "First contact off the true first touch along the approach, a dot a pose, copy and order of "
+            "First contact off the true first touch as a separating translation, a dot a pose, copy and order of "
             "the bodies; the black lines are the bars, and smaller errors than 1 \N{MICRO SIGN}m are drawn there.",
         )
     ]
