@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 from voxshell import testing
 from voxshell._accuracy_warning import AccuracyWarning
 from voxshell._core import version as __version__
+from voxshell.accuracy import Accuracy, ErrorStatistic
 from voxshell.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.cache import CacheWarning
 from voxshell.contact_bounds import ContactBounds, contact_bounds
@@ -102,6 +103,7 @@ _SIMULATION = {
 
 __all__ = [
     "AccuracyWarning",
+    "Accuracy",
     "Body",
     "Box",
     "CacheWarning",
@@ -117,6 +119,7 @@ __all__ = [
     "Cylinder",
     "Distance",
     "DistanceField",
+    "ErrorStatistic",
     "Field",
     "FileAccessError",
     "FixedJoint",

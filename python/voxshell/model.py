@@ -18,6 +18,7 @@ from voxshell._arguments import (
     as_real,
 )
 from voxshell._core import Model as CoreModel
+from voxshell.accuracy import read_accuracy
 from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import SERIALS, DistanceField
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from voxshell.accuracy import Accuracy
     from voxshell.meshes import MeshLike
 
 _LARGEST_INT = 2**31 - 1
@@ -259,6 +261,35 @@ class Model:
     def bounds(self) -> NDArray[np.float64]:
         """Lower and upper corner of the mesh, (2, 3) float64, metres."""
         return np.array(self._core.bounds)
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """How exact the model is, measured on its surface when it was built.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> model = vx.Model.from_mesh(trimesh.creation.box(), resolution=50)
+            >>> model.accuracy.distance.p99 < 1e-5
+            True
+        """
+        return read_accuracy(self._core)
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the body where it is thinnest, metres.
+
+        The first percentile, by area, of the lengths of chords that begin on the surface and go
+        straight in; at most the shortest side of the bounds.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> plate = trimesh.creation.box((1.0, 0.5, 0.02))
+            >>> round(vx.Model.from_mesh(plate, resolution=50).thickness, 6)
+            0.02
+        """
+        return self._core.thickness
 
     def mass_properties(
         self, mass: float = 1.0, kind: Literal["solid", "surface"] = "solid"

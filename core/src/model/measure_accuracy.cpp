@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "mesh/box_hierarchy.h"
 #include "mesh/closest_point.h"
 #include "mesh/edges.h"
 #include "mesh/surface_places.h"
@@ -22,9 +23,9 @@ namespace {
 constexpr std::size_t kMostVertices = 16'384;
 constexpr std::size_t kEdgePlaces = 24'576;
 constexpr std::size_t kLeastPlaces = 100'000;
-/// Places of one task. They are neighbors, so that a search begins where the last one ended.
-constexpr std::size_t kTask = 1024;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kTask = 1024;  // places
+/// Places near one another for which the elements around are looked up together.
+constexpr std::size_t kGroup = 4;
 
 /// Convex edges that turn by more than 20 degrees are sharp: chord of their normals.
 constexpr double kSharpChord = 0.3472963553338607;
@@ -166,8 +167,14 @@ class Measurement {
     chords_.assign(count, kLeftOut);
     heights_.assign(count, kLeftOut);
     gaps_.assign(count, 0.0f);
-    parallel_for((count + kTask - 1) / kTask, threads, "accuracy", {}, [&](std::size_t task) {
-      measure(task * kTask, std::min((task + 1) * kTask, count));
+    points_.assign(count, {});
+    const std::size_t tasks = (count + kTask - 1) / kTask;
+    parallel_for(tasks, threads, "accuracy", {}, [&](std::size_t task) {
+      measure_field(task * kTask, std::min((task + 1) * kTask, count));
+    });
+    order_places();
+    parallel_for(tasks, threads, "accuracy", {}, [&](std::size_t task) {
+      measure_shell(task * kTask, std::min((task + 1) * kTask, order_.size()));
     });
 
     Accuracy accuracy;
@@ -307,7 +314,7 @@ class Measurement {
            field_.distance(static_cast<Vec3f>(place.point - off)) < 0.0f;
   }
 
-  void measure(std::size_t begin, std::size_t end) {
+  void measure_field(std::size_t begin, std::size_t end) {
     constexpr std::size_t kEach = std::tuple_size_v<EightFloats>;
     Place place;
     EightPoints eight;
@@ -318,7 +325,6 @@ class Measurement {
       for (std::size_t k = 0; k < waiting; ++k) distances_[of[k]] = std::abs(distances[k]);
       waiting = 0;
     };
-    std::size_t guess = 0;
     for (std::size_t i = begin; i < end; ++i) {
       find_place(i, place);
       if (place.normal == Vec3{} || is_hidden(place)) continue;
@@ -326,13 +332,36 @@ class Measurement {
       eight.set(waiting++, static_cast<Vec3f>(place.point));
       if (waiting == kEach) flush();
       chords_[i] = static_cast<float>(measure_normal(place));
-
-      const auto nearest = elements_.find_nearest(place.point, place.normal, guess);
-      if (!(nearest.distance < kInfinity)) continue;
-      gaps_[i] = static_cast<float>(nearest.distance);
-      heights_[i] = static_cast<float>(nearest.height);
+      points_[i] = {static_cast<Vec3f>(place.point), static_cast<Vec3f>(place.normal)};
     }
     if (waiting > 0) flush();
+  }
+
+  /// Puts near places next to one another, without those that were left out.
+  void order_places() {
+    std::vector<Vec3> points(points_.size());
+    std::ranges::transform(points_, points.begin(), [](const ShellElements::Place& place) {
+      return static_cast<Vec3>(place.point);
+    });
+    order_ = order_by_place(points);
+    std::erase_if(order_, [&](std::uint32_t i) { return distances_[i] == kLeftOut; });
+  }
+
+  void measure_shell(std::size_t begin, std::size_t end) {
+    std::array<ShellElements::Place, kGroup> places{};
+    std::array<ShellElements::Nearest, kGroup> nearest{};
+    float reach = static_cast<float>(least_push_);
+    for (std::size_t first = begin; first < end; first += kGroup) {
+      const std::size_t count = std::min(kGroup, end - first);
+      for (std::size_t k = 0; k < count; ++k) places[k] = points_[order_[first + k]];
+      elements_.find_nearest(std::span(places).first(count), reach,
+                             std::span(nearest).first(count));
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!(nearest[k].distance < std::numeric_limits<float>::infinity())) continue;
+        gaps_[order_[first + k]] = nearest[k].distance;
+        heights_[order_[first + k]] = nearest[k].height;
+      }
+    }
   }
 
   /// Chord between the field's gradient and the cone of the normals of the nearest surface.
@@ -392,6 +421,8 @@ class Measurement {
   std::vector<std::uint32_t> vertices_;  ///< of places
   std::vector<std::uint32_t> edges_;
   std::vector<std::uint32_t> faces_;
+  std::vector<ShellElements::Place> points_;  ///< of all places
+  std::vector<std::uint32_t> order_;          ///< of places, near ones together
   std::vector<float> distances_;
   std::vector<float> chords_;
   std::vector<float> heights_;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <numeric>
 
 namespace voxshell {
 namespace {
@@ -46,6 +46,7 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
     const ShellElement& e = elements[std::min(i, elements.size() - 1)];
     const Vec3f along = e.to - e.from;
     const float squared = squared_length(along);
+    if (squared > 0.0f) block.has_segments = true;
     block.per_length[k] = squared > 0.0f ? 1.0f / squared : 0.0f;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int i3 = static_cast<int>(axis);
@@ -57,62 +58,83 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
   }
 }
 
-ShellElements::Measured ShellElements::measure(const Block& block, const Vec3f& place,
-                                               const Vec3f& normal) {
+ShellElements::Measured ShellElements::measure(const Block& block, const Place& at) {
+  const auto& [place, normal] = at;
   const auto along_normal = [&](const std::array<F8, 3>& v) {
     return v[0] * normal.x + v[1] * normal.y + v[2] * normal.z;
   };
   std::array<F8, 3> off{place.x - block.from[0], place.y - block.from[1], place.z - block.from[2]};
-  const F8 to_end = off[0] * block.along[0] + off[1] * block.along[1] + off[2] * block.along[2];
-  const F8 share = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
-  for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= share * block.along[axis];
+  F8 facing = along_normal(block.normal);
+  if (block.has_segments) {
+    const F8 to_end = off[0] * block.along[0] + off[1] * block.along[1] + off[2] * block.along[2];
+    const F8 share = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
+    for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= share * block.along[axis];
+    facing = maximum(facing, along_normal(block.other_normal));
+  }
   const F8 squared = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
-  const F8 facing = maximum(along_normal(block.normal), along_normal(block.other_normal));
   return {select(facing > kFacesAway, squared, splat<F8>(kInfinity)), along_normal(off)};
 }
 
-ShellElements::Nearest ShellElements::find_nearest(const Vec3& place, const Vec3& normal,
-                                                   std::size_t& guess) const {
-  constexpr float kAround = 4.0f;  // squared distances: twice as far as the nearest
-  constexpr float kRounding = 1.0f + 1e-5f;
-  const auto p = static_cast<Vec3f>(place);
-  const auto n = static_cast<Vec3f>(normal);
+/// The blocks that come within `reach` of a box.
+void ShellElements::find_blocks(const Bounds& around, float reach,
+                                std::vector<std::size_t>& found) const {
+  const auto lower = static_cast<Vec3f>(around.lower);
+  const auto upper = static_cast<Vec3f>(around.upper);
   const auto measure_boxes = [&](const BoxHierarchy::Node& node) {
-    const F8 x = maximum(maximum(node.lower[0] - p.x, p.x - node.upper[0]), F8{});
-    const F8 y = maximum(maximum(node.lower[1] - p.y, p.y - node.upper[1]), F8{});
-    const F8 z = maximum(maximum(node.lower[2] - p.z, p.z - node.upper[2]), F8{});
+    const F8 x = maximum(maximum(node.lower[0] - upper.x, lower.x - node.upper[0]), F8{});
+    const F8 y = maximum(maximum(node.lower[1] - upper.y, lower.y - node.upper[1]), F8{});
+    const F8 z = maximum(maximum(node.lower[2] - upper.z, lower.z - node.upper[2]), F8{});
     return x * x + y * y + z * z;
   };
+  constexpr float kRounding = 1.0f + 1e-5f;
+  const float limit = reach * reach * kRounding;
+  found.clear();
+  hierarchy_.search(limit, measure_boxes, [&](std::size_t run) { found.push_back(run); });
+}
 
-  float nearest = kInfinity;
-  float height = 0.0f;
-  float limit = kInfinity;
-  const auto look_at = [&](std::size_t run) {
-    const Measured measured = measure(blocks_[run], p, n);
-    for (std::size_t k = 0; k < kEach; ++k) {
-      if (!(measured.squared[k] < nearest)) continue;
-      nearest = measured.squared[k];
-      height = measured.height[k];
-      guess = run;
-    }
-    limit = nearest * kRounding;
-  };
-  look_at(guess);
-  hierarchy_.search(limit, measure_boxes, look_at);
-  if (nearest == kInfinity) return {kInfinity, kInfinity};
-  const auto distance = std::sqrt(static_cast<double>(nearest));
-  if (height <= 0.0f) return {distance, 0.0};
-
-  const float around = kAround * nearest;
-  limit = around * kRounding;
-  hierarchy_.search(limit, measure_boxes, [&](std::size_t run) {
-    const Measured measured = measure(blocks_[run], p, n);
-    for (std::size_t k = 0; k < kEach; ++k) {
-      if (measured.squared[k] <= around) height = std::min<float>(height, measured.height[k]);
-    }
-    if (height <= 0.0f) limit = -1.0f;  // there is nothing left to find
-  });
-  return {distance, std::max(static_cast<double>(height), 0.0)};
+void ShellElements::find_nearest(std::span<const Place> places, float& reach,
+                                 std::span<Nearest> found) const {
+  constexpr float kAround = 2.0f;  // times as far as the nearest
+  constexpr float kMoreReach = 1.25f;
+  std::ranges::fill(found, Nearest{kInfinity, kInfinity});
+  std::vector<std::size_t> blocks;
+  std::vector<Measured> measured;
+  std::vector<std::size_t> waiting(places.size());
+  std::iota(waiting.begin(), waiting.end(), std::size_t{0});
+  float farthest = 0.0f;
+  bool is_last = false;
+  // All elements within the reach are looked at: an answer counts that needs none farther away.
+  while (!waiting.empty()) {
+    Bounds around;
+    for (const std::size_t i : waiting) around.extend(static_cast<Vec3>(places[i].point));
+    find_blocks(around, reach, blocks);
+    is_last = blocks.size() == blocks_.size();
+    measured.resize(blocks.size());
+    std::erase_if(waiting, [&](std::size_t i) {
+      F8 least = splat<F8>(kInfinity);
+      for (std::size_t k = 0; k < blocks.size(); ++k) {
+        measured[k] = measure(blocks_[blocks[k]], places[i]);
+        least = minimum(least, measured[k].squared);
+      }
+      float nearest = kInfinity;
+      for (std::size_t k = 0; k < kEach; ++k) nearest = std::min<float>(nearest, least[k]);
+      const float distance = std::sqrt(nearest);
+      if (!is_last && !(kAround * distance <= reach)) return false;
+      if (nearest == kInfinity) return true;
+      const F8 limit = splat<F8>(kAround * kAround * nearest);
+      F8 height = splat<F8>(kInfinity);
+      for (const Measured& each : measured) {
+        height = select(each.squared <= limit, minimum(height, each.height), height);
+      }
+      float lowest = kInfinity;
+      for (std::size_t k = 0; k < kEach; ++k) lowest = std::min<float>(lowest, height[k]);
+      found[i] = {distance, std::max(lowest, 0.0f)};
+      farthest = std::max(farthest, distance);
+      return true;
+    });
+    if (!waiting.empty()) reach *= 2.0f;
+  }
+  if (farthest > 0.0f) reach = kMoreReach * kAround * farthest;
 }
 
 }  // namespace voxshell

@@ -30,16 +30,20 @@ class ShellElements {
   /// In an order that keeps near ones together, such as that of a point-sphere tree.
   explicit ShellElements(std::span<const ShellElement> elements);
 
+  struct Place {
+    Vec3f point;
+    Vec3f normal;  ///< unit length
+  };
   struct Nearest {
-    double distance;  ///< metres; infinite where no element faces the same way
+    float distance;  ///< metres; infinite where no element faces the same way
     /// Of the place above the nearest elements along its normal: the least of all that are at most
     /// twice as far away as the nearest, and not below 0; metres.
-    double height;
+    float height;
   };
 
-  /// Only elements that do not face away from `normal`, a unit vector. `guess` makes the
-  /// search short for a place near the last one; 0 at first. It does not change the answer.
-  Nearest find_nearest(const Vec3& place, const Vec3& normal, std::size_t& guess) const;
+  /// Of places near one another; elements that face away from a place do not count for it. `reach`
+  /// is a guess of how far to look, which serves the next places and does not change the answers.
+  void find_nearest(std::span<const Place> places, float& reach, std::span<Nearest> found) const;
 
  private:
   using F8 = simd::portable::F8;
@@ -49,6 +53,7 @@ class ShellElements {
     std::array<F8, 3> from;
     std::array<F8, 3> along;  ///< to the other end
     F8 per_length;            ///< one over its squared length; 0 for a point
+    bool has_segments;        ///< otherwise they are all points
     std::array<F8, 3> normal;
     std::array<F8, 3> other_normal;
   };
@@ -57,7 +62,8 @@ class ShellElements {
     F8 height;
   };
 
-  static Measured measure(const Block& block, const Vec3f& place, const Vec3f& normal);
+  static Measured measure(const Block& block, const Place& place);
+  void find_blocks(const Bounds& around, float reach, std::vector<std::size_t>& found) const;
 
   std::vector<Block> blocks_;
   BoxHierarchy hierarchy_;

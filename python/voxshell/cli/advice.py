@@ -1,7 +1,7 @@
 """Which voxel size and point spacing suit a mesh: measured on coarse models, and extrapolated.
 
 Points and the times of builds and contact queries are taken to grow as a + b n^2 with the resolution n:
-the surface's share grows so, and the rest does not grow. The field's memory and its error on the surface
+the surface's share grows so, and the rest does not grow. The field's memory and the measured errors
 are taken to follow powers of n, as flat and curved surfaces differ in them. A yes or no costs what it
 costs on the finest model that was measured.
 """
@@ -44,7 +44,7 @@ MOST_BUILD_SECONDS, MOST_BYTES, MOST_QUERY_SECONDS = 30.0, 100e6, 200e-6
 DEPTH = 0.002
 """How deep the bodies of a timed query are in one another, as part of the mesh's diagonal."""
 
-_POSES, _SAMPLES, _SEED = 24, 20_000, 1
+_POSES, _SEED = 24, 1
 _BRIEF_BUILD = 0.5
 """Seconds; what takes less is built twice, and the faster counts."""
 
@@ -59,7 +59,9 @@ class Estimate:
         measured: Whether it was built, or extrapolated.
         field_bytes: Memory of the field.
         points: Of the shell.
-        error: The field's error on the surface, metres: 99 % of the surface have less.
+        error: What building it measures: the field is off by this much on the surface, metres; 99 %
+            of the places have less.
+        coverage: The same of how far the surface stands out above what the shell sees.
         build_seconds: To build field and shell, on this machine.
         contacts_seconds: Median time of all contacts of two such bodies that touch.
         collide_seconds: The same of a yes or no.
@@ -71,14 +73,15 @@ class Estimate:
     field_bytes: float
     points: float
     error: float
+    coverage: float
     build_seconds: float
     contacts_seconds: float
     collide_seconds: float
 
     @property
-    def unseen(self) -> float:
-        """What lies between the points can be this far from one, metres: sqrt(3) spacings."""
-        return math.sqrt(3.0) * self.size
+    def proved(self) -> dict[str, float]:
+        """Bounds that hold everywhere, metres, but for rounding."""
+        return {"field": math.sqrt(0.75) * self.size, "shell": math.sqrt(3.0) * self.size}
 
 
 def estimate(
@@ -118,7 +121,6 @@ def measure(
         models.append(model)
         seconds.append(spent)
     progress("time queries", len(resolutions) / (len(resolutions) + 1))
-    surface = _sample_surface(mesh)
     finest = models[-1]
     depth = DEPTH * float(np.linalg.norm(np.ptp(finest.bounds, axis=0)))
     poses = find_poses_between(finest, _POSES, depth, depth, _SEED)
@@ -129,7 +131,8 @@ def measure(
             measured=True,
             field_bytes=model.field.nbytes,
             points=len(model.shell),
-            error=float(np.percentile(np.abs(model.field.sample(surface)), 99)),
+            error=model.accuracy.distance.p99,
+            coverage=model.accuracy.coverage.p99,
             build_seconds=spent,
             contacts_seconds=_time(lambda pose, m=model: contacts(m, m, None, pose), poses),
             collide_seconds=_time(lambda pose, m=model: collide(m, m, None, pose), poses),
@@ -187,19 +190,11 @@ def _extend(known: list[Estimate], resolution: int) -> Estimate:
         field_bytes=follow("field_bytes", 1.0, 2.5),
         points=grow("points"),
         error=follow("error", -2.0, -0.5),
+        coverage=follow("coverage", -2.0, -0.5),
         build_seconds=grow("build_seconds"),
         contacts_seconds=grow("contacts_seconds"),
         collide_seconds=fine.collide_seconds,
     )
-
-
-def _sample_surface(mesh: Mesh) -> NDArray[np.float64]:
-    """Random points on the triangles, evenly by area, (n, 3)."""
-    from trimesh import Trimesh
-    from trimesh.sample import sample_surface
-
-    found = sample_surface(Trimesh(*mesh, process=False), _SAMPLES, seed=_SEED)
-    return np.asarray(found[0], dtype=np.float64)
 
 
 def _time(ask: Callable[[NDArray[np.float64]], object], poses: NDArray[np.float64]) -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from voxshell.cli.model_facts import list_accuracy
 from voxshell.errors import FileAccessError, MeshError, ModelFileError, SettingsError
 from voxshell.meshes import MODEL_SUFFIX
 from voxshell.model import Model
@@ -35,6 +36,7 @@ class ModelOptions:
     """How meshes are made into models.
 
     Attributes:
+        tolerance: Metres that the model may be off the mesh. Or give sizes, for a uniform model:
         voxel_size: Edge of the distance field's cells, metres, after --scale.
         resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
         point_spacing: Edge of the voxels that get one point each, metres; the voxel size by default.
@@ -46,6 +48,7 @@ class ModelOptions:
         cache: Take models from the disk where they were built before, and keep them there.
     """
 
+    tolerance: float | None = None
     voxel_size: float | None = None
     resolution: int | None = None
     point_spacing: float | None = None
@@ -133,10 +136,10 @@ def describe_model(model: Model) -> dict[str, Any]:
         "voxel_size": model.field.voxel_size,
         "shape": list(model.field.shape),
         "field_bytes": model.field.nbytes,
-        "interpolation_error": model.field.interpolation_error,
         "points": len(model.shell),
         "point_spacing": model.shell.spacing,
         "levels": model.shell.tree.levels,
+        "accuracy": list_accuracy(model),
     }
 
 

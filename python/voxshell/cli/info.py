@@ -13,7 +13,12 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from voxshell.cli.bodies import describe_model, is_model_file, load_model, require_file
-from voxshell.cli.model_facts import describe_facts, format_extents
+from voxshell.cli.model_facts import (
+    MEASURED_FIELD,
+    MEASURED_SHELL,
+    describe_facts,
+    format_extents,
+)
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import MeshError, SettingsError
@@ -160,7 +165,7 @@ def _describe_advice(estimates: list[Estimate]) -> dict[str, Any]:
 
     best = recommend(estimates)
     return {
-        "estimates": [asdict(each) | {"unseen": each.unseen} for each in estimates],
+        "estimates": [asdict(each) | {"proved": each.proved} for each in estimates],
         "recommended": {"voxel_size": best.size, "point_spacing": best.size},
     }
 
@@ -170,10 +175,12 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
 
     best = recommend(estimates)
     fields = new_table(
-        *("voxel", "along", "field", "field error", "to build"), title="Field, by voxel size"
+        *("voxel", "along", "field", MEASURED_FIELD, "proved", "to build"),
+        title="Field, by voxel size",
     )
     shells = new_table(
-        *("spacing", "points", "unseen", "contacts", "yes or no"), title="Shell, by point spacing"
+        *("spacing", "points", MEASURED_SHELL, "proved", "contacts", "yes or no"),
+        title="Shell, by point spacing",
     )
     for each in estimates:
         about = "" if each.measured else "~"
@@ -184,13 +191,15 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
             str(each.resolution),
             about + format_size(each.field_bytes),
             about + format_length(each.error),
+            format_length(each.proved["field"]),
             about + format_time(each.build_seconds),
             style=style,
         )
         shells.add_row(
             size,
             f"{about}{float(f'{each.points:.3g}'):,.0f}",
-            format_length(each.unseen),
+            about + format_length(each.coverage),
+            format_length(each.proved["shell"]),
             about + format_time(each.contacts_seconds),
             about + format_time(each.collide_seconds),
             style=style,
@@ -216,12 +225,13 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
         command = f"  voxshell build MESH -o {file.name} --voxel-size {best.size:.4g}"
     return "\n".join(
         [
-            "field error  of the distance on the surface; 99 % of it has less",
-            "to build     field and shell of that size, on this machine",
-            "unseen       what lies between points may be this far from one",
-            "contacts     median of two such bodies that touch; likewise yes or no",
-            "~            extrapolated from coarser models",
-            f"*            the finest that is built in {MOST_BUILD_SECONDS:g} s, takes "
+            f"{MEASURED_FIELD:16} measured: at 99 % of the surface the distance is better",
+            f"{MEASURED_SHELL:16} measured: 99 % of the surface stands out less above the shell",
+            f"{'proved':16} bound on the field's error; on the way from the surface to the shell",
+            f"{'to build':16} field and shell of that size, on this machine",
+            f"{'contacts':16} median of two such bodies that touch; likewise yes or no",
+            f"{'~':16} extrapolated from coarser models",
+            f"{'*':16} the finest that is built in {MOST_BUILD_SECONDS:g} s, takes "
             f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)} a query:",
             command,
         ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +13,17 @@ from voxshell.experiments.units import format_length, format_size
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from voxshell.accuracy import ErrorStatistic
     from voxshell.model import Model
+
+MEASURED_FIELD = "field off by"
+"""Measured: errors of the field's distance on the surface."""
+
+MEASURED_SHELL = "surface seen to"
+"""Measured: how far the surface stands out above what the shell sees."""
+
+PROVED = "proved bound"
+"""What holds at every place, and is mostly far more than what is measured."""
 
 
 def describe_facts(model: Model) -> list[tuple[str, str]]:
@@ -24,10 +36,57 @@ def describe_facts(model: Model) -> list[tuple[str, str]]:
         ("inside", describe_sign(model)),
         ("field", f"{' x '.join(map(str, field.shape))} nodes, {format_size(field.nbytes)}"),
         ("voxel size", format_length(field.voxel_size)),
-        ("field error", f"at most {format_length(field.interpolation_error)} near the surface"),
         ("shell", f"{len(shell):,} points, {shell.tree.levels} levels of clusters"),
         ("point spacing", format_length(shell.spacing)),
+        ("thickness", format_length(model.thickness)),
+        *describe_accuracy(model),
     ]
+
+
+def describe_accuracy(model: Model) -> list[tuple[str, str]]:
+    """What was measured on the model's surface, and what is proved of it."""
+    accuracy = model.accuracy
+    return [
+        (MEASURED_FIELD, _format_errors(accuracy.distance)),
+        (MEASURED_SHELL, _format_errors(accuracy.coverage)),
+        (
+            "normals",
+            f"median {math.degrees(accuracy.normal.median):.2g}, "
+            f"99 % {math.degrees(accuracy.normal.p99):.2g}, "
+            f"worst {math.degrees(accuracy.normal.max):.2g} degrees off",
+        ),
+        (
+            PROVED,
+            f"field to {format_length(field_bound(model))}, "
+            f"surface within {format_length(shell_bound(model))} of the shell",
+        ),
+    ]
+
+
+def list_accuracy(model: Model) -> dict[str, Any]:
+    """The same for JSON: metres and radians."""
+    return {
+        "measured": asdict(model.accuracy),
+        "proved": {"field": field_bound(model), "shell": shell_bound(model)},
+        "thickness": model.thickness,
+    }
+
+
+def field_bound(model: Model) -> float:
+    """No distance near the surface is proved to be off by more than this, metres."""
+    return model.field.interpolation_error
+
+
+def shell_bound(model: Model) -> float:
+    """No place of the surface is proved to be farther than this from the shell, metres."""
+    return math.sqrt(3.0) * model.shell.spacing
+
+
+def _format_errors(errors: ErrorStatistic) -> str:
+    return (
+        f"median {format_length(errors.median)}, 99 % {format_length(errors.p99)}, "
+        f"worst {format_length(errors.max)}"
+    )
 
 
 def format_extents(bounds: NDArray[np.float64]) -> str:
