@@ -78,12 +78,18 @@ class Contacts:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Which points of their shell these are, (n,) int64: rows of ``model.shell.points``."""
+        """Which elements of their shell these are, (n,) int64: rows of ``model.shell.points``.
+
+        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number.
+        """
         return self._core.ids
 
     @property
     def segments(self) -> NDArray[np.int64]:
-        """The cluster of each point at the query's level, (n,) int64; 0 without a level."""
+        """The cluster of each element at the query's level, (n,) int64; 0 without a level.
+
+        Clusters of edge segments are numbered after those of points.
+        """
         return self._core.segments
 
     @property

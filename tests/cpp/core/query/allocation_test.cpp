@@ -66,7 +66,11 @@ TEST(Allocation, IsCounted) {
 
 TEST(Allocation, HappensInNoWarmQuery) {
   Random random(130);
-  for (const PointShell& shell : shells()) {
+  std::vector<PointShell> all = shells();
+  auto with_edges = PointShell::build(make_l_shape(0.3).mesh(), {.tolerance = 2e-3});
+  ASSERT_TRUE(with_edges && with_edges->edges() != nullptr);
+  all.push_back(*std::move(with_edges));
+  for (const PointShell& shell : all) {
     for (const Field& field : fields()) {
       std::vector<Pose> poses;
       for (int i = 0; i < 50; ++i) {
@@ -81,6 +85,7 @@ TEST(Allocation, HappensInNoWarmQuery) {
         select_deepest_per_segment(found, shell, 4, deepest);
         contacts += found.size() + manifold.count + deepest.size();
         contacts += collides(field, shell, pose, 0.01f);
+        contacts += find_manifold(field, shell, pose, 0.01f, scratch).size();
       };
       const std::size_t cold = allocation_count;
       for (const Pose& pose : poses) ask(pose);
