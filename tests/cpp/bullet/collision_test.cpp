@@ -108,7 +108,9 @@ TEST_P(Collision, WithinTheMarginAFastApproachIsNoContactYet) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
     TouchingPair pair(c, -0.002,
-                      {.margin = 0.003, .sweep_beyond = std::numeric_limits<double>::infinity()});
+                      {.shell = ShellRule::kFewest,
+                       .margin = 0.003,
+                       .sweep_beyond = std::numeric_limits<double>::infinity()});
     pair.world.world.getDispatchInfo().m_timeStep = scalar(0.005);
     // Of 0.6 m/s, 3 mm a step: the limit. Whichever body moves, the other comes to rest relative.
     btRigidBody& moving = c.cube_mass > 0 ? *pair.cube : *pair.partner;
