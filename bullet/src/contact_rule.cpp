@@ -295,7 +295,7 @@ bool ContactRule::shell_is_larger() const {
 }
 
 void ContactRule::drop_beside(std::vector<Contact>& contacts) {
-  if (larger_ == nullptr || pair_.has_triangles()) return;
+  if ((larger_ == nullptr && !pair_.asks_both) || pair_.has_triangles()) return;
   std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
   first_touch_ = kNever;
   for (const Contact& contact : contacts) {
@@ -312,7 +312,7 @@ bool ContactRule::is_beside(const Contact& contact) const {
   if (pair_.has_triangles() || contact.id >= kFirstFeature) return false;
   const bool is_second = contact.id >= kFirstOfSecond;
   const Side& side = is_second ? pair_.field_side() : pair_.shell_side();
-  if (larger_ != &side) return false;
+  if (larger_ != &side && !pair_.asks_both) return false;
   const PointShell& shell = *side.participant().shell;
   const std::uint32_t id = is_second ? contact.id - kFirstOfSecond : contact.id;
   if (id >= shell.size()) return false;  // an edge is as sharp as it looks

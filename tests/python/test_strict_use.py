@@ -75,6 +75,8 @@ def test_shapes():
     model = make_model()
     bounds: vx.ContactBounds = vx.contact_bounds(model, shapes[0])
     assert bounds.overlap > bounds.clearance == 0.0
+    assert bounds.shell == "a"
+    assert bounds.miss > 0.0
     for shape in shapes:
         assert vx.collide(model, shape)
 
@@ -199,6 +201,7 @@ def test_errors_and_warnings(tmp_path: Path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vx.CacheWarning)
         warnings.simplefilter("ignore", vx.MeshWarning)
+        warnings.simplefilter("ignore", vx.AccuracyWarning)
         box = vx.ConvexHull([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]).mesh
         model = vx.Model.from_mesh((box.vertices, box.faces[1:]), resolution=20)
         assert len(model.shell) > 0
