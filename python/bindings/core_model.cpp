@@ -23,9 +23,10 @@ namespace voxshell::python {
 namespace {
 
 std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray& faces,
-                                   double tolerance, double voxel_size, int resolution, double point_spacing,
-                                   std::size_t target_points, double padding,
-                                   const std::string& sign, unsigned threads, nb::handle progress) {
+                                   double tolerance, double voxel_size, int resolution,
+                                   double point_spacing, std::size_t target_points, double padding,
+                                   const std::string& sign, const std::string& open,
+                                   double sheet_thickness, unsigned threads, nb::handle progress) {
   const std::vector<Vec3> corners = read_points(vertices);
   const std::vector<Triangle> triangles = read_triangles(faces);
 
@@ -38,6 +39,10 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
                                .sign = sign == "closed"    ? SignMethod::kClosed
                                        : sign == "winding" ? SignMethod::kWinding
                                                            : SignMethod::kAutomatic,
+                               .open = open == "solid"   ? OpenMesh::kSolid
+                                       : open == "sheet" ? OpenMesh::kSheet
+                                                         : OpenMesh::kAutomatic,
+                               .sheet_thickness = sheet_thickness,
                                .threads = threads};
   BuildWatch watch(progress);
   auto result = [&]() -> Result<std::shared_ptr<const Model>> {
@@ -89,15 +94,17 @@ void bind_model(nb::module_& module) {
   nb::class_<Model>(module, "Model", "Field, shell and mass properties of a mesh.")
       .def_static(
           "build", &build, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
-          nb::arg("tolerance"), nb::arg("voxel_size"), nb::arg("resolution"), nb::arg("point_spacing"),
-          nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"), nb::arg("threads"),
+          nb::arg("tolerance"), nb::arg("voxel_size"), nb::arg("resolution"),
+          nb::arg("point_spacing"), nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"),
+          nb::arg("open"), nb::arg("sheet_thickness"), nb::arg("threads"),
           nb::arg("progress").none(),
-          nb::sig(
-              "def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
-              "numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, resolution: "
-              "int, point_spacing: float, target_points: int, padding: float, "
-              "sign: str, threads: int, progress: collections.abc.Callable[[str, float], object] "
-              "| None) -> Model"),
+          nb::sig("def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
+                  "numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, "
+                  "resolution: "
+                  "int, point_spacing: float, target_points: int, padding: float, "
+                  "sign: str, open: str, sheet_thickness: float, threads: int, progress: "
+                  "collections.abc.Callable[[str, float], object] "
+                  "| None) -> Model"),
           "0 (padding: below 0) leaves a setting to the core.")
       .def("save", &save, nb::arg("path"))
       .def_static("load", &load, nb::arg("path"))
@@ -131,6 +138,18 @@ void bind_model(nb::module_& module) {
           },
           "Places, and median, 99 % and worst of distance, normal and coverage; gap, is_sharp, "
           "curvature.")
+      .def_prop_ro(
+          "openings",
+          [](const Model& m) {
+            const Openings& o = m.openings();
+            return std::tuple{o.loops,
+                              o.share,
+                              o.mouths,
+                              o.largest_diameter,
+                              to_coordinates(o.first_location),
+                              o.sheet_thickness};
+          },
+          "Loops, share, mouths, largest diameter, first location, and the sheet's thickness or 0.")
       .def_prop_ro("thickness", &Model::thickness, "Where the body is thinnest, metres.")
       .def_prop_ro(
           "solid_mass_properties",

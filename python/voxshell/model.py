@@ -81,6 +81,8 @@ class Model:
         scale: float = 1.0,
         padding: float | None = None,
         sign: Literal["auto", "closed", "winding"] = "auto",
+        open: Literal["auto", "solid", "sheet"] = "auto",  # noqa: A002
+        sheet_thickness: float | None = None,
         threads: int | None = None,
         cache: bool = True,
         progress: Callable[[str, float], object] | None = None,
@@ -94,6 +96,7 @@ class Model:
             mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
                 vertices, counter-clockwise seen from outside; or the path of a file that trimesh
                 reads, whose bodies become one mesh.
+            tolerance: Metres that the model may be off the mesh.
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
             resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
             point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
@@ -107,6 +110,14 @@ class Model:
                 the generalised winding number is above a half, which works for open, nested,
                 overlapping and non-manifold meshes as long as most of a surface is there. "auto":
                 as closed if the mesh is, else by winding numbers and with a warning.
+            open: What a mesh with open edges becomes. "solid": it is closed, and inside is where the
+                winding number is above a half. "sheet": its open parts are kept as sheets of
+                ``sheet_thickness``, which collide from both sides; parts that are closed stay solid.
+                "auto": with ``sign="auto"``, a sheet where caps across its openings would have 15 %
+                of the surface's area or more, or where it is a tube, with a warning that says which;
+                else a solid.
+            sheet_thickness: Metres, after ``scale``, half of it on either side of the surface; by
+                default a 200th of the longest side, and at least two voxels.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             cache: Keep the model on the disk, and take it from there where it was built before: see
                 :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.
@@ -128,7 +139,7 @@ class Model:
 
         Warns:
             MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out; says how often
-                and where.
+                and where, and what was made of it.
 
         Example:
             >>> import trimesh
@@ -161,6 +172,8 @@ class Model:
             else as_integer(target_points, "target_points", 1, _LARGEST_INT),
             "padding": -1.0 if padding is None else _as_padding(padding),
             "sign": _as_sign(sign),
+            "open": _as_open(open),
+            "sheet_thickness": _as_sheet_thickness(sheet_thickness, open),
         }
         count = 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS)
         factor = as_positive(scale, "scale")
@@ -180,7 +193,7 @@ class Model:
             else:
                 core = build()
         if sign == "auto":
-            _warn_of_faults(core)
+            _warn_of_faults(core, open)
         return cls(core)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -346,11 +359,14 @@ def _as_sign(value: str) -> str:
     return value
 
 
-def _warn_of_faults(core: CoreModel) -> None:
+def _warn_of_faults(core: CoreModel, open_as: str) -> None:
     grid = core.grid
     if grid.was_turned:
         warnings.warn("mesh is inside out as a whole; it was turned", MeshWarning, stacklevel=3)
+    openings = _describe_openings(core, open_as)
     if grid.sign_method == "closed":
+        if openings:
+            warnings.warn(f"mesh is open: {openings}", MeshWarning, stacklevel=3)
         return
     open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
     place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
@@ -359,10 +375,44 @@ def _warn_of_faults(core: CoreModel) -> None:
         f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
         f"{hidden} triangles inside others (first near [{place}] metres); winding numbers tell what "
         f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
-        "sign='winding' to take it as it is",
+        f"sign='winding' to take it as it is{openings and '; '}{openings}",
         MeshWarning,
         stacklevel=3,
     )
+
+
+def _describe_openings(core: CoreModel, open_as: str) -> str:
+    """What was made of the openings, unless the caller chose that; nothing where there are none."""
+    loops, share, mouths, diameter, first, thickness = core.openings
+    if loops == 0 or open_as != "auto":
+        return ""
+    place = ", ".join(f"{coordinate:.4g}" for coordinate in first)
+    count = "1 opening" if loops == 1 else f"{loops} openings"
+    where = (
+        f"{count}, the largest {diameter:.3g} m across, the first near [{place}] metres; caps would "
+        f"have {100.0 * share:.3g} % of the surface's area"
+    )
+    if thickness > 0.0:
+        tube = f", and {mouths} of them are ends of a tube" if mouths > 1 else ""
+        return (
+            f"{where}{tube}, so it was kept as a sheet {thickness:.3g} m thick; pass open='sheet' "
+            "and sheet_thickness for another thickness, or open='solid' to close it"
+        )
+    return f"{where}, so it was closed to a solid; pass open='sheet' to keep it as a sheet"
+
+
+def _as_open(value: str) -> str:
+    if value not in ("auto", "solid", "sheet"):
+        raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {value!r}")
+    return value
+
+
+def _as_sheet_thickness(value: float | None, open_as: str) -> float:
+    if value is None:
+        return 0.0
+    if open_as == "solid":
+        raise SettingsError("sheet_thickness is for open='sheet' or 'auto', not for open='solid'")
+    return as_length(value, "sheet_thickness")
 
 
 def _as_padding(value: float) -> float:

@@ -6,6 +6,7 @@
 #include "voxshell/accuracy.h"
 #include "voxshell/field.h"
 #include "voxshell/mass_properties.h"
+#include "voxshell/openings.h"
 #include "voxshell/point_shell.h"
 #include "voxshell/progress.h"
 #include "voxshell/result.h"
@@ -23,6 +24,11 @@ struct ModelSettings {
   std::size_t target_points = 0;  ///< reached within 1 %
   double padding = -1.0;          ///< metres of grid beyond the mesh; negative: 16 voxels
   SignMethod sign = SignMethod::kAutomatic;
+  /// What a mesh with open edges becomes. Decided by its openings only where the sign is automatic,
+  /// too; else automatic means a solid.
+  OpenMesh open = OpenMesh::kAutomatic;
+  /// Metres; 0: a 200th of the longest side, and at least two voxels. With kSolid: unused.
+  double sheet_thickness = 0.0;
   unsigned threads = 0;  ///< 0: one a core
 };
 
@@ -40,11 +46,11 @@ class Model {
   static Result<std::shared_ptr<const Model>> from_parts(TriangleMesh mesh, GridField field,
                                                          PointShell shell,
                                                          const ModelSettings& settings,
-                                                         const Accuracy& accuracy,
-                                                         double thickness);
+                                                         const Accuracy& accuracy, double thickness,
+                                                         const Openings& openings);
 
   const ModelSettings& settings() const { return settings_; }  ///< as they were given
-  /// Right side out, as far as it is closed.
+  /// Right side out, as far as it is closed. Of a sheet: its two sides and its rim.
   const TriangleMesh& mesh() const { return mesh_; }
   const Field& field() const { return field_; }
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }
@@ -53,12 +59,14 @@ class Model {
   const Accuracy& accuracy() const { return accuracy_; }
   /// Of the body where it is thinnest, metres.
   double thickness() const { return thickness_; }
+  /// Of the mesh that it was built from.
+  const Openings& openings() const { return openings_; }
   const MassProperties& solid_mass_properties() const { return solid_; }      ///< at 1 kg
   const MassProperties& surface_mass_properties() const { return surface_; }  ///< at 1 kg
 
  private:
   Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings,
-        const Accuracy& accuracy, double thickness);
+        const Accuracy& accuracy, double thickness, const Openings& openings);
 
   TriangleMesh mesh_;
   Field field_;
@@ -68,6 +76,7 @@ class Model {
   ModelSettings settings_;
   Accuracy accuracy_;
   double thickness_;
+  Openings openings_;
 };
 
 }  // namespace voxshell

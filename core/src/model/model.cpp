@@ -7,6 +7,8 @@
 #include "base/text.h"
 #include "field/brick_grid.h"
 #include "field/choose_voxels.h"
+#include "mesh/openings.h"
+#include "mesh/thicken.h"
 #include "mesh/thickness.h"
 #include "model/measure_accuracy.h"
 
@@ -92,6 +94,40 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
                         : "")};
 }
 
+/// Metres. Sheets thinner than two voxels of a uniform grid would have no inside.
+Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSettings& settings) {
+  const double longest = longest_side(mesh);
+  if (settings.sheet_thickness != 0.0) {
+    if (settings.sheet_thickness > 0.0 && settings.sheet_thickness < longest) {
+      return settings.sheet_thickness;
+    }
+    return invalid_argument(format_text(
+        "sheet thickness must be above 0 m and below the mesh's longest side of %.6g m, not %g",
+        longest, settings.sheet_thickness));
+  }
+  constexpr double kShare = 1.0 / 200.0;
+  constexpr double kVoxels = 2.0;
+  if (settings.tolerance != 0.0) return kShare * longest;
+  const auto voxel_size = choose_voxel_size(mesh, settings);
+  if (!voxel_size) return voxel_size.error();
+  return std::max(kShare * longest, kVoxels * *voxel_size);
+}
+
+/// Makes a sheet of the mesh where it is to be one.
+Result<Openings> close_mesh(TriangleMesh& mesh, const ModelSettings& settings) {
+  Openings openings = find_openings(mesh);
+  const bool decides = settings.open == OpenMesh::kAutomatic &&
+                       settings.sign == SignMethod::kAutomatic && suggest_sheet(openings);
+  if (openings.loops == 0 || !(decides || settings.open == OpenMesh::kSheet)) return openings;
+  const auto thickness = choose_sheet_thickness(mesh, settings);
+  if (!thickness) return thickness.error();
+  auto solid = thicken(mesh, *thickness);
+  if (!solid) return solid.error();
+  mesh = *std::move(solid);
+  openings.sheet_thickness = *thickness;
+  return openings;
+}
+
 /// What a mesh that is not closed has inside is what its field says, to a 64th of its longest side.
 MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
   if (field.sign_report().method == SignMethod::kClosed) return compute_solid_mass_properties(mesh);
@@ -130,7 +166,7 @@ MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
 }  // namespace
 
 Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings,
-             const Accuracy& accuracy, double thickness)
+             const Accuracy& accuracy, double thickness, const Openings& openings)
     : mesh_(std::move(mesh)),
       field_(std::move(field)),
       shell_(std::move(shell)),
@@ -138,10 +174,14 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
       surface_(compute_surface_mass_properties(mesh_)),
       settings_(settings),
       accuracy_(accuracy),
-      thickness_(thickness) {}
+      thickness_(thickness),
+      openings_(openings) {}
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
+  const auto opened = close_mesh(mesh, settings);
+  if (!opened) return opened.error();
+  const Openings openings = *opened;
   const double thickness = compute_thickness(mesh);
   const auto tolerance = choose_tolerance(mesh, settings, thickness);
   if (!tolerance) return tolerance.error();
@@ -186,13 +226,15 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 
   const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
-                                                *std::move(shell), settings, accuracy, thickness));
+                                                *std::move(shell), settings, accuracy, thickness,
+                                                openings));
 }
 
 Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridField field,
                                                        PointShell shell,
                                                        const ModelSettings& settings,
-                                                       const Accuracy& accuracy, double thickness) {
+                                                       const Accuracy& accuracy, double thickness,
+                                                       const Openings& openings) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why}; };
   const Bounds& bounds = mesh.bounds();
   if (field.surface_bounds().lower != bounds.lower ||
@@ -219,7 +261,7 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
     }
   }
   std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),
-                                               settings, accuracy, thickness));
+                                               settings, accuracy, thickness, openings));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
     if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");

@@ -60,6 +60,8 @@ struct Record {
   std::uint64_t target_points;
   double padding;
   std::int64_t sign;  ///< SignMethod
+  std::int64_t open;  ///< OpenMesh
+  double sheet_thickness;
   // The grid field.
   double grid_voxel_size;
   Vec3 grid_origin;
@@ -81,6 +83,13 @@ struct Record {
   // The point shell.
   double shell_spacing;
   double edge_tolerance;  ///< 0 where there are no edge segments
+  // The mesh that it was built from.
+  std::uint64_t openings_loops;
+  double openings_share;
+  std::uint64_t openings_mouths;
+  double openings_largest_diameter;
+  Vec3 openings_first_location;
+  double openings_sheet_thickness;
   // How exact all this is.
   std::uint64_t accuracy_places;
   std::array<double, 9> accuracy_errors;  ///< distance, normal, coverage: median, 99 %, worst
@@ -89,7 +98,7 @@ struct Record {
   double accuracy_curvature;
   double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{55} * 8);
+static_assert(sizeof(Record) == std::size_t{65} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

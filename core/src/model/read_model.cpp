@@ -257,13 +257,17 @@ Result<ModelSettings> make_settings(const Record& record) {
     return invalid("its settings cannot be used: the resolution is %lld",
                    static_cast<long long>(record.resolution));
   }
-  for (const double value :
-       {record.tolerance, record.voxel_size, record.point_spacing, record.padding}) {
+  for (const double value : {record.tolerance, record.voxel_size, record.point_spacing,
+                             record.padding, record.sheet_thickness}) {
     if (!std::isfinite(value)) return invalid("its settings cannot be used: one is %g", value);
   }
   if (!is_method(record.sign)) {
     return invalid("its settings cannot be used: the sign is %lld",
                    static_cast<long long>(record.sign));
+  }
+  if (record.open < 0 || record.open > static_cast<std::int64_t>(OpenMesh::kSheet)) {
+    return invalid("its settings cannot be used: what open meshes become is %lld",
+                   static_cast<long long>(record.open));
   }
   return ModelSettings{.tolerance = record.tolerance,
                        .voxel_size = record.voxel_size,
@@ -271,7 +275,9 @@ Result<ModelSettings> make_settings(const Record& record) {
                        .point_spacing = record.point_spacing,
                        .target_points = record.target_points,
                        .padding = record.padding,
-                       .sign = static_cast<SignMethod>(record.sign)};
+                       .sign = static_cast<SignMethod>(record.sign),
+                       .open = static_cast<OpenMesh>(record.open),
+                       .sheet_thickness = record.sheet_thickness};
 }
 
 Result<Accuracy> make_accuracy(const Record& record) {
@@ -291,6 +297,24 @@ Result<Accuracy> make_accuracy(const Record& record) {
                   .curvature = record.accuracy_curvature};
 }
 
+Result<Openings> make_openings(const Record& record) {
+  for (const double value :
+       {record.openings_share, record.openings_largest_diameter, record.openings_sheet_thickness}) {
+    if (!std::isfinite(value) || value < 0.0) {
+      return invalid("its openings cannot be used: one number is %g", value);
+    }
+  }
+  if (!is_finite(record.openings_first_location)) {
+    return invalid("its openings cannot be used: their location is not finite");
+  }
+  return Openings{.loops = static_cast<std::size_t>(record.openings_loops),
+                  .share = record.openings_share,
+                  .mouths = static_cast<std::size_t>(record.openings_mouths),
+                  .largest_diameter = record.openings_largest_diameter,
+                  .first_location = record.openings_first_location,
+                  .sheet_thickness = record.openings_sheet_thickness};
+}
+
 Result<std::shared_ptr<const Model>> make_model(Sections<Array> sections) {
   if (sections.record.size() != 1) {
     return invalid("it has %zu records instead of one", sections.record.size());
@@ -306,8 +330,10 @@ Result<std::shared_ptr<const Model>> make_model(Sections<Array> sections) {
   if (!shell) return shell.error();
   const auto accuracy = make_accuracy(record);
   if (!accuracy) return accuracy.error();
+  const auto openings = make_openings(record);
+  if (!openings) return openings.error();
   auto model = Model::from_parts(*std::move(mesh), *std::move(field), *std::move(shell), *settings,
-                                 *accuracy, record.thickness);
+                                 *accuracy, record.thickness, *openings);
   if (!model) return in_file("parts", model.error());
   return model;
 }

@@ -21,6 +21,7 @@ Record make_record(const Model& model) {
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
   const Accuracy& accuracy = model.accuracy();
+  const Openings& openings = model.openings();
   return {
       .tolerance = settings.tolerance,
       .voxel_size = settings.voxel_size,
@@ -29,6 +30,8 @@ Record make_record(const Model& model) {
       .target_points = settings.target_points,
       .padding = settings.padding,
       .sign = static_cast<std::int64_t>(settings.sign),
+      .open = static_cast<std::int64_t>(settings.open),
+      .sheet_thickness = settings.sheet_thickness,
       .grid_voxel_size = grid.voxel_size,
       .grid_origin = grid.origin,
       .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
@@ -48,6 +51,12 @@ Record make_record(const Model& model) {
       .sign_cap_error = grid.sign.cap_error,
       .shell_spacing = shell.spacing(),
       .edge_tolerance = shell.edges() == nullptr ? 0.0 : shell.edges()->tolerance(),
+      .openings_loops = openings.loops,
+      .openings_share = openings.share,
+      .openings_mouths = openings.mouths,
+      .openings_largest_diameter = openings.largest_diameter,
+      .openings_first_location = openings.first_location,
+      .openings_sheet_thickness = openings.sheet_thickness,
       .accuracy_places = accuracy.places,
       .accuracy_errors = {accuracy.distance.median, accuracy.distance.p99, accuracy.distance.worst,
                           accuracy.normal.median, accuracy.normal.p99, accuracy.normal.worst,

@@ -44,6 +44,9 @@ class ModelOptions:
         scale: Factor that brings the mesh to metres: 0.001 for one in millimetres.
         padding: Metres of grid beyond the mesh's bounds; 16 voxels by default.
         sign: What tells inside from outside: the closed surface, winding numbers, or whichever suits.
+        open: What a mesh with open edges becomes: a closed solid, a sheet, or what its openings suggest.
+        sheet_thickness: Of such a sheet, metres; a 200th of the longest side by default, at least two
+            voxels.
         threads: How many to build with; one a core by default.
         cache: Take models from the disk where they were built before, and keep them there.
     """
@@ -56,6 +59,8 @@ class ModelOptions:
     scale: float = 1.0
     padding: float | None = None
     sign: Literal["auto", "closed", "winding"] = "auto"
+    open: Literal["auto", "solid", "sheet"] = "auto"
+    sheet_thickness: float | None = None
     threads: int | None = None
     cache: Annotated[bool, Parameter(negative="--no-cache")] = True
 
