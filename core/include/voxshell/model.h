@@ -49,7 +49,8 @@ class Model {
                                                          const Accuracy& accuracy, double thickness,
                                                          const Openings& openings);
 
-  const ModelSettings& settings() const { return settings_; }  ///< as they were given
+  /// As they were given, but for the tolerance: 0 if the model is uniform.
+  const ModelSettings& settings() const { return settings_; }
   /// Right side out, as far as it is closed. Of a sheet: its two sides and its rim.
   const TriangleMesh& mesh() const { return mesh_; }
   const Field& field() const { return field_; }

@@ -28,11 +28,19 @@ std::vector<Bounds> bound_elements(std::span<const ShellElement> elements) {
 
 std::vector<ShellElement> list_elements(const PointShell& shell) {
   std::vector<ShellElement> elements;
-  elements.reserve(shell.size());
+  elements.reserve(shell.element_count());
   std::size_t id = 0;
   for (const Vec3f& p : shell.points()) {
     const Vec3f& normal = shell.normals()[id++];
     elements.push_back({p, p, normal, normal});
+  }
+  if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
+    for (std::size_t i = 0; i < edges->size(); ++i) {
+      const Vec3f middle = edges->middles()[i];
+      const Vec3f& half = edges->halves()[i];
+      const Vec3f& normal = edges->normals()[i];
+      elements.push_back({middle - half, middle + half, normal, normal});
+    }
   }
   return elements;
 }

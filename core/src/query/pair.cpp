@@ -21,6 +21,8 @@ struct Body {
   bool has_shell = false;
   std::size_t points = 0;
   double coverage = 0.0;     ///< how far the surface lies outside of the shell
+  bool has_edges = false;    ///< its sharp edges, if there are any, are elements of the shell
+  double tie = 0.0;          ///< by so much they may be deeper than they are seen
   double gap = 0.0;          ///< no place of the surface is farther from an element
   double field_error = 0.0;  ///< of the distance
   bool is_sharp = false;
@@ -90,6 +92,12 @@ Body describe(const Participant& participant) {
     body.is_sharp = accuracy.is_sharp;
     body.curvature = accuracy.curvature;
   }
+  if (const EdgeSegments* edges = body.has_shell ? participant.shell->edges() : nullptr) {
+    body.has_edges = true;
+    body.tie = static_cast<double>(edges->tie());
+  } else {
+    body.has_edges = body.has_shell && !body.is_sharp;
+  }
   return body;
 }
 
@@ -111,10 +119,12 @@ double miss_of(const Body& shell, const Body& field) {
 }
 
 /// Whatever either of the shells finds is found. What may enter between the elements of both is an
-/// edge that crosses an edge.
+/// edge that crosses an edge, unless the edges of one of them are elements.
 double miss_of_both(const Body& a, const Body& b, double miss_of_a, double miss_of_b) {
   if (!a.has_shell || !b.has_shell) return kUnbounded;
-  const double crossing = std::min(enter_between(a, b.gap), enter_between(b, a.gap));
+  const double crossing = a.has_edges || b.has_edges
+                              ? std::max(a.tie, b.tie)
+                              : std::min(enter_between(a, b.gap), enter_between(b, a.gap));
   const double left = a.coverage + b.coverage + std::max(a.field_error, b.field_error) + crossing;
   return std::min({left, miss_of_a, miss_of_b});
 }
