@@ -77,13 +77,18 @@ template <class V, class Limit, class Visit>
 VOXSHELL_INLINE void visit_edges(const PosedView<V>& posed, const EdgeView& edges, float margin,
                                  const Limit& limit, const Visit& visit) {
   const TreeView& tree = edges.tree;
+  // A shorter reach than the margin lets planes serve, and large cells be left out.
+  const auto find_reach = [&] {
+    const float reach = limit() + posed.slack;
+    return reach < margin ? reach : margin;
+  };
   BestFirst walk({-kFarthest, 0, 0, 0});
   while (!walk.is_done()) {
     const Waiting node = walk.take();
     if (node.rank > limit()) continue;
     if (node.level < tree.level_count) {
       const Block block = load_block(tree, node.level, node.index, edges.reach);
-      const Balls balls = test_balls(posed, block, node.tag, margin);
+      const Balls balls = test_balls(posed, block, node.tag, find_reach());
       walk.begin_siblings();
       for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -95,7 +100,7 @@ VOXSHELL_INLINE void visit_edges(const PosedView<V>& posed, const EdgeView& edge
     const uint32_t end = first_bucket(tree, node.index + 1);
     for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
       const Triple<F8> middles = load_triple(bucket_of(tree, bucket));
-      const F8 bound = bound_points(posed, middles, node.tag, edges.reach, margin);
+      const F8 bound = bound_points(posed, middles, node.tag, edges.reach, find_reach());
       for (unsigned lanes = lanes_below(bound, margin) & bits(middles.x == middles.x); lanes != 0;
            lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -103,7 +108,7 @@ VOXSHELL_INLINE void visit_edges(const PosedView<V>& posed, const EdgeView& edge
         const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
         const Triple<float> middle{middles.x[lane], middles.y[lane], middles.z[lane]};
         const Triple<float> half = half_of(edges, id);
-        if (!may_touch(posed, edges, middle, half, margin)) continue;
+        if (!may_touch(posed, edges, middle, half, find_reach())) continue;
         const float t = find_place_on_edge(posed, middle, half, edges.tie);
         const Triple<float> place = place_on_edge(middle, half, t);
         const Triple<F8> p{splat<F8>(place.x), splat<F8>(place.y), splat<F8>(place.z)};
