@@ -263,28 +263,50 @@ struct Density {
   static constexpr int kMostSteps = 64;
 
   double coarsest = 0.0;  ///< metres
+  double expected_points = 0.0;
   std::vector<std::uint8_t> steps;
 
   static double refine(double spacing) { return spacing * 0.7071067811865476; }
 };
 
-Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings,
-                       double tolerance) {
+/// `stretch` is by how much farther points are apart than the spacings that are wanted.
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
+                       double stretch) {
   // On flat parts, so that areas are spread over enough points.
   constexpr double kFewest = 25.0;  // along the longest side
   constexpr double kFinest = 2.0;   // tolerances
   Density density;
   density.coarsest = mesh.bounds().extents()[mesh.bounds().longest_axis()] / kFewest;
   density.steps.reserve(spacings.size());
-  for (const double wanted : spacings) {
+  for (std::size_t i = 0; i < spacings.size(); ++i) {
     double spacing = density.coarsest;
     int step = 0;
-    while (step < Density::kMostSteps && spacing > wanted &&
+    while (step < Density::kMostSteps && spacing > stretch * spacings[i] &&
            Density::refine(spacing) >= kFinest * tolerance) {
       spacing = Density::refine(spacing);
       ++step;
     }
     density.steps.push_back(static_cast<std::uint8_t>(step));
+    // As compute_passed_area() has it.
+    const auto [a, b, c] = mesh.corners(i);
+    const Vec3 doubled = cross(b - a, c - a);
+    density.expected_points += 0.5 *
+                               (std::abs(doubled.x) + std::abs(doubled.y) + std::abs(doubled.z)) /
+                               (spacing * spacing);
+  }
+  return density;
+}
+
+/// With no more than `most` points, if that can be.
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
+                       std::size_t most) {
+  Density density = choose_density(mesh, spacings, tolerance, 1.0);
+  constexpr double kStretch = 1.1;
+  constexpr double kMostStretch = 100.0;
+  for (double stretch = kStretch;
+       most > 0 && stretch < kMostStretch && density.expected_points > static_cast<double>(most);
+       stretch *= kStretch) {
+    density = choose_density(mesh, spacings, tolerance, stretch);
   }
   return density;
 }
@@ -294,7 +316,7 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
                                      Stage& stage) {
   const double tolerance = settings.tolerance;
   const Creases creases = find_creases(mesh, tolerance);
-  const Density density = choose_density(mesh, creases.spacings, tolerance);
+  const Density density = choose_density(mesh, creases.spacings, tolerance, settings.most_points);
   Sampling sampling;
   for (const Corner& corner : creases.corners) {
     sampling.points.push_back({static_cast<Vec3f>(mesh.vertices()[corner.vertex]), 0, 0.0});
