@@ -78,7 +78,10 @@ class Contacts:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Which points of their shell these are, (n,) int64: rows of ``model.shell.points``."""
+        """Which points of their shell these are, (n,) int64: rows of ``model.shell.points``.
+
+        Those of :attr:`ambiguous` contacts follow on the last.
+        """
         return self._core.ids
 
     @property
@@ -95,6 +98,15 @@ class Contacts:
     def shells(self) -> NDArray[np.str_]:
         """Whose shell each point is of, (n,) of "a" and "b"; each shell counts its own ids."""
         return name_shells(self._core.shells)
+
+    @property
+    def ambiguous(self) -> NDArray[np.bool_]:
+        """Whether depth and normal are ambiguous, (n,): no part of the surface is in contact.
+
+        One body lies wholly inside the other, or in its very place. Such a contact is of a place deep
+        inside its body, with that place's depth; its normal is zero where none is better than another.
+        """
+        return self._core.inner.astype(np.bool_)
 
     @property
     def exact(self) -> bool:
