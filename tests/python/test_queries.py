@@ -447,6 +447,52 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
         vx.contacts(cube, sparse)  # the same pair
 
 
+# ---- no surface in contact -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shell", ["auto", "both"])
+def test_bodies_in_the_very_same_place_are_in_contact(shell: str):
+    meshes = (
+        trimesh.creation.box((0.1, 0.2, 0.3)),
+        trimesh.creation.icosphere(2, radius=0.1),
+        trimesh.creation.annulus(0.08, 0.081, 0.2),
+    )
+    for mesh in meshes:
+        model = vx.Model.from_mesh(mesh, resolution=60)
+        twin = vx.Model.from_mesh(mesh, resolution=50)
+        for other in (model, twin):
+            for pose in random_poses(10, 2.0):
+                found = vx.contacts(model, other, pose, pose, shell=shell)
+                assert len(found) > 0
+                assert vx.collide(model, other, pose, pose, shell=shell)
+                assert vx.distance(model, other, pose, pose, shell=shell).distance < 0.0
+                assert len(vx.manifold(model, other, pose, pose, shell=shell)) > 0
+                assert vx.collide_batch(model, other, pose, pose, shell=shell).all()
+                batch = vx.contacts_batch(model, other, pose, pose, shell=shell)
+                flat = vx.testing.contacts_flat(model, other, pose, pose, shell=shell)
+                for same in (batch[0], flat):
+                    np.testing.assert_array_equal(same.ids, found.ids)
+                    np.testing.assert_array_equal(same.ambiguous, found.ambiguous)
+
+
+def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
+    # A cube in a coarse one of twice its size, of which only the larger one's points are asked: none
+    # touches. Automatic roles ask a body that may hide, so this asks the core's last resort by hand.
+    large = vx.Model.from_mesh(trimesh.creation.box((2, 2, 2)), resolution=20)
+    assert not vx.collide(cube, large, moved(0.1, 0.1, 0.1), shell="b")
+    twin = vx.contacts(cube, cube, shell="both", level=3)
+    touching = twin if len(twin) > 2 else None
+    if touching is None:
+        assert twin.ambiguous.all()
+        assert twin.shells.tolist() == ["a", "b"]
+        np.testing.assert_array_equal(twin.ids, [len(cube.shell)] * 2)
+        np.testing.assert_allclose(twin.depths, 0.5, atol=0.1)
+        assert len(twin.deepest_per_segment()) == 2
+    apart = vx.contacts(cube, cube, moved(0.9), shell="both")
+    assert len(apart) > 0
+    assert not apart.ambiguous.any()
+
+
 # ---- both shells, few points, budgets, scratches ------------------------------------------------
 
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <tuple>
 #include <type_traits>
@@ -206,6 +207,28 @@ Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellCh
               : pair.role == Role::kB ? pair.miss_of_b
                                       : pair.miss_of_both;
   return pair;
+}
+
+std::optional<Contact> find_inner_contact(const Participant& body, const Field& field,
+                                          const Pose& field_from_body, float margin) {
+  constexpr float kDirected = 0.1f;  // of a gradient's length
+  if (body.inner_point == nullptr || body.shell == nullptr) return std::nullopt;
+  const Vec3f& point = *body.inner_point;
+  const auto place = static_cast<Vec3f>(field_from_body.transform_point(static_cast<Vec3>(point)));
+  return std::visit(
+      [&](const auto& typed) -> std::optional<Contact> {
+        const float distance = typed.distance(place);
+        if (!(distance < std::min(margin, 0.0f))) return std::nullopt;
+        const Vec3f gradient = typed.gradient(place);
+        Vec3f normal{};
+        if (squared_length(gradient) > kDirected * kDirected) {
+          const auto outwards = normalized(static_cast<Vec3>(gradient));
+          normal = static_cast<Vec3f>(field_from_body.inverse().rotate(outwards));
+        }
+        return Contact{static_cast<std::uint32_t>(body.shell->element_count()), -distance, point,
+                       normal};
+      },
+      field);
 }
 
 bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner) {
