@@ -330,7 +330,8 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
   expect_refused(in_record(offsetof(Record, resolution), std::int64_t{-1}), "resolution is -1");
   expect_refused(in_record(offsetof(Record, voxel_size), kNan), "its settings cannot be used");
   expect_refused(in_record(offsetof(Record, padding), kInfinity), "its settings cannot be used");
-  expect_refused(in_record(offsetof(Record, open), std::int64_t{3}), "what open meshes become is 3");
+  expect_refused(in_record(offsetof(Record, open), std::int64_t{3}),
+                 "what open meshes become is 3");
   expect_refused(in_record(offsetof(Record, sheet_thickness), kNan), "its settings cannot be used");
   expect_refused(in_record(offsetof(Record, openings_share), -1.0), "its openings cannot be used");
   expect_refused(in_record(offsetof(Record, openings_first_location), kNan), "location");
