@@ -39,6 +39,7 @@ HEADER_ONLY: dict[str, str] = {
     "result.h": "base",
     "vector.h": "base",
     "version.h": "base",
+    "accuracy.h": "model",
     "field.h": "field",
     "bucket_points.h": "shell",
 }

@@ -118,7 +118,7 @@ class Model:
     """Field, shell and mass properties of a mesh."""
 
     @staticmethod
-    def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, sign: str, threads: int, progress: Callable[[str, float], object] | None) -> Model:
+    def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, sign: str, open: str, sheet_thickness: float, threads: int, progress: Callable[[str, float], object] | None) -> Model:
         """0 (padding: below 0) leaves a setting to the core."""
 
     def save(self, path: bytes) -> None: ...
@@ -143,6 +143,22 @@ class Model:
 
     @property
     def shell(self) -> PointShell: ...
+
+    @property
+    def accuracy(self) -> tuple[int, list[float], list[float], list[float], float, bool, float]:
+        """
+        Places, and median, 99 % and worst of distance, normal and coverage; gap, is_sharp, curvature.
+        """
+
+    @property
+    def openings(self) -> tuple[int, float, int, float, list[float], float]:
+        """
+        Loops, share, mouths, largest diameter, first location, and the sheet's thickness or 0.
+        """
+
+    @property
+    def thickness(self) -> float:
+        """Where the body is thinnest, metres."""
 
     @property
     def solid_mass_properties(self) -> tuple[list[float], list[list[float]]]:

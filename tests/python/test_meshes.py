@@ -157,7 +157,7 @@ def test_a_faulty_surface_is_refused_where_it_must_be_closed(faces: np.ndarray, 
 )
 def test_a_faulty_surface_is_taken_with_a_warning(faces: np.ndarray, message: str):
     with pytest.warns(vx.MeshWarning, match=message):
-        model = vx.Model.from_mesh((VERTICES, faces), resolution=10, cache=False)
+        model = vx.Model.from_mesh((VERTICES, faces), resolution=10, open="solid", cache=False)
     assert (model.field.sample(np.mean(VERTICES, axis=0)[None, :]) < 0).all()
     assert (model.field.sample([[3.0, 3.0, 3.0]]) > 0).all()
 
@@ -245,7 +245,7 @@ BAD_FILES = {
     "noise.stl": bytes(range(256)) * 4,
     "noise.ply": bytes(range(256)) * 4,
     "noise.glb": bytes(range(256)) * 4,
-    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n",
     "huge.obj": "v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n",
     "mesh.xyz123": "1 2 3\n",
     "mesh": "1 2 3\n",

@@ -136,7 +136,7 @@ Openings find_openings(const TriangleMesh& mesh) {
 
 bool suggest_sheet(const Openings& openings) {
   constexpr double kSheetShare = 0.15;
-  constexpr double kTubeShare = 0.01;
+  constexpr double kTubeShare = 0.005;
   constexpr std::size_t kTubeMouths = 2;
   if (openings.loops == 0) return false;
   return openings.share >= kSheetShare ||

@@ -23,6 +23,8 @@ namespace {
 constexpr std::size_t kMostVertices = 16'384;
 constexpr std::size_t kEdgePlaces = 24'576;
 constexpr std::size_t kLeastPlaces = 100'000;
+/// More of them where some will be left out.
+constexpr std::size_t kPlacesForHidden = 25'000;
 constexpr std::size_t kTask = 1024;  // places
 /// Places near one another for which the elements around are looked up together.
 constexpr std::size_t kGroup = 4;
@@ -225,7 +227,8 @@ class Measurement {
     const std::size_t vertices = mesh.vertices().size();
     vertices_ =
         share_out(vertices, std::min(vertices, kMostVertices), [](std::size_t) { return 1.0; });
-    faces_ = spread_over_faces(mesh, kLeastPlaces - edges_.size() - vertices_.size());
+    const std::size_t more = may_be_hidden_ ? kPlacesForHidden : 0;
+    faces_ = spread_over_faces(mesh, kLeastPlaces + more - edges_.size() - vertices_.size());
   }
 
   double push(std::uint32_t triangle) const {

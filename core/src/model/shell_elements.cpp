@@ -136,7 +136,7 @@ void ShellElements::find_nearest(std::span<const Place> places, float& reach,
       }
       float lowest = kInfinity;
       for (std::size_t k = 0; k < kEach; ++k) lowest = std::min<float>(lowest, height[k]);
-      found[i] = {distance, std::max(lowest, 0.0f)};
+      found[i] = {distance, lowest > 0.0f ? lowest : 0.0f};
       farthest = std::max(farthest, distance);
       return true;
     });

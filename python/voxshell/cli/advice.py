@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.cli.model_facts import field_bound, shell_bound
 from voxshell.errors import MemoryLimitError
 from voxshell.experiments.pair import find_poses_between
 from voxshell.meshes import MeshWarning
@@ -62,6 +63,8 @@ class Estimate:
         error: What building it measures: the field is off by this much on the surface, metres; 99 %
             of the places have less.
         coverage: The same of how far the surface stands out above what the shell sees.
+        field_bound: What is proved of the field's error everywhere near the surface, metres.
+        shell_bound: What is proved of the way from the surface to the shell, metres.
         build_seconds: To build field and shell, on this machine.
         contacts_seconds: Median time of all contacts of two such bodies that touch.
         collide_seconds: The same of a yes or no.
@@ -74,14 +77,11 @@ class Estimate:
     points: float
     error: float
     coverage: float
+    field_bound: float
+    shell_bound: float
     build_seconds: float
     contacts_seconds: float
     collide_seconds: float
-
-    @property
-    def proved(self) -> dict[str, float]:
-        """Bounds that hold everywhere, metres, but for rounding."""
-        return {"field": math.sqrt(0.75) * self.size, "shell": math.sqrt(3.0) * self.size}
 
 
 def estimate(
@@ -133,6 +133,8 @@ def measure(
             points=len(model.shell),
             error=model.accuracy.distance.p99,
             coverage=model.accuracy.coverage.p99,
+            field_bound=field_bound(model),
+            shell_bound=shell_bound(model),
             build_seconds=spent,
             contacts_seconds=_time(lambda pose, m=model: contacts(m, m, None, pose), poses),
             collide_seconds=_time(lambda pose, m=model: collide(m, m, None, pose), poses),
@@ -191,6 +193,8 @@ def _extend(known: list[Estimate], resolution: int) -> Estimate:
         points=grow("points"),
         error=follow("error", -2.0, -0.5),
         coverage=follow("coverage", -2.0, -0.5),
+        field_bound=follow("field_bound", -1.0, -1.0),
+        shell_bound=follow("shell_bound", -1.0, -1.0),
         build_seconds=grow("build_seconds"),
         contacts_seconds=grow("contacts_seconds"),
         collide_seconds=fine.collide_seconds,

@@ -165,7 +165,7 @@ def _describe_advice(estimates: list[Estimate]) -> dict[str, Any]:
 
     best = recommend(estimates)
     return {
-        "estimates": [asdict(each) | {"proved": each.proved} for each in estimates],
+        "estimates": [asdict(each) for each in estimates],
         "recommended": {"voxel_size": best.size, "point_spacing": best.size},
     }
 
@@ -191,7 +191,7 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
             str(each.resolution),
             about + format_size(each.field_bytes),
             about + format_length(each.error),
-            format_length(each.proved["field"]),
+            about + format_length(each.field_bound),
             about + format_time(each.build_seconds),
             style=style,
         )
@@ -199,7 +199,7 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
             size,
             f"{about}{float(f'{each.points:.3g}'):,.0f}",
             about + format_length(each.coverage),
-            format_length(each.proved["shell"]),
+            about + format_length(each.shell_bound),
             about + format_time(each.contacts_seconds),
             about + format_time(each.collide_seconds),
             style=style,
@@ -225,14 +225,14 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
         command = f"  voxshell build MESH -o {file.name} --voxel-size {best.size:.4g}"
     return "\n".join(
         [
-            f"{MEASURED_FIELD:16} measured: at 99 % of the surface the distance is better",
-            f"{MEASURED_SHELL:16} measured: 99 % of the surface stands out less above the shell",
-            f"{'proved':16} bound on the field's error; on the way from the surface to the shell",
+            f"{MEASURED_FIELD:16} measured: 99 % of the surface has a smaller error",
+            f"{MEASURED_SHELL:16} measured: 99 % of it stands out less above the shell",
+            f"{'proved':16} bound on that error; on the way from surface to shell",
             f"{'to build':16} field and shell of that size, on this machine",
             f"{'contacts':16} median of two such bodies that touch; likewise yes or no",
             f"{'~':16} extrapolated from coarser models",
-            f"{'*':16} the finest that is built in {MOST_BUILD_SECONDS:g} s, takes "
-            f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)} a query:",
+            f"{'*':16} the finest built in {MOST_BUILD_SECONDS:g} s that takes "
+            f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)}:",
             command,
         ]
     )

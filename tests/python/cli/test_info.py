@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import warnings
 from dataclasses import asdict
 
 import numpy as np
@@ -42,6 +43,8 @@ def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
     assert "3 open" in told["warnings"][0]
 
 
+WORDS = ("field off by", "surface seen to", "normals", "proved bound")
+
 # Within these factors of what is measured when the models are really built.
 FACTORS = {
     "field_bytes": 1.6,
@@ -76,9 +79,43 @@ def test_estimates_are_near_what_is_built(mesh):
         assert 1.0 / factor <= one / other <= factor, (name, one, other)
 
 
+@pytest.mark.parametrize("name", ["bunny", "box"])
+def test_estimates_of_accuracy_are_what_a_build_measures(name, bunny_mesh):
+    mesh = bunny_mesh if name == "bunny" else trimesh.creation.box((1.0, 0.7, 0.4))
+    mesh = mesh.copy()
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(0.4, (1, 2, 3)))
+    arrays = read_mesh(mesh)
+    known, guess = advice.estimate(arrays, lambda *_: None, (50, 100), (25, 50))
+    assert (known.measured, guess.measured) == (True, False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        coarse, fine = (vx.Model.from_mesh(arrays, resolution=n, cache=False) for n in (50, 100))
+    assert known.error == coarse.accuracy.distance.p99
+    assert known.coverage == coarse.accuracy.coverage.p99
+    assert known.field_bound == coarse.field.interpolation_error
+    assert 1.0 / 1.5 <= guess.error / fine.accuracy.distance.p99 <= 1.5
+    assert 1.0 / 1.5 <= guess.coverage / fine.accuracy.coverage.p99 <= 1.5
+    assert guess.field_bound == pytest.approx(fine.field.interpolation_error, rel=0.01)
+
+
+def test_one_wording_of_accuracy_in_build_and_info(voxshell, cone_path, tmp_path):
+    file = tmp_path / "cone.vxs"
+    arguments = ("build", cone_path, "-o", file, "--scale", "0.001", "--resolution", "30")
+    built, told = voxshell(*arguments), voxshell("info", file)
+    lines = [line for line in built.out.splitlines() if line.startswith(WORDS)]
+    assert len(lines) == len(WORDS)
+    assert [line for line in told.out.splitlines() if line.startswith(WORDS)] == lines
+    from_build = voxshell(*arguments, "--json").json["accuracy"]
+    assert voxshell("info", file, "--json").json["accuracy"] == from_build
+    model = vx.Model.load(file)
+    assert from_build["measured"]["distance"]["p99"] == model.accuracy.distance.p99
+    assert from_build["proved"]["field"] == model.field.interpolation_error
+
+
 def test_advice_is_the_finest_that_is_cheap_enough():
     def make(resolution, **costs):
-        cheap = dict.fromkeys(("field_bytes", "points", "error"), 1.0)
+        cheap = dict.fromkeys(("field_bytes", "points", "error", "coverage"), 1.0)
+        cheap |= dict.fromkeys(("field_bound", "shell_bound"), 1.0)
         cheap |= dict.fromkeys(("build_seconds", "contacts_seconds", "collide_seconds"), 1e-6)
         return advice.Estimate(resolution, 1.0 / resolution, False, **(cheap | costs))
 

@@ -370,6 +370,13 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
   expect_refused(in_record(offsetof(Record, resolution), std::int64_t{-1}), "resolution is -1");
   expect_refused(in_record(offsetof(Record, voxel_size), kNan), "its settings cannot be used");
   expect_refused(in_record(offsetof(Record, padding), kInfinity), "its settings cannot be used");
+  expect_refused(in_record(offsetof(Record, open), std::int64_t{3}),
+                 "what open meshes become is 3");
+  expect_refused(in_record(offsetof(Record, sheet_thickness), kNan), "its settings cannot be used");
+  expect_refused(in_record(offsetof(Record, openings_share), -1.0), "its openings cannot be used");
+  expect_refused(in_record(offsetof(Record, openings_first_location), kNan), "location");
+  expect_refused(in_record(offsetof(Record, thickness), kNan), "its accuracy cannot be used");
+  expect_refused(in_record(offsetof(Record, accuracy_gap), -1.0), "its accuracy cannot be used");
   for (const double size : {kNan, kInfinity, 0.0, -1.0, 1e300, 1e-300}) {
     expect_refused(in_record(offsetof(Record, grid_voxel_size), size), "the voxel size is");
   }

@@ -297,5 +297,44 @@ TEST(Model, OfAnySizeCollidesWithItself) {
   }
 }
 
+TEST(Model, KeepsABowlAsASheetUnlessToldToCloseIt) {
+  const Soup bowl = opened(make_icosphere(0.1, 4), -1e-6);
+  const auto sheet = build(bowl, {.resolution = 60});
+  EXPECT_EQ(sheet->openings().loops, 1u);
+  EXPECT_NEAR(sheet->openings().sheet_thickness, 2.0 * 0.2 / 60, 1e-3);
+  EXPECT_GT(sheet->grid().distance({0.0f, 0.0f, -0.05f}), 0.0f);
+  EXPECT_LT(sheet->grid().distance({0.0f, 0.0f, -0.1f}), 0.0f);
+  // A shell with a thin wall, whose center is half of its radius below the rim.
+  EXPECT_NEAR(sheet->solid_mass_properties().centre_of_mass.z, -0.05, 0.003);
+
+  const auto solid = build(bowl, {.resolution = 60, .open = OpenMesh::kSolid});
+  EXPECT_EQ(solid->openings().sheet_thickness, 0.0);
+  EXPECT_LT(solid->grid().distance({0.0f, 0.0f, -0.05f}), 0.0f);
+  EXPECT_NEAR(solid->solid_mass_properties().centre_of_mass.z, -0.1 * 3.0 / 8.0, 0.003);
+}
+
+TEST(Model, TakesTheThicknessOfASheet) {
+  const Soup square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const auto model = build(square, {.resolution = 50, .sheet_thickness = 0.06});
+  EXPECT_NEAR(model->bounds().upper.z, 0.03, 1e-12);
+  EXPECT_NEAR(model->thickness(), 0.06, 1e-9);
+  for (const double thickness : {-0.1, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    expect_error(Model::build(square.mesh(), {.sheet_thickness = thickness}),
+                 ErrorCode::kInvalidArgument, "sheet thickness must be above 0 m");
+  }
+}
+
+TEST(Model, ClosesABodyWithASmallHoleAsBefore) {
+  Soup ball = make_icosphere(0.1, 4);
+  ball.triangles.pop_back();
+  const auto automatic = build(ball, {.resolution = 40});
+  const auto solid = build(ball, {.resolution = 40, .open = OpenMesh::kSolid});
+  EXPECT_EQ(automatic->openings().loops, 1u);
+  EXPECT_EQ(automatic->openings().sheet_thickness, 0.0);
+  EXPECT_EQ(automatic->solid_mass_properties().centre_of_mass,
+            solid->solid_mass_properties().centre_of_mass);
+  EXPECT_LT(automatic->grid().distance({0, 0, 0}), -0.09f);
+}
+
 }  // namespace
 }  // namespace voxshell

@@ -1,0 +1,117 @@
+#include "mesh/thicken.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "support/meshes.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+TriangleMesh make_sheet(const Soup& soup, double thickness) {
+  auto solid = thicken(soup.mesh(), thickness);
+  EXPECT_TRUE(solid) << solid.error().message;
+  if (!solid) std::abort();
+  return *std::move(solid);
+}
+
+Soup make_square() {
+  return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+TEST(Thicken, MakesABoxOfASquare) {
+  const TriangleMesh box = make_sheet(make_square(), 0.1);
+  EXPECT_TRUE(check_encloses_volume(box));
+  EXPECT_EQ(box.vertices().size(), 8u);
+  EXPECT_NEAR(box.compute_volume(), 0.1, 1e-12);
+  EXPECT_NEAR(box.bounds().lower.z, -0.05, 1e-12);
+  EXPECT_NEAR(box.bounds().upper.z, 0.05, 1e-12);
+}
+
+TEST(Thicken, GoesByNoOrientation) {
+  Soup mixed = make_square();
+  std::swap(mixed.triangles[1][0], mixed.triangles[1][1]);
+  const TriangleMesh box = make_sheet(mixed, 0.1);
+  EXPECT_TRUE(check_encloses_volume(box));
+  EXPECT_NEAR(box.compute_volume(), 0.1, 1e-12);
+}
+
+TEST(Thicken, OfABowlHasItsAreaTimesTheThickness) {
+  constexpr double kPi = 3.141592653589793;
+  const Soup bowl = opened(make_icosphere(0.1, 5), -1e-6);
+  const TriangleMesh solid = make_sheet(bowl, 0.002);
+  EXPECT_TRUE(check_encloses_volume(solid));
+  EXPECT_NEAR(solid.compute_volume(), 0.002 * bowl.mesh().compute_area(), 1e-8);
+  EXPECT_NEAR(solid.bounds().lower.z, -0.101, 1e-5);
+  EXPECT_GT(bowl.mesh().compute_area(), 1.9 * kPi * 0.01);
+}
+
+TEST(Thicken, KeepsItsThicknessBesideCreases) {
+  // A floor and a wall at right angles.
+  const Soup corner{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}},
+                    {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {0, 5, 4}}};
+  const TriangleMesh solid = make_sheet(corner, 0.1);
+  EXPECT_TRUE(check_encloses_volume(solid));
+  EXPECT_NEAR(solid.bounds().lower.z, -0.05, 1e-12);
+  EXPECT_NEAR(solid.bounds().lower.x, -0.05, 1e-12);
+}
+
+TEST(Thicken, LeavesClosedPartsAsTheyAre) {
+  const Soup box = moved(make_box({0.5, 0.5, 0.5}), {5, 0, 0});
+  const TriangleMesh solid = make_sheet(together(make_square(), box), 0.1);
+  EXPECT_TRUE(check_encloses_volume(solid));
+  EXPECT_NEAR(solid.compute_volume(), 1.1, 1e-9);
+  EXPECT_NEAR(solid.bounds().upper.z, 0.5, 1e-12);
+}
+
+TEST(Thicken, CutsWhereSheetsMeetAndWhereTheyTouch) {
+  // Three squares at one edge, and a fourth that touches a corner.
+  const Soup soup{
+      {{0, 0, 0},
+       {1, 0, 0},
+       {1, 1, 0},
+       {0, 1, 0},
+       {0, -1, 0},
+       {1, -1, 0},
+       {0, 0, 1},
+       {1, 0, 1},
+       {-1, 1, 0},
+       {-1, 2, 0},
+       {0, 2, 0}},
+      {{0, 1, 2}, {0, 2, 3}, {1, 0, 4}, {1, 4, 5}, {0, 1, 7}, {0, 7, 6}, {3, 10, 9}, {3, 9, 8}}};
+  const TriangleMesh solid = make_sheet(soup, 0.1);
+  EXPECT_EQ(solid.compute_defects().open_edges, 0u);
+  EXPECT_NEAR(solid.compute_volume(), 0.4, 1e-9);
+}
+
+TEST(Thicken, CutsAMoebiusStrip) {
+  constexpr double kTau = 6.283185307179586;
+  constexpr std::uint32_t kAround = 60;
+  Soup strip;
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const double angle = kTau * i / kAround;
+    for (const double side : {-0.3, 0.3}) {
+      const double radius = 1.0 + side * std::cos(angle / 2.0);
+      strip.vertices.push_back(
+          {radius * std::cos(angle), radius * std::sin(angle), side * std::sin(angle / 2.0)});
+    }
+    const std::uint32_t a = 2 * i;
+    const std::uint32_t c = i + 1 < kAround ? a + 2 : 1;
+    const std::uint32_t d = i + 1 < kAround ? a + 3 : 0;
+    strip.triangles.push_back({a, c, a + 1});
+    strip.triangles.push_back({a + 1, c, d});
+  }
+  const TriangleMesh solid = make_sheet(strip, 0.02);
+  EXPECT_EQ(solid.compute_defects().open_edges, 0u);
+  // Where it is cut, its ends overlap a little.
+  EXPECT_NEAR(solid.compute_volume(), 0.02 * strip.mesh().compute_area(), 0.003);
+}
+
+}  // namespace
+}  // namespace voxshell
