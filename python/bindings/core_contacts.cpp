@@ -84,7 +84,9 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
     asking.ask(inner);
     role = role_of(inner);
   }
-  if (roles.asks_inside && options.max_points > 0 && asking.contacts.empty()) {
+  // A search that may have missed contacts does not know that there are none.
+  const bool is_empty = asking.contacts.empty() && asking.is_exact;
+  if (roles.asks_inside && options.max_points > 0 && is_empty) {
     asking.contacts = find_inner_contacts(bodies.view(), pose, margin);
   }
   keep_deepest(asking.contacts, options.max_points);

@@ -476,21 +476,24 @@ def test_bodies_in_the_very_same_place_are_in_contact(shell: str):
 
 
 def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
-    # A cube in a coarse one of twice its size, of which only the larger one's points are asked: none
-    # touches. Automatic roles ask a body that may hide, so this asks the core's last resort by hand.
-    large = vx.Model.from_mesh(trimesh.creation.box((2, 2, 2)), resolution=20)
-    assert not vx.collide(cube, large, moved(0.1, 0.1, 0.1), shell="b")
-    twin = vx.contacts(cube, cube, shell="both", level=3)
-    touching = twin if len(twin) > 2 else None
-    if touching is None:
-        assert twin.ambiguous.all()
-        assert twin.shells.tolist() == ["a", "b"]
-        np.testing.assert_array_equal(twin.ids, [len(cube.shell)] * 2)
-        np.testing.assert_allclose(twin.depths, 0.5, atol=0.1)
-        assert len(twin.deepest_per_segment()) == 2
+    found = vx.contacts(cube, cube, shell="both", level=3)
+    assert found.ambiguous.all()
+    assert found.shells.tolist() == ["a", "b"]
+    np.testing.assert_array_equal(found.ids, [len(cube.shell)] * 2)
+    np.testing.assert_array_equal(found.segments, [0, 0])
+    np.testing.assert_allclose(found.depths, 0.5, atol=0.15)
+    np.testing.assert_allclose(
+        found.points_b - found.points_a, found.depths[:, None] * found.normals, atol=1e-6
+    )
+    assert len(found.deepest_per_segment()) == 2
+    nearest = vx.distance(cube, cube, shell="both")
+    assert nearest.distance == -found.depths.max()
+    assert len(vx.contacts(cube, cube, shell="both", max_points=1)) == 1
     apart = vx.contacts(cube, cube, moved(0.9), shell="both")
     assert len(apart) > 0
     assert not apart.ambiguous.any()
+    for shell in ("fewest", "a", "b"):
+        assert len(vx.contacts(cube, cube, shell=shell)) == 0
 
 
 # ---- both shells, few points, budgets, scratches ------------------------------------------------
