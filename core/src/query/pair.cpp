@@ -81,7 +81,7 @@ Body describe(const Participant& participant) {
   }
   if (participant.shell != nullptr) {
     body.has_shell = true;
-    body.points = participant.shell->size();
+    body.points = participant.shell->element_count();
     body.gap = std::sqrt(3.0) * participant.shell->spacing();
     body.coverage = body.gap;
   }
