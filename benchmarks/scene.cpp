@@ -79,7 +79,7 @@ std::string_view find_difference_at(const Scene& scene, const Pose& pose, QueryS
     return "manifold";
   }
   std::vector<std::uint32_t> deepest;
-  select_deepest_per_segment(oracle, shell.tree(), kSegmentLevel, deepest);
+  select_deepest_per_segment(oracle, shell, kSegmentLevel, deepest);
   if (!is_chosen(deepest,
                  find_deepest_per_segment(field, shell, pose, kSegmentLevel, 0.0f, scratch))) {
     return "segments";

@@ -32,6 +32,7 @@ CORE_MAY_INCLUDE: dict[str, set[str]] = {
 # A public header belongs to the layer that has the source of the same name
 # (voxshell/contacts.h: query, because of core/src/query/contacts.cpp). These have no such source.
 HEADER_ONLY: dict[str, str] = {
+    "accuracy.h": "base",
     "bounds.h": "base",
     "cache_lines.h": "base",
     "progress.h": "base",

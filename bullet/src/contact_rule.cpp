@@ -9,13 +9,14 @@
 
 #include "contact_list.h"
 #include "rest_margin.h"
+#include "second_shell.h"
 
 namespace voxshell::bullet {
 namespace {
 
 /// Bodies are still that cannot rise by a larger share of the rest margin than this.
 constexpr double kStillWithin = 0.15;
-constexpr double kTouching = 0.05;  ///< of the finer body's detail
+constexpr double kTouching = 0.05;  ///< of the smaller detail of the two bodies
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Where a place touches a field on its way, by conservative advancement (Xu and Barbic 2016).
@@ -65,7 +66,9 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
   if (ball_a.radius != ball_b.radius) larger_ = ball_b.radius < ball_a.radius ? &pair.a : &pair.b;
   const Ball& ball = larger_ == &pair.a ? ball_b : ball_a;
   radius_ = ball.radius;
-  rest_margin_ = settings.margin >= 0.0 ? settings.margin : default_rest_margin(radius_);
+  rest_margin_ = settings.margin >= 0.0
+                     ? settings.margin
+                     : default_rest_margin(radius_, std::min(pair.a.thinnest(), pair.b.thinnest()));
   // Bodies touch within the smaller one's ball.
   farthest_way_ = find_farthest_way(motion_a_, motion_b_, ball, time_step);
   const double fastest =
@@ -292,7 +295,7 @@ bool ContactRule::shell_is_larger() const {
 }
 
 void ContactRule::drop_beside(std::vector<Contact>& contacts) {
-  if (!shell_is_larger()) return;
+  if ((larger_ == nullptr && !pair_.asks_both) || pair_.has_triangles()) return;
   std::erase_if(contacts, [&](const Contact& contact) { return is_beside(contact); });
   first_touch_ = kNever;
   for (const Contact& contact : contacts) {
@@ -306,13 +309,24 @@ void ContactRule::drop_beside(std::vector<Contact>& contacts) {
 bool ContactRule::is_beside(const Contact& contact) const {
   constexpr float kAgainst = -0.3f;  // cosine of the angle between the normals
   constexpr float kFree = 0.3f;      // spacings
-  if (!shell_is_larger() || contact.id >= kFirstFeature) return false;
-  const PointShell& shell = pair_.shell();
-  if (dot(shell.normals()[contact.id], contact.normal) < kAgainst) return false;
+  if (pair_.has_triangles() || contact.id >= kFirstFeature) return false;
+  const bool is_second = contact.id >= kFirstOfSecond;
+  const Side& side = is_second ? pair_.field_side() : pair_.shell_side();
+  if (larger_ != &side && !pair_.asks_both) return false;
+  const PointShell& shell = *side.participant().shell;
+  const std::uint32_t id = is_second ? contact.id - kFirstOfSecond : contact.id;
+  if (id >= shell.size()) return false;  // an edge is as sharp as it looks
+  Vec3f point = contact.point;
+  Vec3f outwards = contact.normal;
+  if (is_second) {
+    point = static_cast<Vec3f>(field_from_shell_.transform_point(place_of_second(contact)));
+    outwards = static_cast<Vec3f>(-field_from_shell_.rotate(static_cast<Vec3>(contact.normal)));
+  }
+  if (dot(shell.normals()[id], outwards) < kAgainst) return false;
   const auto spacing = static_cast<float>(shell.spacing());
   if (contact.depth > spacing) return false;
-  const Vec3f in_front = contact.point - spacing * contact.normal;
-  return pair_.shell_side().model()->grid().distance(in_front) < kFree * spacing;
+  const Vec3f in_front = point - spacing * outwards;
+  return side.model()->grid().distance(in_front) < kFree * spacing;
 }
 
 /// To where contacts that are found after a share of the step are at its start.
@@ -342,7 +356,12 @@ void ContactRule::put_on_field(Contact& contact, const Vec3& on_field) const {
 
 /// Follows the point, its velocity constant, until it touches or the step ends.
 std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
-  if (contact.id >= kFirstFeature) return sweep_feature(contact.id);
+  if (contact.id >= kFirstFeature) {
+    return sweep_into_shell(features_[contact.id - kFirstFeature], contact.id);
+  }
+  if (contact.id >= kFirstOfSecond) {
+    return sweep_into_shell({place_of_second(contact), 0.0}, contact.id);
+  }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 way = field_from_shell_.rotate(
       time_step_ * (motion_.velocity_at(point) + motion_.velocity_of_forces));
@@ -368,9 +387,9 @@ std::optional<Contact> ContactRule::sweep(const Contact& contact) const {
       pair_.field());
 }
 
-/// The same of a feature in the model's field.
-std::optional<Contact> ContactRule::sweep_feature(std::uint32_t id) const {
-  const Feature& feature = features_[id - kFirstFeature];
+/// The same of a feature, or a point of the second shell, in the field of the shell's model.
+std::optional<Contact> ContactRule::sweep_into_shell(const Feature& feature,
+                                                     std::uint32_t id) const {
   const GridField& field = pair_.shell_side().model()->grid();
   const Vec3 way = -time_step_ * (motion_.velocity_at(feature.place) + motion_.velocity_of_forces);
   const double offset = feature.radius + pair_.thickness();
@@ -381,8 +400,14 @@ std::optional<Contact> ContactRule::sweep_feature(std::uint32_t id) const {
   const Vec3f outwards = normalized(field.gradient(touch->place));
   const double approach = -dot(way, static_cast<Vec3>(outwards));
   if (!(approach > 0.0)) return std::nullopt;
-  return contact_of(feature, id, outwards,
-                    -(touch->share * approach + std::max(touch->gap, 0.0)) - pair_.thickness());
+  const double gap_then = std::max(touch->gap, 0.0);
+  Contact touching =
+      contact_of(feature, id, outwards, -(touch->share * approach + gap_then) - pair_.thickness());
+  // The shell's place, as in put_on_field().
+  if (id < kFirstFeature && larger_ == &pair_.field_side()) {
+    touching.point = touch->place - static_cast<float>(gap_then) * outwards;
+  }
+  return touching;
 }
 
 }  // namespace voxshell::bullet

@@ -100,7 +100,7 @@ class ContactRule {
   void carry_back(std::vector<Contact>& contacts, double share) const;
   void put_on_field(Contact& contact, const Vec3& on_field) const;
   std::optional<Contact> sweep(const Contact& contact) const;
-  std::optional<Contact> sweep_feature(std::uint32_t id) const;
+  std::optional<Contact> sweep_into_shell(const Feature& feature, std::uint32_t id) const;
   bool shell_is_larger() const;
   void drop_beside(std::vector<Contact>& contacts);
   bool is_beside(const Contact& contact) const;

@@ -84,7 +84,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {
   if (hull_) renew_hull(*a, *b);
-  PosedPair pair(*a, *b, hull_.get());
+  PosedPair pair(*a, *b, hull_.get(), settings_.shell);
   // A contact test without a threshold takes the step's algorithms for the children of compounds;
   // its result is of a class of its own.
   const bool simulates =
@@ -107,6 +107,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   } else {
     find_near(pair, rule.margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
+  if (pair.asks_both) second_.drop_doubles(static_cast<float>(rule.rest_margin()), contacts_);
   clock.end(&NarrowPhaseTimings::query);
   rule.apply(contacts_, features_, share);
   // Of bodies in a pile that move a little, such points carry in the next step.
@@ -164,20 +165,34 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
     contacts_.assign(found.begin(), found.end());
     return;
   }
-  const auto ask = [&] {
+  const auto take = [&] {
     const std::span<const Contact> found =
-        wanted == Wanted::kAll
-            ? find_contacts(pair.field(), pair.shell(), pair.field_from_shell(), {.margin = reach},
-                            scratch_)
-            : find_deepest_per_segment(pair.field(), pair.shell(), pair.field_from_shell(), level(),
-                                       reach, scratch_);
+        ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
   };
-  ask();
-  if (contacts_.empty() && pair.swap_roles_if_enclosed()) ask();
+  take();
+  if (pair.asks_both) {
+    const Pose second_field_from_shell = pair.field_from_shell().inverse();
+    const std::span<const Contact> found =
+        ask(pair.second_field(), pair.second_shell(), second_field_from_shell, reach, wanted,
+            second_scratch_);
+    second_.append(found, second_field_from_shell, contacts_);
+  } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
+             pair.swap_roles_if_enclosed()) {
+    take();
+  }
   find_features(pair, features_);
   if (features_.empty()) return;
   append_feature_contacts(features_, pair, reach, contacts_);
+}
+
+std::span<const Contact> ModelAlgorithm::ask(const Field& field, const PointShell& shell,
+                                             const Pose& field_from_shell, float reach,
+                                             Wanted wanted, QueryScratch& scratch) const {
+  if (wanted == Wanted::kAll) {
+    return find_contacts(field, shell, field_from_shell, {.margin = reach}, scratch);
+  }
+  return find_deepest_per_segment(field, shell, field_from_shell, level(), reach, scratch);
 }
 
 /// Fills contacts_ with those of the pose at which triangles first touch the model on its way
@@ -223,9 +238,15 @@ ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
   if (pair.has_triangles() || contact.id >= kFirstFeature) {
     return {contact.id, std::uint64_t{contact.id} + 1};
   }
-  const PointSphereTree& tree = pair.shell().tree();
-  const std::uint32_t segment = tree.segment(contact.id, level());
-  return {segment, tree.cluster_points(level(), segment).end};
+  // Segments of a tree and its edges number less than its elements, of which there are at most this
+  // many.
+  constexpr std::uint32_t kMost = 2 * std::uint32_t{PointShellSettings::kMostPoints};
+  const bool is_second = contact.id >= kFirstOfSecond;
+  const PointShell& shell = is_second ? pair.second_shell() : pair.shell();
+  const std::uint32_t first = is_second ? kFirstOfSecond : 0;
+  const std::uint32_t segment = shell.segment_of(contact.id - first, level());
+  return {is_second ? kMost + segment : segment,
+          std::uint64_t{first} + shell.segment_elements(level(), segment).end};
 }
 
 void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {

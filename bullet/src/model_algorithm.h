@@ -11,6 +11,7 @@
 
 #include "contact_rule.h"
 #include "hull.h"
+#include "second_shell.h"
 #include "shape_features.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
@@ -58,6 +59,9 @@ class ModelAlgorithm : public btCollisionAlgorithm {
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
   void find_near(PosedPair& pair, double margin, Wanted wanted);
+  std::span<const Contact> ask(const Field& field, const PointShell& shell,
+                               const Pose& field_from_shell, float reach, Wanted wanted,
+                               QueryScratch& scratch) const;
   double find_on_the_way(const PosedPair& pair, const ContactRule& rule);
   int level() const;
   Segment segment_of(const PosedPair& pair, const Contact& contact) const;
@@ -75,6 +79,8 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
   ContactRule::Memory memory_;
   QueryScratch scratch_;
+  QueryScratch second_scratch_;
+  SecondShell second_;
   bool sweeps_ = false;      ///< this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;

@@ -118,8 +118,9 @@ void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
   // Compounds compare the bounds of children without Bullet's own slack for contacts: points within
   // the rest margin must lie inside.
   const btScalar reach =
-      m_collisionMargin + static_cast<btScalar>(default_rest_margin(
-                              static_cast<double>(model_->shell().tree().spheres(1)[0].radius)));
+      m_collisionMargin +
+      static_cast<btScalar>(default_rest_margin(
+          static_cast<double>(model_->shell().tree().spheres(1)[0].radius), model_->thickness()));
   const btVector3 margin(reach, reach, reach);
   lower = to_bullet(box.lower);
   upper = to_bullet(box.upper);

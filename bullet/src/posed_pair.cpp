@@ -82,7 +82,10 @@ Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
       const auto& model_shape = static_cast<const ModelShape&>(shape);
       world_from_geometry_ = world_from_geometry_ * model_shape.body_from_model();
       model_ = &model_shape.model();
-      participant_ = {&model_->field(), &model_->shell()};
+      participant_ = {.field = &model_->field(),
+                      .shell = &model_->shell(),
+                      .accuracy = &model_->accuracy(),
+                      .thickness = model_->thickness()};
       return;
     }
     case Meeting::kTriangles:
@@ -91,14 +94,14 @@ Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
       return;
     case Meeting::kHull:
       hull_ = hull;
-      participant_ = {&hull_->field(), nullptr};
+      participant_.field = &hull_->field();
       thickness_ = static_cast<double>(shape.getMargin());
       return;
     default:
       break;
   }
   make_analytic(shape);
-  if (analytic_) participant_ = {&*analytic_, nullptr};
+  if (analytic_) participant_.field = &*analytic_;
 }
 
 void Side::make_analytic(const btCollisionShape& shape) {
@@ -156,28 +159,45 @@ Ball Side::bounding_ball() const {
 
 Vec3 Side::middle() const { return hull_ != nullptr ? hull_->middle() : Vec3{}; }
 
-double Side::detail() const {
-  if (model_ != nullptr) return std::min(model_->shell().spacing(), model_->grid().voxel_size());
+double Side::thinnest() const {
   constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  if (model_ != nullptr) return model_->thickness();
   const Field* field = participant_.field;
   if (field == nullptr || std::holds_alternative<PlaneField>(*field)) return kUnbounded;
   const auto at = static_cast<Vec3f>(middle());
   return std::visit(
       [&](const auto& typed) {
-        return 0.25 * (thickness_ - static_cast<double>(typed.distance(at)));
+        return 2.0 * (thickness_ - static_cast<double>(typed.distance(at)));
       },
       *field);
 }
 
+double Side::detail() const {
+  if (model_ == nullptr) return 0.125 * thinnest();
+  constexpr double kOfThickness = 0.25;
+  constexpr double kOfSize = 0.02;
+  const Vec3 sides = model_->bounds().extents();
+  return std::min(kOfThickness * thinnest(), kOfSize * std::max({sides.x, sides.y, sides.z}));
+}
+
 PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,
-                     const Hull* hull)
-    : a(a_wrap, hull),
-      b(b_wrap, hull),
-      // One of the two is a model, or the algorithm would not have been made.
-      shell_is_a(a.triangles() != nullptr ||
-                 (b.triangles() == nullptr &&
-                  *choose_shell(a.participant(), b.participant(), ShellChoice::kAutomatic) ==
-                      PairBody::kA)) {}
+                     const Hull* hull, ShellRule rule)
+    : a(a_wrap, hull), b(b_wrap, hull) {
+  settle_roles(rule);
+}
+
+void PosedPair::settle_roles(ShellRule rule) {
+  if (a.triangles() != nullptr || b.triangles() != nullptr) {
+    shell_is_a = a.triangles() != nullptr;
+    return;
+  }
+  const ShellChoice choice =
+      rule == ShellRule::kFewest ? ShellChoice::kFewest : ShellChoice::kAutomatic;
+  // One of the two is a model, or the algorithm would not have been made.
+  const PairRole pair = *decide_role(a.participant(), b.participant(), choice);
+  asks_both = pair.role == Role::kBoth;
+  shell_is_a = asks_both ? pair.miss_of_a <= pair.miss_of_b : pair.role == Role::kA;
+}
 
 bool PosedPair::swap_roles_if_enclosed() {
   if (!is_enclosed(field_side().participant(), shell_side().participant(),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -8,6 +9,7 @@
 #include "ball.h"
 #include "contact_manifold.h"
 #include "hull.h"
+#include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 #include "voxshell/pair.h"
@@ -52,8 +54,11 @@ class Side {
   Ball bounding_ball() const;
   /// Of the geometry's frame, a place that is well inside.
   Vec3 middle() const;
-  /// What moves by more in a step may be through it unseen, metres: a voxel of a model, a quarter
-  /// of the depth of another shape's middle.
+  /// Of the geometry where it is thinnest, metres; infinity of planes and triangles.
+  double thinnest() const;
+  /// What moves by more in a step may be through it unseen, or deeper in it than a user accepts,
+  /// metres: a quarter of a model's thickness or a 50th of its longest side, a quarter of the depth
+  /// of another shape's middle.
   double detail() const;
 
  private:
@@ -69,31 +74,43 @@ class Side {
   double thickness_ = 0.0;
 };
 
+/// Contacts of the second shell have ids from here on: no shell has so many elements.
+inline constexpr std::uint32_t kFirstOfSecond = 0x80000000u;
+
 /// The two sides with their roles settled. Where one is made of triangles, they are the shell.
+/// Where both models' shells are asked, that with which less is missed is the shell, and the other
+/// one, of the field's side, is the second.
 struct PosedPair {
   /// `hull` is of the shape that meets the model by it, if one does, and outlives this.
   PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,
-            const Hull* hull);
+            const Hull* hull, ShellRule rule);
 
   const Side& shell_side() const { return shell_is_a ? a : b; }
   const Side& field_side() const { return shell_is_a ? b : a; }
   bool has_triangles() const { return shell_side().triangles() != nullptr; }
   const PointShell& shell() const { return *shell_side().participant().shell; }
   const Field& field() const { return *field_side().participant().field; }
+  /// Where both are asked: the shell of the field's side, and the field that it is tested against.
+  const PointShell& second_shell() const { return *field_side().participant().shell; }
+  const Field& second_field() const { return *shell_side().participant().field; }
   double thickness() const { return a.thickness() + b.thickness(); }
   Pose field_from_shell() const {
     return field_side().world_from_geometry().inverse() * shell_side().world_from_geometry();
   }
 
   /// Makes the other body the shell where it may lie inside the one that is. For pairs without
-  /// contact.
+  /// contact, by ShellRule::kFewest.
   bool swap_roles_if_enclosed();
 
   WorldContact to_world(const Contact& contact) const;
 
   Side a;
   Side b;
-  bool shell_is_a;
+  bool shell_is_a = true;
+  bool asks_both = false;
+
+ private:
+  void settle_roles(ShellRule rule);
 };
 
 }  // namespace voxshell::bullet

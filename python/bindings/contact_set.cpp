@@ -31,7 +31,7 @@ void ContactArrays::append(const ShellContact& of_shell, const Bodies& bodies, c
   normals.push_back(world.normal);
   depths.push_back(static_cast<double>(contact.depth));
   ids.push_back(contact.id);
-  segments.push_back(bodies.shell_of(shell_body)->tree().segment(contact.id, level));
+  segments.push_back(bodies.shell_of(shell_body)->segment_of(contact.id, level));
   shells.push_back(shell_body == PairBody::kA ? 0 : 1);
 }
 
@@ -73,7 +73,7 @@ ContactSet subset(const ContactSet& set, std::vector<ShellContact> chosen) {
 std::vector<Contact> in_one_frame(const ContactSet& set) {
   std::vector<Contact> contacts;
   contacts.reserve(set.contacts.size());
-  const bool is_merged = set.scene.shells == Shells::kBoth;
+  const bool is_merged = set.scene.role == Role::kBoth;
   const Pose a_from_b = set.scene.pose.field_from_shell(PairBody::kB);
   for (const auto& [shell_body, contact] : set.contacts) {
     contacts.push_back(contact);
@@ -82,13 +82,6 @@ std::vector<Contact> in_one_frame(const ContactSet& set) {
     point = static_cast<Vec3f>(a_from_b.transform_point(static_cast<Vec3>(point)));
   }
   return contacts;
-}
-
-ContactSet manifold(const ContactSet& set, std::size_t max_points) {
-  std::vector<ShellContact> chosen;
-  const ManifoldPoints points = select_manifold(in_one_frame(set), max_points);
-  for (const std::uint32_t index : points.chosen()) chosen.push_back(set.contacts[index]);
-  return subset(set, std::move(chosen));
 }
 
 ContactSet deepest_per_segment(const ContactSet& set) {
@@ -103,8 +96,8 @@ ContactSet deepest_per_segment(const ContactSet& set) {
     std::sort(of_shell.begin(), of_shell.end(),
               [](const Contact& a, const Contact& b) { return a.id < b.id; });
     std::vector<std::uint32_t> deepest;
-    select_deepest_per_segment(of_shell, set.scene.bodies.shell_of(shell_body)->tree(),
-                               set.scene.level, deepest);
+    select_deepest_per_segment(of_shell, *set.scene.bodies.shell_of(shell_body), set.scene.level,
+                               deepest);
     for (const std::uint32_t i : deepest) chosen.push_back({shell_body, of_shell[i]});
   }
   return subset(set, std::move(chosen));
@@ -112,20 +105,34 @@ ContactSet deepest_per_segment(const ContactSet& set) {
 
 }  // namespace
 
+ContactSet select_manifold(const ContactSet& set, std::size_t max_points) {
+  std::vector<ShellContact> chosen;
+  const ManifoldPoints points = voxshell::select_manifold(in_one_frame(set), max_points);
+  for (const std::uint32_t index : points.chosen()) chosen.push_back(set.contacts[index]);
+  return subset(set, std::move(chosen));
+}
+
 void bind_contact_set(nb::module_& module) {
-  nb::enum_<Shells>(module, "Shells")
-      .value("AUTOMATIC", Shells::kAutomatic)
-      .value("A", Shells::kA)
-      .value("B", Shells::kB)
-      .value("BOTH", Shells::kBoth);
+  nb::enum_<ShellChoice>(module, "Shells")
+      .value("AUTOMATIC", ShellChoice::kAutomatic)
+      .value("FEWEST", ShellChoice::kFewest)
+      .value("A", ShellChoice::kA)
+      .value("B", ShellChoice::kB)
+      .value("BOTH", ShellChoice::kBoth);
+
+  nb::enum_<Role>(module, "Role")
+      .value("A", Role::kA)
+      .value("B", Role::kB)
+      .value("BOTH", Role::kBoth);
 
   nb::class_<ContactSet> set(module, "ContactSet", "Contacts of a pair, world frame.");
   def_contact_arrays(set);
   set.def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
-      .def_prop_ro("shells_asked", [](const ContactSet& s) { return s.scene.shells; })
+      .def_prop_ro("role", [](const ContactSet& s) { return s.scene.role; })
       .def_ro("exact", &ContactSet::is_exact)
       .def_ro("depth_bound", &ContactSet::depth_bound)
-      .def("manifold", &manifold, nb::arg("max_points"), "At most 4 of them, in the order chosen.")
+      .def("manifold", &select_manifold, nb::arg("max_points"),
+           "At most 4 of them, in the order chosen.")
       .def("deepest_per_segment", &deepest_per_segment, "A's, then b's, each ascending by id.");
 }
 

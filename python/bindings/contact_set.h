@@ -34,7 +34,7 @@ struct ContactScene {
   SharedBodies bodies;
   PairPose pose;
   int level;
-  Shells shells;  ///< whose points were asked about; never kAutomatic
+  Role role;  ///< whose points were asked about
 };
 
 /// Contacts of one pose. The core's own are kept, for subsets to be chosen from.
@@ -48,13 +48,14 @@ struct ContactSet {
 
 ContactSet make_contact_set(ContactScene scene, std::vector<ShellContact> contacts);
 
-inline Shells shells_of(PairBody body) { return body == PairBody::kA ? Shells::kA : Shells::kB; }
-
 inline void append(std::vector<ShellContact>& to, PairBody shell_body,
                    std::span<const Contact> contacts) {
   to.reserve(to.size() + contacts.size());
   for (const Contact& contact : contacts) to.push_back({shell_body, contact});
 }
+
+/// Those of the set that select_manifold() picks, in the order chosen.
+ContactSet select_manifold(const ContactSet& set, std::size_t max_points);
 
 /// Of several shells' contacts, each ascending by id, the deepest; of equally deep ones the first.
 void keep_deepest(std::vector<ShellContact>& contacts, std::size_t max_points);

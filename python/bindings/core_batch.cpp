@@ -86,14 +86,14 @@ struct ContactBatchSet {
   SharedBodies bodies;
   int level;
   PosePairs poses;
-  std::vector<Shells> shells;         ///< one a pose
+  std::vector<Role> roles;            ///< one a pose
   std::vector<std::int64_t> offsets;  ///< one more
   std::vector<ShellContact> contacts;
   ContactArrays arrays;
 
   ContactSet at(std::size_t i) const {
     const auto begin = contacts.begin();
-    return make_contact_set({bodies, poses[i], level, shells[i]},
+    return make_contact_set({bodies, poses[i], level, roles[i]},
                             {begin + offsets[i], begin + offsets[i + 1]});
   }
 };
@@ -111,12 +111,12 @@ struct Part {
 
 /// `parts` are of all poses, `swapped` of those that `enclosed` lists.
 ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
-                      std::size_t max_points, Shells shells, const std::vector<Part>& parts,
+                      std::size_t max_points, Role role, const std::vector<Part>& parts,
                       const std::vector<std::size_t>& enclosed, const Part& swapped) {
   ContactBatchSet set{.bodies = bodies,
                       .level = level,
                       .poses = std::move(poses),
-                      .shells = {},
+                      .roles = {},
                       .offsets = {0},
                       .contacts = {},
                       .arrays = {}};
@@ -136,7 +136,7 @@ ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
     for (const ShellContact& contact : here) set.arrays.append(contact, bodies.view(), pose, level);
     set.contacts.insert(set.contacts.end(), here.begin(), here.end());
     set.offsets.push_back(static_cast<std::int64_t>(set.contacts.size()));
-    set.shells.push_back(is_swapped ? shells_of(swapped.shell_body) : shells);
+    set.roles.push_back(is_swapped ? role_of(swapped.shell_body) : role);
   }
   return set;
 }
@@ -179,18 +179,17 @@ Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses
     if (!found) return found.error();
     swapped.found = *std::move(found);
   }
-  const Shells shells = parts.size() == 2 ? Shells::kBoth : shells_of(parts[0].shell_body);
-  return merge(bodies, std::move(poses), level, options.max_points, shells, parts, enclosed,
+  return merge(bodies, std::move(poses), level, options.max_points, roles.role(), parts, enclosed,
                swapped);
 }
 
-ContactBatchSet contacts_batch(const SharedField& field_a, const SharedShell& shell_a,
-                               const SharedField& field_b, const SharedShell& shell_b,
+ContactBatchSet contacts_batch(const SharedField& field_a, const SharedModel& model_a,
+                               const SharedField& field_b, const SharedModel& model_b,
                                const OptionalPoses& a_poses, const OptionalPoses& b_poses,
-                               bool a_is_one, bool b_is_one, Shells shells, float margin, int level,
-                               std::optional<std::size_t> max_points, unsigned threads,
+                               bool a_is_one, bool b_is_one, ShellChoice shells, float margin,
+                               int level, std::optional<std::size_t> max_points, unsigned threads,
                                nb::handle progress) {
-  const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
+  const SharedBodies bodies{field_a, model_a, field_b, model_b};
   PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
   const Roles roles = choose_roles(bodies.view(), shells);
   BuildWatch watch(progress);
@@ -231,11 +230,10 @@ Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& 
 }
 
 nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
-    const Field& field_a, const PointShell* shell_a, const Field& field_b,
-    const PointShell* shell_b, const OptionalPoses& a_poses, const OptionalPoses& b_poses,
-    bool a_is_one, bool b_is_one, Shells shells, float margin, unsigned threads,
-    nb::handle progress) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+    const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
+    const OptionalPoses& a_poses, const OptionalPoses& b_poses, bool a_is_one, bool b_is_one,
+    ShellChoice shells, float margin, unsigned threads, nb::handle progress) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
   const PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
   const Roles roles = choose_roles(bodies, shells);
   BuildWatch watch(progress);
@@ -263,14 +261,14 @@ void bind_batch(nb::module_& module) {
         return s.at(i);
       });
 
-  module.def("contacts_batch", &contacts_batch, nb::arg("field_a"), nb::arg("shell_a").none(),
-             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_poses").none(),
+  module.def("contacts_batch", &contacts_batch, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
              nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(), nb::arg("threads"),
              nb::arg("progress").none(),
              "(k, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
-  module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("shell_a").none(),
-             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_poses").none(),
+  module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
              nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
              nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), "(k,) bool.");
 }

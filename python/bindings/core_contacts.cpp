@@ -2,11 +2,15 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include <nanobind/stl/tuple.h>
+
 #include "contact_set.h"
 #include "core_module.h"
+#include "errors.h"
 #include "query_scratch.h"
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
@@ -61,81 +65,96 @@ class Asking {
 };
 
 template <Search kSearch>
-ContactSet contacts(const SharedField& field_a, const SharedShell& shell_a,
-                    const SharedField& field_b, const SharedShell& shell_b,
-                    const OptionalPose& a_pose, const OptionalPose& b_pose, Shells shells,
+ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
+                    const SharedField& field_b, const SharedModel& model_b,
+                    const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
                     float margin, int level, std::optional<std::size_t> max_points,
                     std::optional<std::size_t> budget, SharedScratch* scratch) {
-  const SharedBodies bodies{field_a, shell_a, field_b, shell_b};
+  const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies.view(), shells);
   const nb::gil_scoped_release released;
   const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
   Asking<kSearch> asking(bodies.view(), pose, options, budget, scratch);
   for (const PairBody shell_body : roles.shell_bodies) asking.ask(shell_body);
-  if (shells == Shells::kAutomatic) shells = shells_of(roles.shell_bodies[0]);
+  Role role = roles.role();
   const PairBody inner = other(roles.shell_bodies[0]);
   if (roles.may_swap && options.max_points > 0 && asking.contacts.empty() &&
       is_enclosed(bodies.view(), pose, inner)) {
     asking.ask(inner);
-    shells = shells_of(inner);
+    role = role_of(inner);
   }
   keep_deepest(asking.contacts, options.max_points);
-  ContactSet set = make_contact_set({bodies, pose, level, shells}, std::move(asking.contacts));
+  ContactSet set = make_contact_set({bodies, pose, level, role}, std::move(asking.contacts));
   set.is_exact = asking.is_exact;
   set.depth_bound = asking.depth_bound;
   return set;
 }
 
-/// What `find` picks from one shell's contacts without listing the others.
+/// What `find` picks from each shell's contacts without listing the others.
 template <class Find>
-ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, Shells shells, int level,
-                         SharedScratch* scratch, const Find& find) {
-  const Roles roles = choose_roles(bodies.view(), shells);
-  const nb::gil_scoped_release released;
+ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, const Roles& roles,
+                         int level, SharedScratch* scratch, const Find& find) {
   std::vector<ShellContact> found;
-  PairBody shell_body = roles.shell_bodies[0];
+  Role role = roles.role();
   const auto ask = [&](PairBody body) {
-    shell_body = body;
     const LockedScratch locked(scratch, body);
     append(found, body,
            find(*bodies.field_of(other(body)), *bodies.shell_of(body), pose.field_from_shell(body),
                 *locked));
   };
-  ask(shell_body);
-  const PairBody inner = other(shell_body);
-  if (roles.may_swap && found.empty() && is_enclosed(bodies.view(), pose, inner)) ask(inner);
-  return make_contact_set({bodies, pose, level, shells_of(shell_body)}, std::move(found));
+  for (const PairBody body : roles.shell_bodies) ask(body);
+  const PairBody inner = other(roles.shell_bodies[0]);
+  if (roles.may_swap && found.empty() && is_enclosed(bodies.view(), pose, inner)) {
+    ask(inner);
+    role = role_of(inner);
+  }
+  return make_contact_set({bodies, pose, level, role}, std::move(found));
 }
 
-ContactSet manifold(const SharedField& field_a, const SharedShell& shell_a,
-                    const SharedField& field_b, const SharedShell& shell_b,
-                    const OptionalPose& a_pose, const OptionalPose& b_pose, Shells shells,
+ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
+                    const SharedField& field_b, const SharedModel& model_b,
+                    const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
                     float margin, std::size_t max_points, SharedScratch* scratch) {
+  const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies.view(), shells);
+  const nb::gil_scoped_release released;
+  if (roles.role() == Role::kBoth) {
+    // The second point of a manifold depends on the first, which may be of the other shell.
+    const auto list = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
+                          QueryScratch& own) {
+      return find_contacts(field, shell, field_from_shell, {.margin = margin}, own);
+    };
+    return select_manifold(pick_contacts(bodies, pose, roles, 1, scratch, list), max_points);
+  }
   const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
                         QueryScratch& own) {
     return find_manifold(field, shell, field_from_shell, margin, own, max_points);
   };
-  return pick_contacts({field_a, shell_a, field_b, shell_b}, pose, shells, 1, scratch, find);
+  return pick_contacts(bodies, pose, roles, 1, scratch, find);
 }
 
-ContactSet deepest_per_segment(const SharedField& field_a, const SharedShell& shell_a,
-                               const SharedField& field_b, const SharedShell& shell_b,
+ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& model_a,
+                               const SharedField& field_b, const SharedModel& model_b,
                                const OptionalPose& a_pose, const OptionalPose& b_pose,
-                               Shells shells, float margin, int level, SharedScratch* scratch) {
+                               ShellChoice shells, float margin, int level,
+                               SharedScratch* scratch) {
+  const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
+  const Roles roles = choose_roles(bodies.view(), shells);
+  const nb::gil_scoped_release released;
   const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
                         QueryScratch& own) {
     return find_deepest_per_segment(field, shell, field_from_shell, level, margin, own);
   };
-  return pick_contacts({field_a, shell_a, field_b, shell_b}, pose, shells, level, scratch, find);
+  return pick_contacts(bodies, pose, roles, level, scratch, find);
 }
 
-bool collide(const Field& field_a, const PointShell* shell_a, const Field& field_b,
-             const PointShell* shell_b, const OptionalPose& a_pose, const OptionalPose& b_pose,
-             Shells shells, float margin) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+bool collide(const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
+             const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
+             float margin) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
@@ -148,10 +167,21 @@ bool collide(const Field& field_a, const PointShell* shell_a, const Field& field
   return roles.may_swap && is_enclosed(bodies, pose, inner) && touches(inner);
 }
 
+/// Role, what it may miss, what a alone, b alone and both may miss, the smaller body's thickness.
+std::tuple<Role, double, double, double, double, double> role_of_pair(const Field& field_a,
+                                                                      const Model* model_a,
+                                                                      const Field& field_b,
+                                                                      const Model* model_b,
+                                                                      ShellChoice shells) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
+  const PairRole pair = unwrap(decide_role(bodies.a, bodies.b, shells));
+  return {pair.role, pair.miss, pair.miss_of_a, pair.miss_of_b, pair.miss_of_both, pair.thickness};
+}
+
 template <class Function>
 void def_contacts(nb::module_& module, const char* name, Function function, const char* doc) {
-  module.def(name, function, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
-             nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
+  module.def(name, function, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
+             nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(),
              nb::arg("budget").none(), nb::arg("scratch").none(), doc);
 }
@@ -163,17 +193,21 @@ void bind_contacts(nb::module_& module) {
       .def(nb::init<>());
   def_contacts(module, "contacts", &contacts<Search::kTree>, "By the point-sphere tree.");
   def_contacts(module, "contacts_flat", &contacts<Search::kFlat>, "By the flat loop.");
-  module.def("manifold", &manifold, nb::arg("field_a"), nb::arg("shell_a").none(),
-             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_pose").none(),
+  module.def("manifold", &manifold, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("margin"), nb::arg("max_points"),
-             nb::arg("scratch").none(), "By branch and bound; of one shell.");
+             nb::arg("scratch").none(),
+             "By branch and bound; of both shells, from the list of all.");
   module.def("deepest_per_segment", &deepest_per_segment, nb::arg("field_a"),
-             nb::arg("shell_a").none(), nb::arg("field_b"), nb::arg("shell_b").none(),
+             nb::arg("model_a").none(), nb::arg("field_b"), nb::arg("model_b").none(),
              nb::arg("a_pose").none(), nb::arg("b_pose").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("scratch").none(),
-             "By branch and bound; of one shell.");
-  module.def("collide", &collide, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
-             nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
+             "By branch and bound, of each shell.");
+  module.def("role", &role_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"),
+             "Role, what it, a, b and both may miss, and the smaller body's thickness, metres.");
+  module.def("collide", &collide, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
+             nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"));
 }
 

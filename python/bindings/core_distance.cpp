@@ -21,11 +21,11 @@ Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 /// Distance, point on a, point on b, normal, whether the point is of a's shell.
 using Nearest = std::tuple<double, Coordinates, Coordinates, Coordinates, bool>;
 
-std::optional<Nearest> distance(const Field& field_a, const PointShell* shell_a,
-                                const Field& field_b, const PointShell* shell_b,
-                                const OptionalPose& a_pose, const OptionalPose& b_pose,
-                                Shells shells, float max_distance, SharedScratch* scratch) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+std::optional<Nearest> distance(const Field& field_a, const Model* model_a, const Field& field_b,
+                                const Model* model_b, const OptionalPose& a_pose,
+                                const OptionalPose& b_pose, ShellChoice shells, float max_distance,
+                                SharedScratch* scratch) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
@@ -53,8 +53,8 @@ std::optional<Nearest> distance(const Field& field_a, const PointShell* shell_a,
 }  // namespace
 
 void bind_distance(nb::module_& module) {
-  module.def("distance", &distance, nb::arg("field_a"), nb::arg("shell_a").none(),
-             nb::arg("field_b"), nb::arg("shell_b").none(), nb::arg("a_pose").none(),
+  module.def("distance", &distance, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("max_distance"),
              nb::arg("scratch").none(),
              "Distance, point on a, point on b, normal, whether a's shell is nearest; or None.");

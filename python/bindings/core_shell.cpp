@@ -20,6 +20,22 @@ auto compute_segments(const PointSphereTree& tree, int level) {
   return release<std::int64_t, nb::ndim<1>>(std::move(segments), {tree.point_count()});
 }
 
+/// Both ends of each segment, (m, 2, 3); none where there are no edges.
+auto copy_edges(const PointShell& shell) {
+  std::vector<float> ends;
+  const EdgeSegments* edges = shell.edges();
+  const std::size_t count = edges == nullptr ? 0 : edges->size();
+  ends.reserve(6 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f middle = edges->middles()[i];
+    const Vec3f half = edges->halves()[i];
+    for (const Vec3f& end : {middle - half, middle + half}) {
+      ends.insert(ends.end(), {end.x, end.y, end.z});
+    }
+  }
+  return release<const float, nb::shape<-1, 2, 3>>(std::move(ends), {count, 2, 3});
+}
+
 /// The tree holds them coordinate by coordinate.
 auto copy_points(const PointShell& shell) {
   const BucketPoints points = shell.points();
@@ -38,6 +54,7 @@ void bind_shell(nb::module_& module) {
       .def_prop_ro("points", &copy_points, nb::rv_policy::automatic)
       .def_prop_ro("normals", [](const PointShell& s) { return view_rows<float, 3>(s.normals()); })
       .def_prop_ro("areas", [](const PointShell& s) { return view(s.areas()); })
+      .def_prop_ro("edges", &copy_edges, nb::rv_policy::automatic)
       .def_prop_ro("spacing", &PointShell::spacing)
       .def_prop_ro("tree", &PointShell::tree);
 

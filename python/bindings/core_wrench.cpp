@@ -29,36 +29,42 @@ Wrench on_a(const Wrench& on_shell, PairBody shell_body, const PairPose& pose) {
   return {-force, -(torque + cross(arm, force))};
 }
 
-std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const PointShell* shell_a,
-                                           const Field& field_b, const PointShell* shell_b,
+std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const Model* model_a,
+                                           const Field& field_b, const Model* model_b,
                                            const OptionalPose& a_pose, const OptionalPose& b_pose,
-                                           Shells shells, double stiffness,
+                                           ShellChoice shells, double stiffness,
                                            SharedScratch* scratch) {
-  const Bodies bodies{field_a, shell_a, field_b, shell_b};
+  const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
   const nb::gil_scoped_release released;
   bool touches = false;
-  const auto ask = [&](PairBody body) {
+  Wrench result{};
+  const auto ask = [&](PairBody body, double weight) {
     const LockedScratch locked(scratch, body);
     const Wrench found = compute_wrench(*bodies.field_of(other(body)), *bodies.shell_of(body),
-                                        pose.field_from_shell(body), stiffness, *locked);
-    touches = !(*locked).contacts().empty();
-    return on_a(found, body, pose);
+                                        pose.field_from_shell(body), weight * stiffness, *locked);
+    touches = touches || !(*locked).contacts().empty();
+    const Wrench of_shell = on_a(found, body, pose);
+    result.force += of_shell.force;
+    result.torque += of_shell.torque;
   };
-  Wrench result = ask(roles.shell_bodies[0]);
+  // The surfaces of both shells are the same layer of springs: their mean counts it once, and is
+  // continuous as each of them is.
+  const double weight = 1.0 / static_cast<double>(roles.shell_bodies.size());
+  for (const PairBody body : roles.shell_bodies) ask(body, weight);
   const PairBody inner = other(roles.shell_bodies[0]);
-  if (roles.may_swap && !touches && is_enclosed(bodies, pose, inner)) result = ask(inner);
+  if (roles.may_swap && !touches && is_enclosed(bodies, pose, inner)) ask(inner, 1.0);
   return {to_coordinates(result.force), to_coordinates(result.torque)};
 }
 
 }  // namespace
 
 void bind_wrench(nb::module_& module) {
-  module.def("wrench", &wrench, nb::arg("field_a"), nb::arg("shell_a").none(), nb::arg("field_b"),
-             nb::arg("shell_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
+  module.def("wrench", &wrench, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
+             nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(),
-             "Force and torque on a about its origin, world frame; of one shell.");
+             "Force and torque on a about its origin, world frame; of both shells, the mean.");
 }
 
 }  // namespace voxshell::python

@@ -18,25 +18,12 @@ Pose read_pose(const OptionalPose& pose, const char* name) {
   return read_matrix(pose->numbers.data(), name);
 }
 
-Roles choose_roles(const Bodies& bodies, Shells shells) {
-  static constexpr std::array kBoth{PairBody::kA, PairBody::kB};
-  const auto choose = [&](ShellChoice choice) {
-    const PairBody body = unwrap(choose_shell(bodies.a, bodies.b, choice));
-    return std::span(kBoth).subspan(body == PairBody::kA ? 0 : 1, 1);
-  };
-  switch (shells) {
-    case Shells::kA:
-      return {choose(ShellChoice::kA), false};
-    case Shells::kB:
-      return {choose(ShellChoice::kB), false};
-    case Shells::kBoth:
-      choose(ShellChoice::kA);
-      choose(ShellChoice::kB);
-      return {kBoth, false};
-    case Shells::kAutomatic:
-      break;
-  }
-  return {choose(ShellChoice::kAutomatic), true};
+Roles choose_roles(const Bodies& bodies, ShellChoice choice) {
+  static constexpr std::array kBodies{PairBody::kA, PairBody::kB};
+  const PairRole pair = unwrap(decide_role(bodies.a, bodies.b, choice));
+  const std::span<const PairBody> all(kBodies);
+  const std::size_t count = pair.role == Role::kBoth ? 2 : 1;
+  return {all.subspan(pair.role == Role::kB ? 1 : 0, count), choice == ShellChoice::kFewest};
 }
 
 WorldContact to_world(const Contact& contact, PairBody shell_body, const PairPose& pose) {

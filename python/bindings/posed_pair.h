@@ -11,14 +11,15 @@
 #include "pose_matrix.h"
 #include "voxshell/contacts.h"
 #include "voxshell/field.h"
+#include "voxshell/model.h"
 #include "voxshell/pair.h"
-#include "voxshell/point_shell.h"
 #include "voxshell/pose.h"
 
 namespace voxshell::python {
 
 using SharedField = std::shared_ptr<const Field>;
-using SharedShell = std::shared_ptr<const PointShell>;
+/// None of an analytic field.
+using SharedModel = std::shared_ptr<const Model>;
 /// None is the identity.
 using OptionalPose = std::optional<PoseMatrix>;
 
@@ -26,19 +27,23 @@ using OptionalPose = std::optional<PoseMatrix>;
 Pose read_matrix(const double* matrix, const std::string& name);
 Pose read_pose(const OptionalPose& pose, const char* name);
 
-/// Which body's points are tested, or both's, one after the other.
-enum class Shells { kAutomatic, kA, kB, kBoth };
+inline Role role_of(PairBody body) { return body == PairBody::kA ? Role::kA : Role::kB; }
 
-inline PairBody other(PairBody body) { return body == PairBody::kA ? PairBody::kB : PairBody::kA; }
+inline Participant make_participant(const Field& field, const Model* model) {
+  if (model == nullptr) return {.field = &field};
+  return {.field = &field,
+          .shell = &model->shell(),
+          .accuracy = &model->accuracy(),
+          .thickness = model->thickness()};
+}
 
 /// What a query is asked about; its caller's arguments keep them alive, without the GIL as well.
 struct Bodies {
   Participant a;
   Participant b;
 
-  Bodies(const Field& field_a, const PointShell* shell_a, const Field& field_b,
-         const PointShell* shell_b)
-      : a{&field_a, shell_a}, b{&field_b, shell_b} {}
+  Bodies(const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b)
+      : a(make_participant(field_a, model_a)), b(make_participant(field_b, model_b)) {}
 
   const Participant& participant(PairBody body) const { return body == PairBody::kA ? a : b; }
   const PointShell* shell_of(PairBody body) const { return participant(body).shell; }
@@ -48,11 +53,11 @@ struct Bodies {
 /// The same, kept alive for what outlives the call.
 struct SharedBodies {
   SharedField field_a;
-  SharedShell shell_a;
+  SharedModel model_a;
   SharedField field_b;
-  SharedShell shell_b;
+  SharedModel model_b;
 
-  Bodies view() const { return {*field_a, shell_a.get(), *field_b, shell_b.get()}; }
+  Bodies view() const { return {*field_a, model_a.get(), *field_b, model_b.get()}; }
   const PointShell* shell_of(PairBody body) const { return view().shell_of(body); }
   const Field* field_of(PairBody body) const { return view().field_of(body); }
 };
@@ -62,10 +67,12 @@ struct SharedBodies {
 struct Roles {
   std::span<const PairBody> shell_bodies;  ///< one or two, of a constant
   bool may_swap;
+
+  Role role() const { return shell_bodies.size() == 2 ? Role::kBoth : role_of(shell_bodies[0]); }
 };
 
 /// Raises SettingsError where a body that is asked for has no shell. Needs the GIL.
-Roles choose_roles(const Bodies& bodies, Shells shells);
+Roles choose_roles(const Bodies& bodies, ShellChoice choice);
 
 struct PairPose {
   Pose world_from_a;

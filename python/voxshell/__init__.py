@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
+from voxshell._accuracy_warning import AccuracyWarning
 from voxshell._core import version as __version__
 from voxshell.accuracy import Accuracy, ErrorStatistic
 from voxshell.batch import ContactBatch, collide_batch, contacts_batch
@@ -101,6 +102,7 @@ _SIMULATION = {
 }
 
 __all__ = [
+    "AccuracyWarning",
     "Accuracy",
     "Body",
     "Box",

@@ -88,6 +88,9 @@ class PointShell:
     def areas(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]: ...
 
     @property
+    def edges(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 2, 3), writable=False)]: ...
+
+    @property
     def spacing(self) -> float: ...
 
     @property

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from voxshell import _core
+from voxshell._accuracy_warning import judge
 from voxshell._arguments import as_integer, as_real
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import Field
 from voxshell.model import Model
 from voxshell.query_scratch import QueryScratch
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 Collidable: TypeAlias = Model | Field
 """What queries take: a model, or a field without a shell such as a plane, box or sphere."""
 
-OneShell: TypeAlias = Literal["auto", "a", "b"]
-Shell: TypeAlias = Literal["auto", "a", "b", "both"]
+Shell: TypeAlias = Literal["auto", "fewest", "a", "b", "both"]
 """Whose points are tested against the other's field."""
 
 SHELLS = {
     "auto": _core.Shells.AUTOMATIC,
+    "fewest": _core.Shells.FEWEST,
     "a": _core.Shells.A,
     "b": _core.Shells.B,
     "both": _core.Shells.BOTH,
@@ -33,10 +31,10 @@ _MOST = 2**63 - 1
 _SINGLE_MAX = float(np.finfo(np.float32).max)
 
 
-def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | None]:
-    """The field and the shell that the core wants of a body."""
+def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]:
+    """The field and the model, if it is one, that the core wants of a body."""
     if isinstance(body, Model):
-        return body._field._core, body._shell._core
+        return body._field._core, body._core
     if isinstance(body, Field):
         return body._core, None
     *others, last = ("Model", *(kind.__name__ for kind in Field.__subclasses__()))
@@ -45,11 +43,22 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.PointShell | 
     )
 
 
-def as_shells(shell: Any, allowed: Iterable[str] = SHELLS) -> _core.Shells:
+def as_pair(
+    a: Any, b: Any, shell: Any
+) -> tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None, _core.Shells]:
+    """What the core wants of two bodies; warns of a pair whose automatic role may miss much."""
+    field_a, model_a = parts(a, "a")
+    field_b, model_b = parts(b, "b")
+    if shell == "auto" and b._serial not in a._judged and (model_a or model_b):
+        judge(a, b)
+    return field_a, model_a, field_b, model_b, as_shells(shell)
+
+
+def as_shells(shell: Any) -> _core.Shells:
     """What the core calls a choice of shells."""
-    if isinstance(shell, str) and shell in allowed:
+    if isinstance(shell, str) and shell in SHELLS:
         return SHELLS[shell]
-    *others, last = (repr(choice) for choice in allowed)
+    *others, last = (repr(choice) for choice in SHELLS)
     raise SettingsError(f"shell must be {', '.join(others)} or {last}, not {shell!r}")
 
 

@@ -15,8 +15,7 @@ from voxshell._pairs import (
     as_level,
     as_margin,
     as_max_points,
-    as_shells,
-    parts,
+    as_pair,
 )
 from voxshell.contact_set import Contacts, name_shells
 from voxshell.errors import InputTypeError, PoseError, SettingsError
@@ -145,7 +144,7 @@ def contacts_batch(
         b: Likewise. At least one of the two must be a model.
         a_poses: (k, 4, 4) float64, ``world_from_a``; or (4, 4), one for all. None: the identity.
         b_poses: (k, 4, 4) float64, ``world_from_b``; or (4, 4). None: the identity.
-        shell: As for :func:`contacts`; "auto" decides for each pose.
+        shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         level: As for :func:`contacts`.
         max_points: As for :func:`contacts`, of each pose.
@@ -174,12 +173,12 @@ def contacts_batch(
         0.05
     """
     poses = _as_pose_pairs(a_poses, b_poses)
+    *bodies, shells = as_pair(a, b, shell)
     return ContactBatch(
         _core.contacts_batch(
-            *parts(a, "a"),
-            *parts(b, "b"),
+            *bodies,
             *poses,
-            as_shells(shell),
+            shells,
             as_margin(margin),
             as_level(level),
             as_max_points(max_points),
@@ -207,7 +206,7 @@ def collide_batch(
         b: Likewise. At least one of the two must be a model.
         a_poses: As for :func:`contacts_batch`.
         b_poses: As for :func:`contacts_batch`.
-        shell: "a", "b", "both" or "auto", as for :func:`contacts`.
+        shell: As for :func:`contacts`.
         margin: Metres; above 0, bodies that near touch as well.
         threads: How many to use, up to 1024; one a core by default. The result is the same.
         progress: As for :func:`contacts_batch`.
@@ -230,11 +229,11 @@ def collide_batch(
         >>> vx.collide_batch(ball, vx.Plane(), world_from_ball)
         array([False,  True,  True])
     """
+    *bodies, shells = as_pair(a, b, shell)
     return _core.collide_batch(
-        *parts(a, "a"),
-        *parts(b, "b"),
+        *bodies,
         *_as_pose_pairs(a_poses, b_poses),
-        as_shells(shell),
+        shells,
         as_margin(margin),
         _as_threads(threads),
         progress,

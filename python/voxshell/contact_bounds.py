@@ -1,66 +1,80 @@
-"""What a yes or no is worth, in terms of the meshes themselves."""
+"""What contacts and a yes or no are worth, in terms of the meshes themselves."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from voxshell.errors import InputTypeError
-from voxshell.field import DistanceField, Field
+from voxshell import _core
+from voxshell._pairs import as_shells, parts
+from voxshell.contact_set import ROLES
+from voxshell.field import DistanceField
 from voxshell.model import Model
 
 if TYPE_CHECKING:
-    from voxshell.queries import Collidable
+    from voxshell._pairs import Collidable, Shell
 
 
 class ContactBounds(NamedTuple):
-    """How the contacts of a shell in a field relate to the surfaces that they sample.
+    """How the contacts of two bodies relate to the surfaces that they sample; metres.
 
     Attributes:
-        overlap: Where the shell's surface reaches deeper than this into the other body, metres,
-            there is a contact.
-        clearance: Where the surfaces are farther apart than this, metres, and neither body is
-            inside the other, there is none.
+        overlap: Where the surface of the body whose points are tested reaches deeper than this into
+            the other, there is a contact: proved. Of both bodies it is enough that one does.
+        clearance: Where the surfaces are farther apart than this, and neither body is inside the
+            other, there is none: proved.
+        shell: Whose points "auto" tests: "a", "b" or "both".
+        miss: How deep one body may be in the other where a query finds nothing, spikes and edges
+            between the points included: measured when the models were built, not proved.
     """
 
     overlap: float
     clearance: float
+    shell: Literal["a", "b", "both"]
+    miss: float
 
 
-def contact_bounds(shell: Model, field: Collidable) -> ContactBounds:
-    """States what contacts of one body's points in another's field say about their meshes.
+def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> ContactBounds:
+    """States what contacts of two bodies say about their meshes, and who is their shell.
 
     Points lie on the surface, so between them a spike or an edge may enter the other body unseen:
     no place of the surface is farther than sqrt(3) spacings from a point. And a field on a grid is
-    off the true distance by at most :attr:`DistanceField.interpolation_error`.
+    off the true distance by at most :attr:`DistanceField.interpolation_error`. That is the worst
+    case, and a proof; how much the two models at hand can miss is measured, and decides who is the
+    shell.
 
     Args:
-        shell: The body whose points are tested.
-        field: The other body.
+        a: A :class:`Model`, or an analytic shape.
+        b: Likewise. At least one of the two must be a model.
+        shell: As for :func:`contacts`.
 
     Returns:
-        The bounds, at no margin. They hold in exact arithmetic; single precision adds about 1e-7
-        of the bodies' coordinates.
+        The bounds, at no margin, the same for ``contact_bounds(b, a)`` with "a" and "b" exchanged.
+        They hold in exact arithmetic; single precision adds about 1e-7 of the bodies' coordinates.
 
     Raises:
-        InputTypeError: ``shell`` is not a model, or ``field`` is no body.
+        InputTypeError: ``a`` or ``b`` is not a body.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not.
 
     Example:
         >>> import trimesh
         >>> import voxshell as vx
         >>> model = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
-        >>> bounds = vx.contact_bounds(model, model)
-        >>> round(bounds.overlap, 4), round(bounds.clearance, 4)
-        (0.026, 0.0087)
-        >>> vx.contact_bounds(model, vx.Plane()).clearance
-        0.0
+        >>> bounds = vx.contact_bounds(model, vx.Plane())
+        >>> bounds.shell, round(bounds.overlap, 4), bounds.clearance
+        ('a', 0.0173, 0.0)
+        >>> vx.contact_bounds(vx.Plane(), model).shell
+        'b'
     """
-    if not isinstance(shell, Model):
-        raise InputTypeError(f"shell must be a Model, not {type(shell).__name__}")
-    distances = field.field if isinstance(field, Model) else field
-    if not isinstance(distances, Field):
-        raise InputTypeError(
-            f"field must be a Model or an analytic field, not {type(field).__name__}"
-        )
-    error = distances.interpolation_error if isinstance(distances, DistanceField) else 0.0
-    return ContactBounds(math.sqrt(3.0) * shell.shell.spacing + error, error)
+    role, miss, *_ = _core.role(*parts(a, "a"), *parts(b, "b"), as_shells(shell))
+    name = ROLES[role]
+    asked = [(a, b)] if name == "a" else [(b, a)] if name == "b" else [(a, b), (b, a)]
+    overlaps = []
+    errors = []
+    for of_shell, other in asked:
+        assert isinstance(of_shell, Model)
+        distances = other.field if isinstance(other, Model) else other
+        error = distances.interpolation_error if isinstance(distances, DistanceField) else 0.0
+        overlaps.append(math.sqrt(3.0) * of_shell.shell.spacing + error)
+        errors.append(error)
+    return ContactBounds(min(overlaps), max(errors), name, miss)

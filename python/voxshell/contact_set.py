@@ -14,11 +14,12 @@ if TYPE_CHECKING:
 
     from voxshell._core import ContactSet
 
-_SHELLS: dict[_core.Shells, Literal["a", "b", "both"]] = {
-    _core.Shells.A: "a",
-    _core.Shells.B: "b",
-    _core.Shells.BOTH: "both",
+ROLES: dict[_core.Role, Literal["a", "b", "both"]] = {
+    _core.Role.A: "a",
+    _core.Role.B: "b",
+    _core.Role.BOTH: "both",
 }
+"""Names for the core's roles: whose points are tested."""
 _NAMES = np.array(["a", "b"])
 
 
@@ -77,18 +78,24 @@ class Contacts:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Which points of their shell these are, (n,) int64: rows of ``model.shell.points``."""
+        """Which elements of their shell these are, (n,) int64: rows of ``model.shell.points``.
+
+        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number.
+        """
         return self._core.ids
 
     @property
     def segments(self) -> NDArray[np.int64]:
-        """The cluster of each point at the query's level, (n,) int64; 0 without a level."""
+        """The cluster of each element at the query's level, (n,) int64; 0 without a level.
+
+        Clusters of edge segments are numbered after those of points.
+        """
         return self._core.segments
 
     @property
     def shell(self) -> Literal["a", "b", "both"]:
         """Whose points were tested: "a", "b" or "both"."""
-        return _SHELLS[self._core.shells_asked]
+        return ROLES[self._core.role]
 
     @property
     def shells(self) -> NDArray[np.str_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from voxshell._core import GridField as CoreGridField
 
 
+SERIALS = itertools.count()
+"""Tell bodies apart for as long as the program runs; ids may return."""
+
+
 class Field:
     """A signed distance field: how far a point is from a surface, negative inside.
 
@@ -22,10 +27,12 @@ class Field:
     analytic shapes are ones by formula. Immutable.
     """
 
-    __slots__ = ("_core",)
+    __slots__ = ("_core", "_judged", "_serial")
 
     def __init__(self, core: CoreField) -> None:
         self._core = core
+        self._serial = next(SERIALS)
+        self._judged: set[int] = set()
 
     def sample(self, points: ArrayLike) -> NDArray[np.float64]:
         """Signed distances at points, evaluated in single precision as every query does.

@@ -21,7 +21,7 @@ from voxshell._core import Model as CoreModel
 from voxshell.accuracy import read_accuracy
 from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.field import DistanceField
+from voxshell.field import SERIALS, DistanceField
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, MeshWarning, naming_file, read_mesh
 from voxshell.shell import PointShell
@@ -57,12 +57,14 @@ class Model:
                [ 0.5,  0.5,  0.5]])
     """
 
-    __slots__ = ("_core", "_field", "_shell")
+    __slots__ = ("_core", "_field", "_judged", "_serial", "_shell")
 
     def __init__(self, core: CoreModel) -> None:
         if not isinstance(core, CoreModel):
             raise InputTypeError("build a model with Model.from_mesh(mesh)")
         self._core = core
+        self._serial = next(SERIALS)
+        self._judged: set[int] = set()
         self._field = DistanceField(core.field, core.grid)
         self._shell = PointShell(core.shell)
 
@@ -115,7 +117,7 @@ class Model:
                 of the surface's area or more, or where it is a tube, with a warning that says which;
                 else a solid.
             sheet_thickness: Metres, after ``scale``, half of it on either side of the surface; by
-                default a 200th of the longest side, and at least two voxels.
+                default a 200th of the longest side, and of uniform models at least two voxels.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             cache: Keep the model on the disk, and take it from there where it was built before: see
                 :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.

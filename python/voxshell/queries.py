@@ -12,15 +12,13 @@ from voxshell import _core
 from voxshell._arguments import as_integer, as_not_negative, as_pose
 from voxshell._pairs import (
     Collidable,
-    OneShell,
     Shell,
     as_budget,
     as_level,
     as_margin,
     as_max_points,
+    as_pair,
     as_scratch,
-    as_shells,
-    parts,
 )
 from voxshell.contact_set import Contacts
 
@@ -72,10 +70,12 @@ def contacts(
         a_pose: (4, 4) float64, ``world_from_a``: rotation orthonormal to 1e-6, translation in
             metres. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a" or "b": the body whose points are tested, which must be a model. "both": first
-            a's, then b's; finds spikes that pass between the points of the other. "auto": the one
-            with fewer points, a if they have equally many; but where these are so far apart that the
-            other would fit between them, or are all outside of it and enclose it, the other.
+        shell: Whose points are tested. "auto": the body with which least can be missed, or both where
+            neither is enough alone: a constant of the two bodies, which :func:`contact_bounds`
+            tells. "a" or "b": that body, which must be a model. "both": first a's, then b's.
+            "fewest": the one with fewer points, as the thesis has it, a if they have equally many;
+            but where these are so far apart that the other would fit between them, or are all
+            outside of it and enclose it, the other.
         margin: Metres. Above 0, points that near to the surface count as well, with negative
             depths; below 0, only points that deep.
         level: Level of the point-sphere tree, 1 to 12, by which contacts are told apart in
@@ -147,22 +147,22 @@ def manifold(
     a_pose: ArrayLike | None = None,
     b_pose: ArrayLike | None = None,
     *,
-    shell: OneShell = "auto",
+    shell: Shell = "auto",
     margin: float = 0.0,
     max_points: int = 4,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
     """Finds a few contacts that stand for all: the deepest, then those that span the largest area.
 
-    The same bits as ``contacts(...).manifold(max_points)``, but by branch and bound: the other
-    contacts are not listed, so that it is faster where there are many.
+    The same bits as ``contacts(...).manifold(max_points)``. Where one shell is asked, this is by
+    branch and bound: the other contacts are not listed, so that it is faster where there are many.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a", "b" or "auto", as for :func:`contacts`.
+        shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         max_points: From 1 to 4. Points that would add no area are left out.
         scratch: Makes a series of queries faster; see :class:`QueryScratch`.
@@ -184,13 +184,13 @@ def manifold(
         >>> len(corners), corners.depths.round(6)
         (4, array([0.001, 0.001, 0.001, 0.001]))
     """
+    *bodies, shells = as_pair(a, b, shell)
     return Contacts(
         _core.manifold(
-            *parts(a, "a"),
-            *parts(b, "b"),
+            *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
-            as_shells(shell, allowed=("auto", "a", "b")),
+            shells,
             as_margin(margin),
             as_integer(max_points, "max_points", 1, 4),
             as_scratch(scratch),
@@ -205,7 +205,7 @@ def deepest_per_segment(
     b_pose: ArrayLike | None = None,
     *,
     level: int,
-    shell: OneShell = "auto",
+    shell: Shell = "auto",
     margin: float = 0.0,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
@@ -220,12 +220,13 @@ def deepest_per_segment(
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
         level: Level of the point-sphere tree, 1 to 12; a level L has 4^(L - 1) segments at most.
-        shell: "a", "b" or "auto", as for :func:`contacts`.
+        shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         scratch: Makes a series of queries faster; see :class:`QueryScratch`.
 
     Returns:
-        One contact a segment that has any, ascending by id. Of equally deep ones, the smaller id.
+        One contact a segment that has any, ascending by id; of both shells, a's before b's. Of
+        equally deep ones, the smaller id.
 
     Raises:
         PoseError: A pose is not a 4x4 rigid transform of finite numbers.
@@ -241,13 +242,13 @@ def deepest_per_segment(
         >>> len(few) == len(set(few.segments.tolist())) > 1
         True
     """
+    *bodies, shells = as_pair(a, b, shell)
     return Contacts(
         _core.deepest_per_segment(
-            *parts(a, "a"),
-            *parts(b, "b"),
+            *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
-            as_shells(shell, allowed=("auto", "a", "b")),
+            shells,
             as_margin(margin),
             as_integer(level, "level", 1, _core.PointSphereTree.deepest_level),
             as_scratch(scratch),
@@ -271,7 +272,7 @@ def collide(
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a", "b", "both" or "auto", as for :func:`contacts`.
+        shell: As for :func:`contacts`.
         margin: Metres; above 0, bodies that near touch as well.
 
     Returns:
@@ -297,16 +298,15 @@ def collide(
         True
     """
     # Unpacked into names, not starred: a list less to be made of the arguments, in what may take a microsecond.
-    field_a, shell_a = parts(a, "a")
-    field_b, shell_b = parts(b, "b")
+    field_a, model_a, field_b, model_b, shells = as_pair(a, b, shell)
     return _core.collide(
         field_a,
-        shell_a,
+        model_a,
         field_b,
-        shell_b,
+        model_b,
         as_pose(a_pose, "a_pose"),
         as_pose(b_pose, "b_pose"),
-        as_shells(shell),
+        shells,
         as_margin(margin),
     )
 
@@ -356,7 +356,7 @@ def distance(
         b: Likewise. At least one of the two must be a model.
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        shell: "a", "b" or "auto", as for :func:`contacts`; "both": the nearer, or the deeper.
+        shell: As for :func:`contacts`; of both shells the nearer, or the deeper.
         max_distance: Metres, or infinity: what is not nearer than this is not looked for, which
             saves time.
         scratch: Makes a series of queries faster; see :class:`QueryScratch`.
@@ -389,12 +389,12 @@ def distance(
         >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of it in the ground
         -0.1
     """
+    *bodies, shells = as_pair(a, b, shell)
     found = _core.distance(
-        *parts(a, "a"),
-        *parts(b, "b"),
+        *bodies,
         as_pose(a_pose, "a_pose"),
         as_pose(b_pose, "b_pose"),
-        as_shells(shell),
+        shells,
         _as_max_distance(max_distance),
         as_scratch(scratch),
     )
@@ -430,16 +430,15 @@ def wrench(
     b_pose: ArrayLike | None,
     stiffness: float,
     *,
-    shell: OneShell = "auto",
+    shell: Shell = "auto",
     scratch: QueryScratch | None = None,
 ) -> Wrench:
     """Works out the force and torque by which b pushes a out, as a layer of springs would.
 
     Every penetrating point of the shell is pushed with stiffness times the area that it stands
     for times its depth along the field's gradient. This is continuous in the poses: it starts
-    from zero at the first touch and has no jumps, as haptic rendering needs. ("auto" jumps where
-    it changes roles, when a body with more points slips wholly into the other; ``shell="a"`` and
-    ``"b"`` never do.)
+    from zero at the first touch and has no jumps, as haptic rendering needs. (``shell="fewest"``
+    jumps where it changes roles, when a body with more points slips wholly into the other.)
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
@@ -447,8 +446,7 @@ def wrench(
         a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
         b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
         stiffness: Newtons per cubic metre: pressure per metre of depth. At least 0.
-        shell: "a", "b" or "auto", as for :func:`contacts`. There is no "both": each surface would
-            be counted twice.
+        shell: As for :func:`contacts`. Of both shells it is the mean, so that area counts once.
         scratch: Makes a series of queries faster; see :class:`QueryScratch`.
 
     Returns:
@@ -476,12 +474,12 @@ def wrench(
         >>> bool(np.abs(wrench.torque).max() < 1e-3)
         True
     """
+    *bodies, shells = as_pair(a, b, shell)
     force, torque = _core.wrench(
-        *parts(a, "a"),
-        *parts(b, "b"),
+        *bodies,
         as_pose(a_pose, "a_pose"),
         as_pose(b_pose, "b_pose"),
-        as_shells(shell, allowed=("auto", "a", "b")),
+        shells,
         as_not_negative(stiffness, "stiffness"),
         as_scratch(scratch),
     )
@@ -502,13 +500,13 @@ def find(
     scratch: QueryScratch | None,
 ) -> Contacts:
     """Checks the arguments of :func:`contacts` and asks one of the core's searches."""
+    *bodies, shells = as_pair(a, b, shell)
     return Contacts(
         search(
-            *parts(a, "a"),
-            *parts(b, "b"),
+            *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
-            as_shells(shell),
+            shells,
             as_margin(margin),
             as_level(level),
             as_max_points(max_points),

@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 
 
 class PointShell:
-    """Points on a model's surface, one in each voxel that the surface crosses.
+    """Points on a model's surface and, in models with a tolerance, its sharp edges.
 
-    A point's id is its row in these arrays. They are read-only, in single precision, and the very
-    numbers that queries use.
+    A uniform model has one point in each voxel that the surface crosses. A model with a tolerance has
+    more points where the surface curves, a point at each sharp corner, and edge segments.
+
+    A point's id is its row in these arrays. The ids of edge segments follow: segment i has the id
+    ``len(shell) + i``. All arrays are read-only, in single precision, and the very numbers that
+    queries use.
 
     Example:
         >>> import trimesh
@@ -57,8 +61,26 @@ class PointShell:
         return self._core.areas
 
     @property
+    def edges(self) -> NDArray[np.float32]:
+        """The ends of the edge segments, (m, 2, 3) float32, metres, body frame; a new array each time.
+
+        Sharp edges are cut into short pieces. A piece touches at the place of its least distance, which
+        queries find for each pose. There are none in uniform models.
+
+        Example:
+            >>> import numpy as np
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> box = vx.Model.from_mesh(trimesh.creation.box(), tolerance=0.001)
+            >>> lengths = np.linalg.norm(box.shell.edges[:, 1] - box.shell.edges[:, 0], axis=1)
+            >>> round(float(lengths.sum()), 3)
+            12.0
+        """
+        return self._core.edges
+
+    @property
     def spacing(self) -> float:
-        """Edge of the voxels that hold one point each, metres."""
+        """Edge of the voxels that hold one point each, metres; the largest where there are several."""
         return self._core.spacing
 
     @property
@@ -67,8 +89,11 @@ class PointShell:
         return PointSphereTree(self._core.tree)
 
     def __repr__(self) -> str:
+        edges = len(self.edges)
+        segments = f"{edges} edge segments, " if edges > 0 else ""
         return (
-            f"PointShell({len(self)} points, spacing {self.spacing:g} m, {self.tree.levels} levels)"
+            f"PointShell({len(self)} points, {segments}spacing {self.spacing:g} m, "
+            f"{self.tree.levels} levels)"
         )
 
 

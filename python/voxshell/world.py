@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell import _bullet
+from voxshell._accuracy_warning import judge_world
 from voxshell._arguments import (
     as_floats,
     as_integer,
@@ -20,8 +21,10 @@ from voxshell._arguments import (
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
+from voxshell.compound import Compound
 from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
+from voxshell.model import Model
 from voxshell.recorder import Recorder
 from voxshell.shapes import Plane
 from voxshell.world_part import check_own
@@ -45,6 +48,10 @@ _CONTACT_MODES = {
     "regular": _bullet.ContactMode.REGULAR,
     "segmented": _bullet.ContactMode.SEGMENTED,
 }
+_SHELL_RULES = {
+    "auto": _bullet.ShellRule.AUTO,
+    "fewest": _bullet.ShellRule.FEWEST,
+}
 _SOLVERS = {
     "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
     "nncg": _bullet.ConstraintSolver.NNCG,
@@ -66,13 +73,17 @@ class World:
             of the point-sphere tree at ``level``, or up to four of each where a body lies still on
             few; "auto": what rests most calmly, now segmented with up to four points each on few,
             moving or not.
+        shell: Whose points of two models are tested. "auto": those of the model with which least can
+            be missed, or both models' where neither is enough alone; "fewest": those of the model with
+            fewer points, as the thesis has it.
         level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters, and for
             "auto" 5 in steps in which bodies are fast.
         margin: How near slow points count as contacts, metres; a thousandth of the smaller body's
-            diameter by default. Without it, resting bodies rock.
+            diameter by default, but no more than a 20th of either one's thickness. Without it, resting bodies rock.
         sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch
-            within the step are contacts before they do, so that nothing tunnels; by default a voxel, or
-            a quarter of the inner radius of a box, ball or hull. Infinity: never, as the thesis
+            within the step are contacts before they do, so that nothing tunnels; by default a quarter of
+            a model's thickness or a 50th of its longest side, or a quarter of the inner radius of a
+            box, ball or hull, whichever is least. Infinity: never, as the thesis
             does it.
         sleeping: Whether bodies at rest are put to sleep.
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
@@ -91,6 +102,10 @@ class World:
 
     Raises:
         SettingsError: A setting is out of range.
+
+    Warns:
+        AccuracyWarning: At the first step with them, where a pair of models may miss contacts that are
+            deep beside the smaller model's thickness.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -115,6 +130,7 @@ class World:
         gravity: ArrayLike = (0.0, 0.0, -9.81),
         time_step: float = 1.0 / 200.0,
         contact: Literal["auto", "regular", "segmented"] = "auto",
+        shell: Literal["auto", "fewest"] = "auto",
         level: int | None = None,
         margin: float | None = None,
         sweep_beyond: float | None = None,
@@ -134,6 +150,10 @@ class World:
             raise SettingsError(
                 f"contact must be one of {', '.join(map(repr, _CONTACT_MODES))}, not {contact!r}"
             )
+        if shell not in _SHELL_RULES:
+            raise SettingsError(
+                f"shell must be one of {', '.join(map(repr, _SHELL_RULES))}, not {shell!r}"
+            )
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         if friction_directions not in (1, 2):
@@ -145,6 +165,9 @@ class World:
         self.joints: list[Joint] = []
         self._takes_joints = solver != "nncg"
         self._recorders: list[Recorder] = []
+        self._judges = shell == "auto"
+        self._known: set[tuple[int, bool]] = set()  # serials of models, and whether they may move
+        self._new: list[tuple[Model, bool]] = []  # since the last step
         self._simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
             time_step=self.time_step,
@@ -154,6 +177,7 @@ class World:
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
             two_friction_directions=friction_directions == 2,
             mode=_CONTACT_MODES[contact],
+            shell=_SHELL_RULES[shell],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
             margin=-1.0 if margin is None else as_not_negative(margin, "margin"),
             sweep_beyond=-1.0 if sweep_beyond is None else _as_reach(sweep_beyond),
@@ -254,6 +278,12 @@ class World:
         )
         body = Body(self._simulation, number, name or f"body {number}", shape, kilograms, motion)
         self.bodies.append(body)
+        if self._judges:
+            for model in _models_of(shape):
+                key = (model._serial, motion != "static")
+                if key not in self._known:
+                    self._known.add(key)
+                    self._new.append((model, motion != "static"))
         return body
 
     def remove(self, what: Body | Joint) -> None:
@@ -408,6 +438,8 @@ class World:
             SettingsError: ``n`` is below 0.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
+        if self._new:
+            self._judge_models()
         if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
             return
@@ -419,6 +451,24 @@ class World:
                 recorder.take()
             if callback is not None:
                 callback(self)
+
+    def _judge_models(self) -> None:
+        """Warns of pairs of different models, one of them new, that may miss contacts."""
+        new, self._new = self._new, []
+        present = {
+            (model._serial, body.motion != "static"): model
+            for body in self.bodies
+            for model in _models_of(body.shape)
+        }
+        keys = {(model._serial, moves) for model, moves in new}
+        judge_world(
+            (model, other)
+            for model, moves in new
+            for key, other in present.items()
+            if (moves or key[1])
+            and other is not model
+            and (key not in keys or key[0] > model._serial)
+        )
 
     def save_state(self) -> WorldState:
         """Takes down all that moves, for :meth:`restore_state`.
@@ -634,6 +684,12 @@ def _refuse_unanswered(a: Body, b: Body) -> None:
                 f"Bullet does not tell where {first.name!r}, a GImpact, touches {second.name!r}, a "
                 f"{type(second.shape).__name__}, outside of a step: see World.contacts() after one"
             )
+
+
+def _models_of(shape: Shape) -> list[Model]:
+    if isinstance(shape, Compound):
+        return [part for part, _ in shape.parts if isinstance(part, Model)]
+    return [shape] if isinstance(shape, Model) else []
 
 
 def _as_reach(value: float) -> float:

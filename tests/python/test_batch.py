@@ -36,7 +36,7 @@ def poses() -> tuple[np.ndarray, np.ndarray]:
     return random_poses(rng, COUNT, 0.7), random_poses(rng, COUNT, 0.05)
 
 
-@pytest.mark.parametrize("shell", ["auto", "a", "b", "both"])
+@pytest.mark.parametrize("shell", ["auto", "fewest", "a", "b", "both"])
 @pytest.mark.parametrize("max_points", [None, 5])
 def test_a_batch_is_its_poses_one_by_one(ball, cube, poses, shell, max_points):
     options = {"shell": shell, "margin": 0.002, "level": 3, "max_points": max_points}

@@ -28,9 +28,9 @@ WRONG_POINTS = [
 def parts(ball: vx.Model) -> dict:
     return {
         "field_a": ball.field._core,
-        "shell_a": ball.shell._core,
+        "model_a": ball._core,
         "field_b": _core.plane_field((0.0, 0.0, 1.0), -0.09),
-        "shell_b": None,
+        "model_b": None,
         "a_pose": None,
         "b_pose": None,
         "shells": _core.Shells.AUTOMATIC,
@@ -83,10 +83,10 @@ def test_queries(parts: dict, query, own: dict):
     assert query(**parts, **own)
     assert query(**{**parts, "a_pose": np.eye(4), "b_pose": np.eye(4)}, **own)
     for name, wrong in {
-        "field_a": [None, 1, parts["shell_a"]],
-        "shell_a": [1, parts["field_a"]],
+        "field_a": [None, 1, parts["model_a"]],
+        "model_a": [1, parts["field_a"]],
         "field_b": [None, "plane"],
-        "shell_b": [parts["field_b"]],
+        "model_b": [parts["field_b"]],
         "a_pose": ["pose", np.eye(3), np.zeros(16), np.eye(4, dtype=complex)],
         "b_pose": [1.0, np.zeros((4, 4, 1))],
         "shells": [None, "a", 7],
@@ -94,7 +94,7 @@ def test_queries(parts: dict, query, own: dict):
         "level": [None, 1.5],
         "max_points": ["all", -1],
         "budget": [0.5, -1],
-        "scratch": [1, parts["shell_a"]],
+        "scratch": [1, parts["model_a"]],
         "max_distance": [None, "0"],
         "stiffness": [None, "0"],
     }.items():
@@ -149,7 +149,7 @@ def test_poses_of_other_numbers_are_refused_and_let_go(parts: dict, wrong):
     [(_core.contacts_batch, {"level": 1, "max_points": None}), (_core.collide_batch, {})],
 )
 def test_batches(parts: dict, query, own: dict):
-    bodies = {name: parts[name] for name in ("field_a", "shell_a", "field_b", "shell_b", "shells")}
+    bodies = {name: parts[name] for name in ("field_a", "model_a", "field_b", "model_b", "shells")}
     arguments = {
         **bodies,
         "a_poses": np.eye(4)[None],
@@ -216,7 +216,7 @@ def test_building():
 
 
 def test_trees_and_contact_sets(parts: dict):
-    tree = parts["shell_a"].tree
+    tree = parts["model_a"].shell.tree
     for call in (tree.spheres, tree.segments, _core.contacts(**parts, **SEARCH).manifold):
         call(1)
         for wrong in (None, "1", 1.5):

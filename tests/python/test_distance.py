@@ -28,7 +28,7 @@ def test_a_ball_and_the_ground(ball: vx.Model, height: float):
 
 
 @pytest.mark.parametrize("gap", [0.3, 0.001, -0.01, -0.05])
-@pytest.mark.parametrize("shell", ["auto", "a", "b", "both"])
+@pytest.mark.parametrize("shell", ["auto", "fewest", "a", "b", "both"])
 def test_two_balls(ball: vx.Model, gap: float, shell: str):
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
     nearest = vx.distance(ball, ball, moved(*((0.2 + gap) * direction)), shell=shell)

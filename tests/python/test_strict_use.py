@@ -55,6 +55,12 @@ def test_models(tmp_path: Path):
     tree: vx.PointSphereTree = shell.tree
     assert tree.spheres(2).shape == (tree.branching, 4)
     assert tree.segments(tree.levels).shape == (len(shell),)
+    accuracy: vx.Accuracy = model.accuracy
+    errors: vx.ErrorStatistic = accuracy.distance
+    assert errors.median <= errors.p99 <= errors.max
+    assert accuracy.places > 0
+    assert accuracy.is_sharp
+    assert model.thickness > 0.0
     matter: vx.MassProperties = model.mass_properties(2.0, kind="surface")
     assert matter.mass == 2.0
     assert matter.center_of_mass.shape == (3,)
@@ -75,6 +81,8 @@ def test_shapes():
     model = make_model()
     bounds: vx.ContactBounds = vx.contact_bounds(model, shapes[0])
     assert bounds.overlap > bounds.clearance == 0.0
+    assert bounds.shell == "a"
+    assert bounds.miss > 0.0
     for shape in shapes:
         assert vx.collide(model, shape)
 
@@ -199,6 +207,7 @@ def test_errors_and_warnings(tmp_path: Path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vx.CacheWarning)
         warnings.simplefilter("ignore", vx.MeshWarning)
+        warnings.simplefilter("ignore", vx.AccuracyWarning)
         box = vx.ConvexHull([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]).mesh
         model = vx.Model.from_mesh((box.vertices, box.faces[1:]), resolution=20)
         assert len(model.shell) > 0

@@ -11,19 +11,19 @@
 
 namespace voxshell {
 
-/// One point of the shell inside the field, or within the margin of its surface. Metres, the
-/// shell's frame.
+/// One point of the shell, or the deepest place of one of its edge segments, inside the field or
+/// within the margin of its surface. Metres, the shell's frame.
 struct Contact {
-  std::uint32_t id;  ///< of the shell's point
+  std::uint32_t id;  ///< of the shell's element
   float depth;       ///< minus the signed distance: positive inside, above -margin
-  Vec3f point;       ///< the shell's point
+  Vec3f point;       ///< the shell's point, or the place on its edge
   Vec3f normal;      ///< the field's outward unit normal there
 
   friend bool operator==(const Contact&, const Contact&) = default;
 };
 
 struct ContactOptions {
-  float margin = 0.0f;  ///< points with a distance below this are contacts, metres
+  float margin = 0.0f;  ///< elements with a distance below this are contacts, metres
   /// Where there are more contacts, only so many: the deepest, ties to the smaller id.
   std::size_t max_points = SIZE_MAX;
 };
@@ -49,7 +49,8 @@ class QueryScratch {
 
 /// All contacts of a shell in a field, ascending by id (thesis, Algorithm 3.1: walk the
 /// point-sphere tree, skip the clusters that cannot reach the surface). Equal bit for bit to
-/// contacts_flat(). The result lives in `scratch` until its next use.
+/// contacts_flat(). An edge segment gives one contact; an edge that lies in the surface gives a row
+/// of them. The result lives in `scratch` until its next use.
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
                                        const Pose& field_from_shell, const ContactOptions& options,
                                        QueryScratch& scratch);

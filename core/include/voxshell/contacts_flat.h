@@ -6,7 +6,8 @@
 
 namespace voxshell {
 
-/// The oracle of find_contacts(): evaluates every point in order, without the tree.
+/// The oracle of find_contacts(): evaluates every point and every edge segment in order, without
+/// the trees.
 std::vector<Contact> find_contacts_flat(const Field& field, const PointShell& shell,
                                         const Pose& field_from_shell,
                                         const ContactOptions& options = {});

@@ -6,7 +6,7 @@
 
 namespace voxshell {
 
-/// The point of the shell with the smallest distance to the field's surface, if any is below
+/// The element of the shell with the smallest distance to the field's surface, if any is below
 /// `max_distance`: the nearest where the bodies are apart, the deepest where they overlap (its
 /// depth is minus the distance). Ties go to the smaller id. By branch and bound on the point-sphere
 /// tree.

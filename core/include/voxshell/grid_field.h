@@ -17,7 +17,8 @@ namespace voxshell {
 
 namespace simd {
 struct GridView;
-}
+struct ExactGridView;
+}  // namespace simd
 
 /// How it is told what a mesh has inside.
 enum class SignMethod {
@@ -43,10 +44,30 @@ struct SignReport {
 
 struct GridFieldSettings {
   double voxel_size = 0.0;  ///< edge of a cell, metres
-  double padding = 0.0;     ///< metres of grid beyond the mesh's bounds; at least a brick is kept
+  /// Where samples near the surface are off by more than this, metres, cells hold the triangles
+  /// that are nearest there instead. 0: samples alone.
+  double tolerance = 0.0;
+  double padding = 0.0;  ///< metres of grid beyond the mesh's bounds; at least a brick is kept
   SignMethod sign = SignMethod::kAutomatic;
   unsigned threads = 0;  ///< 0: one a core; the result is the same for any number
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes; a larger grid is refused
+};
+
+/// Fine cells in which the distance is that to the nearest of a few triangles; see
+/// simd/exact_view.h, where the arrays are explained.
+struct ExactCells {
+  std::vector<std::uint32_t> bricks;  ///< one a brick, or none where no cell is exact
+  std::vector<std::uint32_t> masks;
+  std::vector<std::uint32_t> lists;
+  std::vector<std::uint32_t> listed;
+  std::vector<float> triangles;
+  std::vector<float> feature_normals;
+
+  std::size_t count() const { return lists.size(); }
+  std::size_t nbytes() const {
+    return 4 * (bricks.size() + masks.size() + lists.size() + listed.size() + triangles.size() +
+                feature_normals.size());
+  }
 };
 
 /// What a grid field consists of, as its file holds it. The entries' bits are explained in
@@ -63,6 +84,7 @@ struct GridFieldData {
   /// Of cells of 2, 4 and 8 voxels; metres; see simd::GridView.
   std::array<double, 3> coarse_floors{};
   SignReport sign;
+  ExactCells exact;
 
   /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2: across
   /// holes the surface is known only so well.
@@ -91,6 +113,8 @@ struct EightPoints {
 /// The grid is cut into bricks of 8x8x8 cells. A brick near the surface holds the true distances at
 /// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners;
 /// where all its distances are those to one plane, it holds the plane. Between nodes: trilinear.
+/// Built to a tolerance, cells that trilinear samples cannot follow (creases, thin walls) hold the
+/// few triangles that are nearest to them, and are exact.
 /// Outside the grid the surface is taken to be where the nearest point of the grid sees it.
 class GridField {
  public:
@@ -127,7 +151,8 @@ class GridField {
   std::size_t nbytes() const;
   const Bounds& surface_bounds() const { return data_.surface_bounds; }
 
-  /// |distance() - true distance| is at most this near the surface, metres: the true distance is
+  /// |distance() - true distance| is at most this near the surface, metres. A proof, which is far
+  /// above what Model::accuracy() measures: the true distance is
   /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
   /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
   double interpolation_error() const {
@@ -139,7 +164,14 @@ class GridField {
   const GridFieldData& data() const { return data_; }
   simd::GridView view() const;
 
+  /// Whether any cells are exact: then the field is what this view says.
+  bool has_exact_cells() const { return !data_.exact.bricks.empty(); }
+  simd::ExactGridView exact_view() const;
+
  private:
+  template <class Visit>
+  auto with_view(const Visit& visit) const;
+
   GridFieldData data_;
   std::uint64_t serial_;
 };

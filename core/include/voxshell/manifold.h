@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "voxshell/contacts.h"
-#include "voxshell/point_sphere_tree.h"
+#include "voxshell/point_shell.h"
 
 namespace voxshell {
 
@@ -30,7 +30,7 @@ ManifoldPoints select_manifold(std::span<const Contact> contacts,
 
 /// The deepest contact of each segment of a level (thesis, section 5.3, segmented traverse):
 /// indices into `contacts`, ascending, ties to the smaller id. Replaces what `deepest` held.
-void select_deepest_per_segment(std::span<const Contact> contacts, const PointSphereTree& tree,
+void select_deepest_per_segment(std::span<const Contact> contacts, const PointShell& shell,
                                 int level, std::vector<std::uint32_t>& deepest);
 
 /// The contacts that select_manifold() would pick from those of find_contacts(), the same bits, by

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "voxshell/accuracy.h"
 #include "voxshell/field.h"
 #include "voxshell/point_shell.h"
 #include "voxshell/pose.h"
@@ -11,24 +12,66 @@ namespace voxshell {
 struct Participant {
   const Field* field = nullptr;
   const PointShell* shell = nullptr;
+  /// Of a model; without it, the worst case that spacing and voxels allow counts.
+  const Accuracy* accuracy = nullptr;
+  /// Of a model where it is thinnest, metres; 0: the shortest side of its bounds counts.
+  double thickness = 0.0;
 };
 
 enum class PairBody { kA, kB };
 
-/// Which body's points are tested against the other's field.
+inline PairBody other(PairBody body) { return body == PairBody::kA ? PairBody::kB : PairBody::kA; }
+
+/// Whose elements are tested against the other's field.
+enum class Role { kA, kB, kBoth };
+
 enum class ShellChoice {
+  /// By accuracy (decision 0026): see decide_role().
+  kAutomatic,
   /// The body with fewer points (thesis, section 5.3), a where they are equal; the other where
   /// these points lie farther apart than its own and its shortest side, so that it could slip
-  /// between them, or where that one encloses it: see is_enclosed().
-  kAutomatic,
+  /// between them, or, pose by pose, where that one encloses it: see is_enclosed().
+  kFewest,
   kA,
   kB,
+  kBoth,
 };
 
-/// Error kInvalidArgument where the chosen body, or neither of them, has a shell.
-Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice);
+/// Who is the shell of a pair, and what queries can then miss. Metres. Measured, not proved: a
+/// contact that is deeper than `miss` is found.
+struct PairRole {
+  Role role = Role::kA;
+  double miss = 0.0;       ///< with this role
+  double miss_of_a = 0.0;  ///< with the elements of a alone; infinity where a has no shell
+  double miss_of_b = 0.0;
+  double miss_of_both = 0.0;  ///< infinity where either has no shell
+  double thickness = 0.0;     ///< of the smaller body; infinity where it has none, as a plane
 
-/// Where kAutomatic found no contact of `outer`'s points: whether the roles are to be swapped,
+  bool asks(PairBody body) const {
+    return role == Role::kBoth || role == (body == PairBody::kA ? Role::kA : Role::kB);
+  }
+  /// The one that is asked, or asked first.
+  PairBody first() const { return role == Role::kB ? PairBody::kB : PairBody::kA; }
+};
+
+/// A body may miss so much of the smaller body's thickness as the only shell.
+inline constexpr double kMissedByOne = 0.005;
+/// From here on users are warned.
+inline constexpr double kMissedAtMost = 0.02;
+
+/// The role of a pair: a constant of the two bodies, never of their pose, and the same in either
+/// order. kAutomatic takes the shell that alone misses at most kMissedByOne of the smaller body's
+/// thickness and is too small to hide the other inside it, of two such the one with fewer points;
+/// and else both. Of bodies of equal numbers, such as two of one model, a is the shell.
+///
+/// Error kInvalidArgument where a body that is chosen, or both of them, have no shell.
+Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellChoice choice);
+
+/// What the elements of `shell` can miss of `field`, metres: how far its surface lies outside of
+/// its elements, the error of the field, and what of the field's body may enter between elements.
+double compute_miss(const Participant& shell, const Participant& field);
+
+/// Where kFewest found no contact of `outer`'s points: whether the roles are to be swapped,
 /// because `inner` may lie wholly inside `outer`, as a point of its shell does. One evaluation of a
 /// field; false where either body has no shell.
 bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner);

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "voxshell/edge_segments.h"
 #include "voxshell/point_sphere_tree.h"
 #include "voxshell/progress.h"
 #include "voxshell/result.h"
@@ -15,6 +18,9 @@ namespace voxshell {
 struct PointShellSettings {
   static constexpr std::size_t kMostPoints = std::size_t{1} << 28;
 
+  /// Metres that the shell may miss. Points are then as dense as the curvature asks for, corners
+  /// are points and sharp edges are segments. Or leave it 0 and give:
+  double tolerance = 0.0;
   /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
   double spacing = 0.0;
   /// How many points are wanted; reached within 1 %. The voxels of very regular meshes may then be
@@ -51,6 +57,7 @@ class PointShell {
     std::vector<Vec3f> normals;
     std::vector<float> areas;
     double spacing = 0.0;
+    std::optional<EdgeSegments> edges = {};
   };
 
   /// Checked: as many of each, finite, of unit length, no area below zero.
@@ -60,8 +67,28 @@ class PointShell {
   BucketPoints points() const { return tree_.points(); }
   std::span<const Vec3f> normals() const { return normals_; }
   std::span<const float> areas() const { return areas_; }  ///< m2; they sum to the mesh's area
-  double spacing() const { return spacing_; }              ///< edge of the sampling voxels, metres
+  /// Edge of the sampling voxels, metres; of a shell by tolerance, of the largest.
+  double spacing() const { return spacing_; }
   const PointSphereTree& tree() const { return tree_; }
+
+  /// The sharp edges of a shell by tolerance that has some; else null.
+  const EdgeSegments* edges() const { return edges_ ? &*edges_ : nullptr; }
+
+  // Elements of a shell are its points, by their ids, and then its edge segments, in the order of
+  // their own tree. Contacts name them by these numbers.
+
+  std::size_t element_count() const { return size() + (edges_ ? edges_->size() : 0); }
+  bool is_point(std::uint32_t id) const { return id < size(); }
+  /// The outward unit normal of an element; zero where the surface faces nowhere.
+  const Vec3f& normal_of(std::uint32_t id) const {
+    return is_point(id) ? normals_[id] : edges_->normals()[id - size()];
+  }
+  /// The surface that an element stands for, m2; edge segments have none.
+  float area_of(std::uint32_t id) const { return is_point(id) ? areas_[id] : 0.0f; }
+  /// The cluster of an element on a level. Those of edges follow on those of points.
+  std::uint32_t segment_of(std::uint32_t id, int level) const;
+  /// The half-open range of the elements of a segment.
+  PointRange segment_elements(int level, std::uint32_t segment) const;
 
  private:
   PointShell() = default;
@@ -70,6 +97,7 @@ class PointShell {
   std::vector<Vec3f> normals_;
   std::vector<float> areas_;
   double spacing_ = 0.0;
+  std::optional<EdgeSegments> edges_;
 };
 
 }  // namespace voxshell

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <string_view>
 
 #include "base/parallel.h"
@@ -77,7 +78,9 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
       inside_(inside),
       progress_(progress),
       flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
-      tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {}
+      tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {
+  if (settings.tolerance > 0.0) exact_.emplace(mesh, plan.grid, tree_, settings.tolerance);
+}
 
 std::optional<Error> FieldBuilder::build(GridFieldData& data) {
   Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
@@ -194,12 +197,14 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     OverlapCount overlap;
     double rounding = 0.0;  ///< largest, of a cell's size
     Floors floors = kNoFloors;
+    std::vector<ExactCellFinder::Brick> exact;
   };
   std::vector<RowResult> results(ny * nz);
   const int exponent_of_corners =
       are_corners_shared() ? store_samples(lattice_.distances, data.samples.data()) : 0;
   const auto fill_row = [&, nx = nx](std::size_t row) {
     DistanceTree::Scratch scratch;
+    ExactCellFinder::Work exact_work;
     RowResult& result = results[row];
     std::array<float, cube(kBrickCells + 1)> distances;
     std::array<float, cube(kMostCoarseCells + 1)> distances_before;
@@ -216,6 +221,10 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
       } else if (plan.cells == kBrickCells) {
         tree_.measure_brick(centre_of(place), plan.at_centre, scratch, nodes);
         sign_fine(place, nodes, result.overlap);
+        if (exact_) {
+          auto exact = exact_->find(brick, nodes, exact_work);
+          if (!exact.cells.empty()) result.exact.push_back(std::move(exact));
+        }
       } else {
         const bool follows = brick % nx > 0 && plans_[brick - 1].cells == plan.cells;
         measure_coarse(place, plan, follows ? before : std::span<float>{}, nodes);
@@ -244,13 +253,16 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
   }
   double rounding = 0.0;
   Floors floors = kNoFloors;
-  for (const RowResult& result : results) {
+  std::vector<ExactCellFinder::Brick> exact;
+  for (RowResult& result : results) {
+    std::ranges::move(result.exact, std::back_inserter(exact));
     overlap_.add(result.overlap);
     rounding = std::max(rounding, result.rounding);
     for (std::size_t i = 0; i < floors.size(); ++i) {
       floors[i] = std::min(floors[i], result.floors[i]);
     }
   }
+  if (exact_) data.exact = exact_->assemble(exact);
   constexpr double kFloatError = 1e-3;  // voxels
   data.node_error = (std::max(rounding, 1.5 * kPlaneTolerance) + kFloatError) * grid_.voxel_size;
   // Other bricks at larger scales are far away.

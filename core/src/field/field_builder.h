@@ -8,6 +8,7 @@
 
 #include "field/brick_grid.h"
 #include "field/brick_plan.h"
+#include "field/exact_cells.h"
 #include "field/flat_regions.h"
 #include "field/inside.h"
 #include "mesh/distance_tree.h"
@@ -67,6 +68,7 @@ class FieldBuilder {
   DistanceTree tree_;
   CornerLattice lattice_;
   std::vector<BrickPlan> plans_;
+  std::optional<ExactCellFinder> exact_;  ///< where a tolerance is given
   OverlapCount overlap_;
 };
 

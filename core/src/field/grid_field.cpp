@@ -5,6 +5,7 @@
 
 #include "base/serial.h"
 #include "field/brick_entry.h"
+#include "simd/exact_view.h"
 #include "simd/grid_formula.h"
 #include "simd/grid_sampling.h"
 
@@ -21,6 +22,8 @@ const Row* to_rows(const EightPoints& points) {
   return reinterpret_cast<const Row*>(points.coordinates.data());
 }
 
+simd::portable::Triple<float> to_triple(const Vec3f& p) { return {p.x, p.y, p.z}; }
+
 }  // namespace
 
 GridField::GridField(GridFieldData data) : data_(std::move(data)), serial_(next_serial()) {}
@@ -32,7 +35,8 @@ std::array<int, 3> GridField::shape() const {
 
 std::size_t GridField::nbytes() const {
   return sizeof(std::uint32_t) * data_.entries.size() +
-         sizeof(std::int16_t) * data_.samples.size() + sizeof(float) * data_.planes.size();
+         sizeof(std::int16_t) * data_.samples.size() + sizeof(float) * data_.planes.size() +
+         data_.exact.nbytes();
 }
 
 simd::GridView GridField::view() const {
@@ -68,31 +72,53 @@ simd::GridView GridField::view() const {
   return view;
 }
 
+simd::ExactGridView GridField::exact_view() const {
+  return {view(),
+          data_.exact.bricks.data(),
+          data_.exact.masks.data(),
+          data_.exact.lists.data(),
+          data_.exact.listed.data(),
+          data_.exact.triangles.data(),
+          data_.exact.feature_normals.data()};
+}
+
+template <class Visit>
+auto GridField::with_view(const Visit& visit) const {
+  return has_exact_cells() ? visit(exact_view()) : visit(view());
+}
+
 float GridField::distance(const Vec3f& p) const {
-  return simd::portable::evaluate_distance<float>(view(), {p.x, p.y, p.z});
+  return with_view(
+      [&](const auto& grid) { return simd::portable::evaluate_distance(grid, to_triple(p)); });
 }
 
 Vec3f GridField::gradient(const Vec3f& p) const {
-  const auto [x, y, z] = simd::portable::evaluate_gradient<float>(view(), {p.x, p.y, p.z});
+  const auto [x, y, z] = with_view(
+      [&](const auto& grid) { return simd::portable::evaluate_gradient(grid, to_triple(p)); });
   return {x, y, z};
 }
 
 float GridField::lower_bound(const Vec3f& centre, float radius) const {
-  return simd::portable::evaluate_lower_bound<float>(view(), {centre.x, centre.y, centre.z},
-                                                     radius);
+  return with_view([&](const auto& grid) {
+    return simd::portable::evaluate_lower_bound(grid, to_triple(centre), radius);
+  });
 }
 
 EightFloats GridField::distances(const EightPoints& points) const {
   EightFloats distances;
-  simd::grid_sampling().measure_distances(view(), to_rows(points), distances.data());
+  with_view([&]<class G>(const G& grid) {
+    simd::grid_sampling<G>().measure_distances(grid, to_rows(points), distances.data());
+  });
   return distances;
 }
 
 GridField::BallValues GridField::bound_balls(const EightPoints& centres,
                                              const EightFloats& radii) const {
   BallValues values;
-  simd::grid_sampling().bound_balls(view(), to_rows(centres), radii.data(), values.distance.data(),
-                                    values.lower_bound.data());
+  with_view([&]<class G>(const G& grid) {
+    simd::grid_sampling<G>().bound_balls(grid, to_rows(centres), radii.data(),
+                                         values.distance.data(), values.lower_bound.data());
+  });
   return values;
 }
 

@@ -91,7 +91,10 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGrid
   // In a cell that the limit of the inside cuts it crosses an edge.
   report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
   const BrickGridPlan of_surface{grid, find_least_cells(surface->mesh, grid)};
-  FieldBuilder builder(surface->mesh, of_surface, settings, inside, progress);
+  // Only of closed meshes do the normals of edges and corners tell inside from outside.
+  GridFieldSettings samples_alone = settings;
+  samples_alone.tolerance = 0.0;
+  FieldBuilder builder(surface->mesh, of_surface, samples_alone, inside, progress);
   GridFieldData data = begin_data(mesh, grid);
   data.sign = report;
   if (auto stopped = builder.build(data)) return *std::move(stopped);

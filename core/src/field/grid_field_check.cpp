@@ -1,5 +1,7 @@
 #include "field/grid_field_check.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +11,7 @@
 
 #include "base/text.h"
 #include "field/brick_entry.h"
+#include "simd/exact_view.h"
 
 namespace voxshell {
 namespace {
@@ -99,10 +102,67 @@ Result<std::monostate> check_planes(const GridFieldData& data) {
   return std::monostate{};
 }
 
+/// Every index of exact cells is in range and every number finite.
+Result<std::monostate> check_exact_cells(const GridFieldData& data) {
+  const ExactCells& exact = data.exact;
+  constexpr std::size_t kWords = 2 * std::size_t{simd::kMaskWords};
+  const std::size_t bricks = exact.masks.size() / kWords;
+  const std::size_t triangles = exact.triangles.size() / simd::kTriangleFloats;
+  if ((!exact.bricks.empty() && exact.bricks.size() != data.entries.size()) ||
+      exact.masks.size() % kWords != 0 || exact.triangles.size() % simd::kTriangleFloats != 0 ||
+      exact.feature_normals.size() != simd::kFeatureNormalFloats * triangles) {
+    return invalid(
+        format_text("its exact cells have %zu bricks, %zu masks, %zu numbers of "
+                    "triangles and %zu of normals",
+                    exact.bricks.size(), exact.masks.size(), exact.triangles.size(),
+                    exact.feature_normals.size()));
+  }
+  for (std::size_t i = 0; i < exact.bricks.size(); ++i) {
+    if (exact.bricks[i] == 0) continue;
+    const BrickEntry entry = BrickEntry::unpack(data.entries[i]);
+    if (exact.bricks[i] > bricks || entry.is_plane || entry.cells != simd::kBrickCells) {
+      return invalid(format_text("brick %zu cannot have the exact cells %u of %zu", i,
+                                 exact.bricks[i] - 1, bricks));
+    }
+  }
+  for (std::size_t i = 0; i < exact.masks.size(); i += kWords) {
+    for (std::size_t word = i; word < i + simd::kMaskWords; ++word) {
+      const std::size_t first = exact.masks[word + simd::kMaskWords];
+      const auto count = static_cast<std::size_t>(std::popcount(exact.masks[word]));
+      if (first + count > exact.lists.size()) {
+        return invalid(
+            format_text("mask %zu of exact cells goes beyond %zu lists", word, exact.lists.size()));
+      }
+    }
+  }
+  for (const std::uint32_t list : exact.lists) {
+    const std::size_t first = list >> simd::kListCountBits;
+    const std::size_t count = list & simd::kMostInList;
+    if (count == 0 || first + count > exact.listed.size()) {
+      return invalid(format_text("a list has triangles %zu to %zu of %zu", first, first + count,
+                                 exact.listed.size()));
+    }
+  }
+  for (const std::uint32_t triangle : exact.listed) {
+    if (triangle >= triangles) {
+      return invalid(format_text("a list names triangle %u of %zu", triangle, triangles));
+    }
+  }
+  const auto is_number = [](float value) {
+    return std::abs(value) <= static_cast<float>(kLargestLength);
+  };
+  if (!std::ranges::all_of(exact.triangles, is_number) ||
+      !std::ranges::all_of(exact.feature_normals, is_number)) {
+    return invalid("a number of a triangle or a normal is not finite");
+  }
+  return std::monostate{};
+}
+
 }  // namespace
 
 Result<std::monostate> check_grid_field(const GridFieldData& data) {
-  for (const auto& check : {&check_numbers, &check_sizes, &check_bricks, &check_planes}) {
+  for (const auto& check :
+       {&check_numbers, &check_sizes, &check_bricks, &check_planes, &check_exact_cells}) {
     if (auto checked = check(data); !checked) return checked;
   }
   return std::monostate{};

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "field/brick_grid.h"
+#include "field/choose_voxels.h"
 #include "mesh/openings.h"
 #include "mesh/thicken.h"
 #include "mesh/thickness.h"
@@ -15,6 +16,10 @@ namespace voxshell {
 namespace {
 
 constexpr int kDefaultResolution = 100;
+
+/// The tolerance where nothing is given: of the longest side and of where the body is thinnest.
+constexpr double kToleranceOfSide = 1.0 / 4000.0;
+constexpr double kToleranceOfThickness = 1.0 / 20.0;
 
 Error invalid_argument(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
@@ -31,6 +36,28 @@ Result<std::monostate> check_unit(const char* name, double size, const TriangleM
                format_text("mesh has a longest side of %.6g m, below the %s of %.6g m: check their "
                            "units (a scale of 0.001 brings a mesh from millimetres to metres)",
                            longest_side(mesh), name, size)};
+}
+
+bool is_uniform(const ModelSettings& settings) {
+  return settings.voxel_size != 0.0 || settings.resolution != 0 || settings.point_spacing != 0.0 ||
+         settings.target_points != 0;
+}
+
+/// 0 for a uniform model.
+Result<double> choose_tolerance(const TriangleMesh& mesh, const ModelSettings& settings,
+                                double thickness) {
+  if (settings.tolerance != 0.0) {
+    if (is_uniform(settings)) {
+      return invalid_argument(
+          "give either a tolerance or the sizes of a uniform model (voxel size, resolution, point "
+          "spacing, target points), not both");
+    }
+    if (settings.tolerance > 0.0 && std::isfinite(settings.tolerance)) return settings.tolerance;
+    return invalid_argument(format_text("tolerance must be above 0 m, not %g", settings.tolerance));
+  }
+  if (is_uniform(settings)) return 0.0;
+  const double by_side = kToleranceOfSide * longest_side(mesh);
+  return thickness > 0.0 ? std::min(by_side, kToleranceOfThickness * thickness) : by_side;
 }
 
 Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& settings) {
@@ -83,7 +110,7 @@ Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSetti
   }
   constexpr double kShare = 1.0 / 200.0;
   constexpr double kVoxels = 2.0;
-  if (settings.tolerance != 0.0) return kShare * longest;
+  if (!is_uniform(settings)) return kShare * longest;
   const auto voxel_size = choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
   return std::max(kShare * longest, kVoxels * *voxel_size);
@@ -158,7 +185,11 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   const auto opened = close_mesh(mesh, settings);
   if (!opened) return opened.error();
   const Openings openings = *opened;
-  const auto voxel_size = choose_voxel_size(mesh, settings);
+  const double thickness = compute_thickness(mesh);
+  const auto tolerance = choose_tolerance(mesh, settings, thickness);
+  if (!tolerance) return tolerance.error();
+  const auto voxel_size = *tolerance > 0.0 ? choose_voxels(mesh, *tolerance, settings.threads)
+                                           : choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
   if (auto unit = check_unit("voxel size", *voxel_size, mesh); !unit) return unit.error();
   if (auto unit = check_unit("point spacing", settings.point_spacing, mesh); !unit) {
@@ -166,10 +197,12 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   }
   if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
 
-  PointShellSettings shell_settings{.spacing = settings.point_spacing,
+  PointShellSettings shell_settings{.tolerance = *tolerance,
+                                    .spacing = settings.point_spacing,
                                     .target_points = settings.target_points,
                                     .threads = settings.threads};
-  const bool as_voxels = shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
+  const bool as_voxels =
+      *tolerance == 0.0 && shell_settings.spacing == 0.0 && shell_settings.target_points == 0;
   if (as_voxels) shell_settings.spacing = *voxel_size;
 
   // Two bricks: over a flat face clusters of some size then lie in bricks of its plane alone.
@@ -177,6 +210,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   const double padding =
       settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding;
   const GridFieldSettings field_settings{.voxel_size = *voxel_size,
+                                         .tolerance = *tolerance,
                                          .padding = padding,
                                          .sign = settings.sign,
                                          .threads = settings.threads};
@@ -193,7 +227,6 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   auto shell = PointShell::build(mesh, shell_settings, progress);
   if (!shell) return shell.error();
 
-  const double thickness = compute_thickness(mesh);
   const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
                                                 *std::move(shell), settings, accuracy, thickness,
@@ -213,13 +246,21 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
   }
   Bounds of_points;
   for (const Vec3f& p : shell.points()) of_points.extend(static_cast<Vec3>(p));
+  if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
+    for (std::size_t i = 0; i < edges->size(); ++i) {
+      const auto middle = static_cast<Vec3>(edges->middles()[i]);
+      const auto half = static_cast<Vec3>(edges->halves()[i]);
+      of_points.extend(middle - half);
+      of_points.extend(middle + half);
+    }
+  }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr double kRounding = 1e-6;  // of float32, several times
     const double slack =
         kRounding * std::max(std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]));
     if (of_points.lower[axis] < bounds.lower[axis] - slack ||
         of_points.upper[axis] > bounds.upper[axis] + slack) {
-      return refuse("points of the shell lie outside the mesh's bounds");
+      return refuse("points or edges of the shell lie outside the mesh's bounds");
     }
   }
   std::shared_ptr<const Model> model(new Model(std::move(mesh), std::move(field), std::move(shell),

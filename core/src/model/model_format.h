@@ -82,6 +82,7 @@ struct Record {
   double sign_cap_error;
   // The point shell.
   double shell_spacing;
+  double edge_tolerance;  ///< 0 where there are no edge segments
   // The mesh that it was built from.
   std::uint64_t openings_loops;
   double openings_share;
@@ -97,7 +98,7 @@ struct Record {
   double accuracy_curvature;
   double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{64} * 8);
+static_assert(sizeof(Record) == std::size_t{65} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>
@@ -113,8 +114,20 @@ struct Sections {
   Array<float> areas;
   Array<Sphere> spheres;
   Array<float> blocks;
+  Array<std::uint32_t> exact_bricks;
+  Array<std::uint32_t> exact_masks;
+  Array<std::uint32_t> exact_lists;
+  Array<std::uint32_t> listed_triangles;
+  Array<float> exact_triangles;
+  Array<float> feature_normals;
+  // Of the edge segments, empty where there are none.
+  Array<Vec3f> edge_middles;
+  Array<Vec3f> edge_halves;
+  Array<Vec3f> edge_normals;
+  Array<Sphere> edge_spheres;
+  Array<float> edge_blocks;
 };
-inline constexpr std::uint32_t kSectionCount = 11;
+inline constexpr std::uint32_t kSectionCount = 22;
 
 /// Calls `visit(kind, name, array)` for each section in the file's order until it returns false.
 /// Returns false where it did.
@@ -125,7 +138,16 @@ bool visit_sections(AnySections& s, const Visit& visit) {
          visit(5u, "samples", s.samples) && visit(6u, "planes", s.planes) &&
          visit(7u, "points", s.points) && visit(8u, "normals", s.normals) &&
          visit(9u, "areas", s.areas) && visit(10u, "spheres", s.spheres) &&
-         visit(11u, "sphere blocks", s.blocks);
+         visit(11u, "sphere blocks", s.blocks) &&
+         visit(12u, "bricks with exact cells", s.exact_bricks) &&
+         visit(13u, "masks of exact cells", s.exact_masks) &&
+         visit(14u, "lists of exact cells", s.exact_lists) &&
+         visit(15u, "listed triangles", s.listed_triangles) &&
+         visit(16u, "exact triangles", s.exact_triangles) &&
+         visit(17u, "feature normals", s.feature_normals) &&
+         visit(18u, "edge middles", s.edge_middles) && visit(19u, "edge halves", s.edge_halves) &&
+         visit(20u, "edge normals", s.edge_normals) && visit(21u, "edge spheres", s.edge_spheres) &&
+         visit(22u, "edge sphere blocks", s.edge_blocks);
 }
 
 inline constexpr std::uint64_t kTableEnd =

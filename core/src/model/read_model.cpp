@@ -197,6 +197,12 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
                .hidden_triangles = record.sign_hidden_triangles,
                .first_location = record.sign_first_location,
                .cap_error = record.sign_cap_error},
+      .exact = {.bricks = std::move(sections.exact_bricks),
+                .masks = std::move(sections.exact_masks),
+                .lists = std::move(sections.exact_lists),
+                .listed = std::move(sections.listed_triangles),
+                .triangles = std::move(sections.exact_triangles),
+                .feature_normals = std::move(sections.feature_normals)},
   };
   if (!is_method(record.sign_method) || record.sign_was_turned > 1) {
     return invalid("its field cannot be used: its signs were found in no known way");
@@ -213,14 +219,35 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
   return GridField(std::move(data));
 }
 
+/// None where the model was written without.
+Result<std::optional<EdgeSegments>> make_edges(const Record& record, Sections<Array>& sections) {
+  if (sections.edge_middles.empty() && sections.edge_halves.empty() &&
+      sections.edge_normals.empty() && sections.edge_spheres.empty() &&
+      sections.edge_blocks.empty() && record.edge_tolerance == 0.0) {
+    return std::optional<EdgeSegments>{};
+  }
+  auto tree = PointSphereTree::from_parts(sections.edge_middles, std::move(sections.edge_spheres),
+                                          std::move(sections.edge_blocks));
+  if (!tree) return in_file("tree of edges", tree.error());
+  auto edges = EdgeSegments::from_parts({.tree = *std::move(tree),
+                                         .halves = std::move(sections.edge_halves),
+                                         .normals = std::move(sections.edge_normals),
+                                         .tolerance = record.edge_tolerance});
+  if (!edges) return in_file("edges", edges.error());
+  return std::optional<EdgeSegments>(*std::move(edges));
+}
+
 Result<PointShell> make_shell(const Record& record, Sections<Array>& sections) {
   auto tree = PointSphereTree::from_parts(sections.points, std::move(sections.spheres),
                                           std::move(sections.blocks));
   if (!tree) return in_file("tree", tree.error());
+  auto edges = make_edges(record, sections);
+  if (!edges) return edges.error();
   auto shell = PointShell::from_parts({.tree = *std::move(tree),
                                        .normals = std::move(sections.normals),
                                        .areas = std::move(sections.areas),
-                                       .spacing = record.shell_spacing});
+                                       .spacing = record.shell_spacing,
+                                       .edges = *std::move(edges)});
   if (!shell) return in_file("shell", shell.error());
   return shell;
 }

@@ -50,6 +50,7 @@ Record make_record(const Model& model) {
       .sign_first_location = grid.sign.first_location,
       .sign_cap_error = grid.sign.cap_error,
       .shell_spacing = shell.spacing(),
+      .edge_tolerance = shell.edges() == nullptr ? 0.0 : shell.edges()->tolerance(),
       .openings_loops = openings.loops,
       .openings_share = openings.share,
       .openings_mouths = openings.mouths,
@@ -66,10 +67,21 @@ Record make_record(const Model& model) {
       .thickness = model.thickness()};
 }
 
-/// `points` are the shell's.
-Sections<View> view_sections(const Model& model, const Record& record, View<Vec3f> points) {
+/// The tree holds them coordinate by coordinate.
+std::vector<Vec3f> copy_points(const BucketPoints& in_buckets) {
+  std::vector<Vec3f> points;
+  points.reserve(in_buckets.size());
+  points.assign(in_buckets.begin(), in_buckets.end());
+  return points;
+}
+
+/// `points` are the shell's, `edge_middles` those of its edges.
+Sections<View> view_sections(const Model& model, const Record& record, View<Vec3f> points,
+                             View<Vec3f> edge_middles) {
   const GridFieldData& grid = model.grid().data();
   const PointShell& shell = model.shell();
+  const EdgeSegments* edges = shell.edges();
+  const bool has_edges = edges != nullptr;
   return {.record = View<Record>(&record, 1),
           .vertices = model.mesh().vertices(),
           .triangles = model.mesh().triangles(),
@@ -80,7 +92,18 @@ Sections<View> view_sections(const Model& model, const Record& record, View<Vec3
           .normals = shell.normals(),
           .areas = shell.areas(),
           .spheres = shell.tree().spheres(),
-          .blocks = shell.tree().blocks()};
+          .blocks = shell.tree().blocks(),
+          .exact_bricks = grid.exact.bricks,
+          .exact_masks = grid.exact.masks,
+          .exact_lists = grid.exact.lists,
+          .listed_triangles = grid.exact.listed,
+          .exact_triangles = grid.exact.triangles,
+          .feature_normals = grid.exact.feature_normals,
+          .edge_middles = edge_middles,
+          .edge_halves = has_edges ? edges->halves() : View<Vec3f>{},
+          .edge_normals = has_edges ? edges->normals() : View<Vec3f>{},
+          .edge_spheres = has_edges ? edges->tree().spheres() : View<Sphere>{},
+          .edge_blocks = has_edges ? edges->tree().blocks() : View<float>{}};
 }
 
 /// The header, without its checksum, and the table.
@@ -125,11 +148,11 @@ Result<std::monostate> append_sections(const Sections<View>& sections, const App
 
 Result<std::monostate> write_model(const Model& model, const Append& append) {
   const Record record = make_record(model);
-  const BucketPoints in_buckets = model.shell().points();
-  std::vector<Vec3f> points;
-  points.reserve(in_buckets.size());
-  points.assign(in_buckets.begin(), in_buckets.end());
-  const Sections<View> sections = view_sections(model, record, points);
+  const std::vector<Vec3f> points = copy_points(model.shell().points());
+  const EdgeSegments* edges = model.shell().edges();
+  const std::vector<Vec3f> edge_middles =
+      edges == nullptr ? std::vector<Vec3f>{} : copy_points(edges->middles());
+  const Sections<View> sections = view_sections(model, record, points, edge_middles);
   std::vector<std::byte> front = make_front(sections);
 
   Checksum checksum;

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "query/deepest.h"
+#include "query/edge_search.h"
 #include "query/posed.h"
 #include "query/scratch.h"
 #include "query/walk.h"
@@ -25,12 +26,12 @@ bool is_same(const Pose& a, const Pose& b) {
 /// in float64, which their views are not.
 template <class V>
 bool is_answered(const QueryScratch::State::Survivors& last, const V& field,
-                 const simd::TreeView& tree, const Pose& field_from_shell,
+                 const simd::TreeView& tree, std::uint64_t edges, const Pose& field_from_shell,
                  const ContactOptions& options) {
   if constexpr (std::is_same_v<V, simd::PlaneView>) return false;
   const V* known = std::get_if<V>(&last.field);
   return last.are_contacts_kept && known != nullptr && *known == field &&
-         last.tree == tree.serial && last.margin == options.margin &&
+         last.tree == tree.serial && last.edges == edges && last.margin == options.margin &&
          last.max_points == options.max_points && is_same(last.last_asked, field_from_shell);
 }
 
@@ -50,12 +51,12 @@ double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
 /// How far the next poses may be expected to stray, given the last motion. Looking that far ahead
 /// leaves more survivors, which pays while the motion is small against a slot; below the least
 /// there would hardly be fewer, and bodies that tremble would be searched for anew every few steps.
-double choose_growth(double motion, const PointShell& shell) {
+double choose_growth(double motion, double spacing) {
   constexpr double kSteps = 4.0;
   constexpr double kLeast = 0.01;  // spacings
   constexpr double kMost = 0.25;   // spacings
   const double ahead = kSteps * motion;
-  return ahead <= kMost * shell.spacing() ? std::max(ahead, kLeast * shell.spacing()) : 0.0;
+  return ahead <= kMost * spacing ? std::max(ahead, kLeast * spacing) : 0.0;
 }
 
 /// The points below the margin.
@@ -86,7 +87,7 @@ simd::PointList find_points(const simd::PosedView<V>& posed, const simd::TreeVie
                               ? last_motion
                               : bound_motion(survivors.field_from_shell, field_from_shell, root);
     if (motion <= survivors.growth) return evaluate();
-    growth = choose_growth(last_motion, shell);
+    growth = choose_growth(last_motion, shell.spacing());
   }
   // Rounded up, so that it bounds the float64 that poses are compared by.
   const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
@@ -106,6 +107,43 @@ simd::PointList find_points(const simd::PosedView<V>& posed, const simd::TreeVie
   return evaluate();
 }
 
+/// The places on edges that are below the margin. The pieces that may have some are kept for the
+/// next query, as points are.
+template <class V>
+simd::PointList find_edges(const simd::PosedView<V>& posed, const EdgeSegments& segments,
+                           const Pose& field_from_shell, float margin, const V& field,
+                           QueryScratch::State& state) {
+  const simd::EdgeView edges = segments.view();
+  state.reserve(edges.tree);
+  auto& survivors = state.survivors;
+  const auto refine = [&] {
+    simd::PointList found = state.empty_points();
+    simd::query_kernels<V>(simd::active_isa())
+        .refine_edges(posed, edges, survivors.points, margin, found);
+    survivors.last_asked = field_from_shell;
+    return found;
+  };
+  Sphere root = segments.tree().spheres(1)[0];
+  root.radius += edges.reach;
+  double growth = 0.0;
+  const V* known = std::get_if<V>(&survivors.field);
+  if (known != nullptr && *known == field && survivors.tree == edges.tree.serial &&
+      survivors.margin == margin) {
+    const double motion = bound_motion(survivors.field_from_shell, field_from_shell, root);
+    if (motion <= survivors.growth) return refine();
+    const double last_motion = bound_motion(survivors.last_asked, field_from_shell, root);
+    growth = choose_growth(last_motion, 2.0 * static_cast<double>(edges.reach));
+  }
+  const float grown = growth == 0.0 ? 0.0f : static_cast<float>(growth * 1.000001);
+  survivors.points = list_pieces(posed, edges, margin, grown, state);
+  survivors.field = field;
+  survivors.tree = edges.tree.serial;
+  survivors.field_from_shell = field_from_shell;
+  survivors.margin = margin;
+  survivors.growth = growth;
+  return refine();
+}
+
 }  // namespace
 
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
@@ -113,22 +151,28 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
                                        QueryScratch& scratch) {
   QueryScratch::State& state = scratch.state();
   const simd::TreeView tree = view_tree(shell);
-  std::visit(
-      [&](const auto& typed) {
-        const auto view = typed.view();
-        if (is_answered(state.survivors, view, tree, field_from_shell, options)) return;
-        state.reserve(tree);
-        const auto posed = make_posed(typed, view, shell, field_from_shell);
-        const auto& kernels =
-            simd::query_kernels<std::remove_const_t<decltype(view)>>(simd::active_isa());
-        const simd::PointList points =
-            find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
-        kernels.complete(posed, tree, points, state.contact_data());
-        state.contact_count = keep_deepest(state.contact_data(), points.count, options.max_points);
-        state.survivors.are_contacts_kept = true;
-        state.survivors.max_points = options.max_points;
-      },
-      field);
+  const EdgeSegments* edges = shell.edges();
+  const std::uint64_t edge_serial = edges == nullptr ? 0 : edges->view().tree.serial;
+  with_view(field, [&]<class V>(const auto& typed, const V& view) {
+    if (is_answered(state.survivors, view, tree, edge_serial, field_from_shell, options)) return;
+    state.reserve(tree, shell.element_count() - shell.size());
+    const auto posed = make_posed(typed, view, shell, field_from_shell);
+    const auto& kernels = simd::query_kernels<V>(simd::active_isa());
+    const simd::PointList points =
+        find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
+    kernels.complete(posed, tree, points, state.contact_data());
+    state.contact_count = points.count;
+    if (edges != nullptr) {
+      const simd::PointList found =
+          find_edges(posed, *edges, field_from_shell, options.margin, view, state.of_edges());
+      complete_on_edges(posed, edges->view(), found, shell.size(), state);
+    }
+    state.contact_count =
+        keep_deepest(state.contact_data(), state.contact_count, options.max_points);
+    state.survivors.are_contacts_kept = true;
+    state.survivors.edges = edge_serial;
+    state.survivors.max_points = options.max_points;
+  });
   return scratch.contacts();
 }
 

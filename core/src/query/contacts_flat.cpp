@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "query/posed.h"
+#include "simd/edge_formula.h"
 
 namespace voxshell {
 
@@ -11,17 +12,30 @@ std::vector<Contact> find_contacts_flat(const Field& field, const PointShell& sh
                                         const ContactOptions& options) {
   std::vector<Contact> contacts;
   const auto points = shell.points();
+  const EdgeSegments* edges = shell.edges();
+  using Triple = simd::portable::Triple<float>;
   with_posed(field, shell, field_from_shell, [&](const auto& posed) {
-    for (std::uint32_t id = 0; id < points.size(); ++id) {
-      const simd::portable::Triple<float> p{points[id].x, points[id].y, points[id].z};
+    const auto consider = [&](std::uint32_t id, const Triple& p) {
       const float distance = posed_distance(posed, p);
-      if (!(distance < options.margin)) continue;
+      if (!(distance < options.margin)) return;
       const auto n = posed_normal(posed, p);
       Vec3f normal{n.x, n.y, n.z};
       // Where the field has no gradient (a ridge inside it), the shell's own normal says which way
       // is out.
-      if (normal == Vec3f{}) normal = -shell.normals()[id];
-      contacts.push_back({id, -distance, points[id], normal});
+      if (normal == Vec3f{}) normal = -shell.normal_of(id);
+      contacts.push_back({id, -distance, {p.x, p.y, p.z}, normal});
+    };
+    for (std::uint32_t id = 0; id < points.size(); ++id) {
+      consider(id, {points[id].x, points[id].y, points[id].z});
+    }
+    if (edges == nullptr) return;
+    for (std::uint32_t i = 0; i < edges->size(); ++i) {
+      const Vec3f m = edges->middles()[i];
+      const Vec3f h = edges->halves()[i];
+      const Triple middle{m.x, m.y, m.z};
+      const Triple half{h.x, h.y, h.z};
+      const float t = find_place_on_edge(posed, middle, half, edges->tie());
+      consider(shell.tree().point_count() + i, place_on_edge(middle, half, t));
     }
   });
   if (contacts.size() > options.max_points) {

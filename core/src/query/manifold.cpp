@@ -5,6 +5,7 @@
 #include <cassert>
 #include <utility>
 
+#include "query/edge_search.h"
 #include "query/posed.h"
 #include "query/scratch.h"
 #include "query/walk.h"
@@ -74,14 +75,14 @@ ManifoldPoints select_manifold(std::span<const Contact> contacts, std::size_t ma
   return manifold;
 }
 
-void select_deepest_per_segment(std::span<const Contact> contacts, const PointSphereTree& tree,
+void select_deepest_per_segment(std::span<const Contact> contacts, const PointShell& shell,
                                 int level, std::vector<std::uint32_t>& deepest) {
   assert(level >= 1 && level <= PointSphereTree::kMaxLevel);
   deepest.clear();
   // Contacts ascend by id and segments are ranges of ids, so each segment's contacts are together.
   std::uint32_t current = 0;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    const std::uint32_t segment = tree.segment(contacts[i].id, level);
+    const std::uint32_t segment = shell.segment_of(contacts[i].id, level);
     if (deepest.empty() || segment != current) {
       deepest.push_back(i);
       current = segment;
@@ -148,6 +149,59 @@ void keep_deepest_per_segment(simd::PointList& points, const PointSphereTree& tr
   }
 }
 
+/// The places on a shell's edges that may be chosen beside its points; none where it has no edges.
+template <class V>
+class EdgePlaces {
+ public:
+  EdgePlaces(const simd::PosedView<V>& posed, const PointShell& shell, QueryScratch::State& state)
+      : posed_(posed), shell_(shell), state_(state) {}
+
+  void list(float margin) {
+    if (shell_.edges() == nullptr) return;
+    found_ = find_on_edges(posed_, shell_.edges()->view(), margin, state_.of_edges());
+  }
+
+  /// Ties go to points, whose ids are smaller.
+  simd::FoundPoint deeper_of(const simd::FoundPoint& point) const {
+    if (found_.count == 0) return point;
+    const simd::FoundPoint place = choose_deepest(found_);
+    const bool is_deeper = point.id == simd::kNone || place.distance < point.distance;
+    return is_deeper ? as_element(place) : point;
+  }
+
+  simd::FoundPoint wider_of(const simd::FoundPoint& point,
+                            const simd::ManifoldSearch& search) const {
+    if (found_.count == 0) return point;
+    const simd::FoundPoint place = kernels().choose_widest(found_, search);
+    if (place.id == simd::kNone) return point;
+    const bool is_wider = point.id == simd::kNone || place.score > point.score;
+    return is_wider ? as_element(place) : point;
+  }
+
+  /// Appends one of them to the contacts.
+  void complete(simd::FoundPoint element) {
+    element.id -= shell_.tree().point_count();
+    simd::PointList one = state_.of_edges().empty_points();
+    append(one, element);
+    complete_on_edges(posed_, shell_.edges()->view(), one, shell_.size(), state_);
+  }
+
+ private:
+  static const simd::QueryKernels<V>& kernels() {
+    return simd::query_kernels<V>(simd::active_isa());
+  }
+
+  simd::FoundPoint as_element(simd::FoundPoint place) const {
+    place.id += shell_.tree().point_count();
+    return place;
+  }
+
+  const simd::PosedView<V>& posed_;
+  const PointShell& shell_;
+  QueryScratch::State& state_;
+  simd::PointList found_{};
+};
+
 }  // namespace
 
 std::span<const Contact> find_manifold(const Field& field, const PointShell& shell,
@@ -156,7 +210,7 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
   assert(max_points >= 1 && max_points <= kManifoldSize);
   QueryScratch::State& state = scratch.state();
   const simd::TreeView tree = view_tree(shell);
-  state.reserve(tree);
+  state.reserve(tree, shell.element_count() - shell.size());
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     const auto go_on = [&](const simd::Seeds& left) {
@@ -172,6 +226,10 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
     } else {
       kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
     }
+    EdgePlaces<V> on_edges(posed, shell, state);
+    // Of a single one, nothing above the best point matters.
+    on_edges.list(max_points == 1 && found.id != simd::kNone ? found.distance : margin);
+    found = on_edges.deeper_of(found);
     simd::ManifoldSearch search{};
     std::array<simd::FoundPoint, kManifoldSize> chosen;
     std::size_t count = 0;
@@ -181,11 +239,23 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
       std::copy_n(found.point, 3, search.chosen[search.count++]);
       found = are_slots(seeds, tree) ? kernels.choose_widest(points, search)
                                      : kernels.find_widest(posed, tree, seeds, search, margin);
+      found = on_edges.wider_of(found, search);
     }
+    state.contact_count = 0;
     points.count = 0;
-    for (std::size_t i = 0; i < count; ++i) append(points, chosen[i]);
-    kernels.complete(posed, tree, points, state.contact_data());
-    state.contact_count = points.count;
+    const auto finish = [&] {
+      kernels.complete(posed, tree, points, state.contact_data() + state.contact_count);
+      state.contact_count += std::exchange(points.count, 0u);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      if (shell.is_point(chosen[i].id)) {
+        append(points, chosen[i]);
+      } else {
+        finish();
+        on_edges.complete(chosen[i]);
+      }
+    }
+    finish();
   });
   return scratch.contacts();
 }
@@ -196,7 +266,7 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
   assert(level >= 1 && level <= PointSphereTree::kMaxLevel);
   QueryScratch::State& state = scratch.state();
   const simd::TreeView tree = view_tree(shell);
-  state.reserve(tree);
+  state.reserve(tree, shell.element_count() - shell.size());
   const int depth = 2 * (level - 1);
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
@@ -219,6 +289,12 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
     }
     kernels.complete(posed, tree, points, state.contact_data());
     state.contact_count = points.count;
+    if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
+      const simd::EdgeView view = edges->view();
+      simd::PointList found = find_on_edges(posed, view, margin, state.of_edges());
+      keep_deepest_per_segment(found, edges->tree(), level);
+      complete_on_edges(posed, view, found, shell.size(), state);
+    }
   });
   return scratch.contacts();
 }

@@ -1,44 +1,201 @@
 #include "voxshell/pair.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <tuple>
+#include <type_traits>
 #include <variant>
 
 namespace voxshell {
 namespace {
 
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+Error refuse(const char* message) { return Error{ErrorCode::kInvalidArgument, message}; }
+
+/// A body's own numbers, of which the role of a pair is made. Metres.
+struct Body {
+  bool has_shell = false;
+  std::size_t points = 0;
+  double coverage = 0.0;     ///< how far the surface lies outside of the shell
+  double gap = 0.0;          ///< no place of the surface is farther from an element
+  double field_error = 0.0;  ///< of the distance
+  bool is_sharp = false;
+  double curvature = 0.0;  ///< convex, 1/metres
+  double thickness = kUnbounded;
+  Vec3 sides{kUnbounded, kUnbounded, kUnbounded};  ///< of the bounds, ascending
+
+  double size() const { return sides.z; }
+};
+
+Vec3 ascending(const Vec3& v) {
+  std::array<double, 3> sides{v.x, v.y, v.z};
+  std::sort(sides.begin(), sides.end());
+  return {sides[0], sides[1], sides[2]};
+}
+
+template <class F>
+void add_analytic(const F& field, Body& body) {
+  const auto set = [&](const Vec3& sides, double curvature, bool is_sharp) {
+    body.sides = ascending(sides);
+    body.thickness = body.sides.x;
+    body.curvature = curvature;
+    body.is_sharp = is_sharp;
+  };
+  const auto across = [](double radius) { return 2.0 * radius; };
+  if constexpr (std::is_same_v<F, BoxField>) {
+    set(2.0 * field.half_extents, 0.0, true);
+  } else if constexpr (std::is_same_v<F, SphereField>) {
+    const double d = across(field.radius);
+    set({d, d, d}, 1.0 / field.radius, false);
+  } else if constexpr (std::is_same_v<F, CapsuleField>) {
+    const double d = across(field.radius);
+    set({d, d, field.length + d}, 1.0 / field.radius, false);
+  } else if constexpr (std::is_same_v<F, CylinderField>) {
+    const double d = across(field.radius);
+    set({d, d, field.length}, 1.0 / field.radius, true);
+  } else if constexpr (std::is_same_v<F, ConeField>) {
+    const double d = across(field.radius);
+    set({d, d, field.height}, 1.0 / field.radius, true);
+  } else if constexpr (std::is_same_v<F, ConvexField>) {
+    const double most = 2.0 * field.reach();
+    set({most, most, most}, 0.0, true);
+  }
+}
+
+Body describe(const Participant& participant) {
+  Body body;
+  if (const auto* grid = std::get_if<GridField>(participant.field)) {
+    body.sides = ascending(grid->surface_bounds().extents());
+    body.thickness = participant.thickness > 0.0 ? participant.thickness : body.sides.x;
+    body.field_error = grid->interpolation_error();
+    body.is_sharp = true;
+  } else {
+    std::visit([&](const auto& field) { add_analytic(field, body); }, *participant.field);
+  }
+  if (participant.shell != nullptr) {
+    body.has_shell = true;
+    body.points = participant.shell->size();
+    body.gap = std::sqrt(3.0) * participant.shell->spacing();
+    body.coverage = body.gap;
+  }
+  if (participant.accuracy != nullptr) {
+    const Accuracy& accuracy = *participant.accuracy;
+    body.field_error = accuracy.distance.worst;
+    body.coverage = accuracy.coverage.worst;
+    body.gap = accuracy.gap;
+    body.is_sharp = accuracy.is_sharp;
+    body.curvature = accuracy.curvature;
+  }
+  return body;
+}
+
+/// Whether a body may lie wholly inside another, as far as sides and thickness tell: it would touch
+/// no element of that one's shell.
+bool may_hide_inside(const Body& inner, const Body& outer) {
+  return inner.size() < outer.size() && inner.thickness < outer.sides.x;
+}
+
+/// What of the body may enter between the elements of a shell that are this far apart.
+double enter_between(const Body& body, double gap) {
+  if (body.is_sharp) return std::min(gap, body.size());
+  return std::min({0.5 * body.curvature * gap * gap, gap, body.size()});
+}
+
+double miss_of(const Body& shell, const Body& field) {
+  if (!shell.has_shell) return kUnbounded;
+  return shell.coverage + field.field_error + enter_between(field, shell.gap);
+}
+
+/// Whatever either of the shells finds is found. What may enter between the elements of both is an
+/// edge that crosses an edge.
+double miss_of_both(const Body& a, const Body& b, double miss_of_a, double miss_of_b) {
+  if (!a.has_shell || !b.has_shell) return kUnbounded;
+  const double crossing = std::min(enter_between(a, b.gap), enter_between(b, a.gap));
+  const double left = a.coverage + b.coverage + std::max(a.field_error, b.field_error) + crossing;
+  return std::min({left, miss_of_a, miss_of_b});
+}
+
 /// Whether a model could lie between the points of a coarser shell, unseen.
-bool fits_between(const Participant& body, const PointShell& shell) {
+bool slips_between(const Participant& body, const PointShell& shell) {
   const auto* grid = std::get_if<GridField>(body.field);
   if (grid == nullptr || body.shell->spacing() >= shell.spacing()) return false;
   const Vec3 sides = grid->surface_bounds().extents();
   return shell.spacing() > std::min({sides.x, sides.y, sides.z});
 }
 
+Role take_fewest(const Participant& a, const Participant& b) {
+  if (b.shell->size() < a.shell->size()) {
+    return slips_between(a, *b.shell) ? Role::kA : Role::kB;
+  }
+  return slips_between(b, *a.shell) ? Role::kB : Role::kA;
+}
+
+/// Orders bodies by what is theirs alone, so that a role does not depend on who is called a.
+bool is_cheaper(const Body& body, double miss, const Body& than, double miss_of_that) {
+  const auto rank = [](const Body& of, double missed) {
+    return std::tuple(of.points, missed, of.sides.z, of.sides.y, of.sides.x, of.gap);
+  };
+  return rank(body, miss) < rank(than, miss_of_that);
+}
+
+Role take_most_accurate(const Body& a, const Body& b, const PairRole& pair) {
+  const double tolerated = kMissedByOne * pair.thickness;
+  const bool a_will_do = pair.miss_of_a <= tolerated && !may_hide_inside(b, a);
+  const bool b_will_do = pair.miss_of_b <= tolerated && !may_hide_inside(a, b);
+  if (a_will_do && b_will_do) {
+    return is_cheaper(b, pair.miss_of_b, a, pair.miss_of_a) ? Role::kB : Role::kA;
+  }
+  if (a_will_do) return Role::kA;
+  return b_will_do ? Role::kB : Role::kBoth;
+}
+
 }  // namespace
 
-Result<PairBody> choose_shell(const Participant& a, const Participant& b, ShellChoice choice) {
-  const auto refuse = [](const char* message) {
-    return Error{ErrorCode::kInvalidArgument, message};
-  };
-  switch (choice) {
-    case ShellChoice::kA:
-      if (a.shell == nullptr) return refuse("body a has no point shell: it is an analytic shape");
-      return PairBody::kA;
-    case ShellChoice::kB:
-      if (b.shell == nullptr) return refuse("body b has no point shell: it is an analytic shape");
-      return PairBody::kB;
-    case ShellChoice::kAutomatic:
-      break;
+double compute_miss(const Participant& shell, const Participant& field) {
+  return miss_of(describe(shell), describe(field));
+}
+
+Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellChoice choice) {
+  const bool wants_a = choice == ShellChoice::kA || choice == ShellChoice::kBoth;
+  const bool wants_b = choice == ShellChoice::kB || choice == ShellChoice::kBoth;
+  if (wants_a && a.shell == nullptr) {
+    return refuse("body a has no point shell: it is an analytic shape");
+  }
+  if (wants_b && b.shell == nullptr) {
+    return refuse("body b has no point shell: it is an analytic shape");
   }
   if (a.shell == nullptr && b.shell == nullptr) {
     return refuse("neither body has a point shell: one of the two must be a model");
   }
-  if (a.shell == nullptr) return PairBody::kB;
-  if (b.shell == nullptr) return PairBody::kA;
-  if (b.shell->size() < a.shell->size()) {
-    return fits_between(a, *b.shell) ? PairBody::kA : PairBody::kB;
+  const Body body_a = describe(a);
+  const Body body_b = describe(b);
+  PairRole pair;
+  pair.miss_of_a = miss_of(body_a, body_b);
+  pair.miss_of_b = miss_of(body_b, body_a);
+  pair.miss_of_both = miss_of_both(body_a, body_b, pair.miss_of_a, pair.miss_of_b);
+  const bool b_is_smaller = body_b.size() < body_a.size();
+  pair.thickness = body_a.size() == body_b.size() ? std::min(body_a.thickness, body_b.thickness)
+                   : b_is_smaller                 ? body_b.thickness
+                                                  : body_a.thickness;
+  if (a.shell == nullptr || choice == ShellChoice::kB) {
+    pair.role = Role::kB;
+  } else if (b.shell == nullptr || choice == ShellChoice::kA) {
+    pair.role = Role::kA;
+  } else if (choice == ShellChoice::kBoth) {
+    pair.role = Role::kBoth;
+  } else if (choice == ShellChoice::kFewest) {
+    pair.role = take_fewest(a, b);
+  } else {
+    pair.role = take_most_accurate(body_a, body_b, pair);
   }
-  return fits_between(b, *a.shell) ? PairBody::kB : PairBody::kA;
+  pair.miss = pair.role == Role::kA   ? pair.miss_of_a
+              : pair.role == Role::kB ? pair.miss_of_b
+                                      : pair.miss_of_both;
+  return pair;
 }
 
 bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner) {

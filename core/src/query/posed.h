@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <variant>
 
+#include "simd/exact_view.h"
 #include "simd/posed_view.h"
 #include "simd/tree_view.h"
 #include "voxshell/field.h"
@@ -19,10 +21,17 @@ inline float compute_rounding_slack(double magnitude) {
   return static_cast<float>(32.0 * kUlp * magnitude);
 }
 
-/// The radius about the shell's origin that holds all its points.
-inline double compute_reach(const PointShell& shell) {
-  const Sphere& root = shell.tree().spheres(1)[0];
+inline double compute_reach(const PointSphereTree& tree) {
+  const Sphere& root = tree.spheres(1)[0];
   return length(static_cast<Vec3>(root.centre)) + static_cast<double>(root.radius);
+}
+
+/// The radius about the shell's origin that holds all its points and edges.
+inline double compute_reach(const PointShell& shell) {
+  const double of_points = compute_reach(shell.tree());
+  const EdgeSegments* edges = shell.edges();
+  if (edges == nullptr) return of_points;
+  return std::max(of_points, compute_reach(edges->tree()) + static_cast<double>(edges->reach()));
 }
 
 inline void write_floats(const Vec3& from, float (&to)[3]) {
@@ -61,15 +70,26 @@ inline simd::PosedView<simd::PlaneView> make_posed(const PlaneField& plane, cons
   return posed;
 }
 
+/// Calls `visit` with the field and its view, whatever its type.
+template <class Visit>
+auto with_view(const Field& field, const Visit& visit) {
+  return std::visit(
+      [&]<class F>(const F& typed) {
+        if constexpr (std::is_same_v<F, GridField>) {
+          if (typed.has_exact_cells()) return visit(typed, typed.exact_view());
+        }
+        return visit(typed, typed.view());
+      },
+      field);
+}
+
 /// Calls `visit` with the field as the shell sees it, whatever its type.
 template <class Visit>
 auto with_posed(const Field& field, const PointShell& shell, const Pose& field_from_shell,
                 const Visit& visit) {
-  return std::visit(
-      [&](const auto& typed) {
-        return visit(make_posed(typed, typed.view(), shell, field_from_shell));
-      },
-      field);
+  return with_view(field, [&](const auto& typed, const auto& view) {
+    return visit(make_posed(typed, view, shell, field_from_shell));
+  });
 }
 
 inline simd::TreeView view_tree(const PointShell& shell) {

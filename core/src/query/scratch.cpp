@@ -11,10 +11,10 @@ std::span<const Contact> QueryScratch::contacts() const {
   return {state_->contact_data(), state_->contact_count};
 }
 
-void QueryScratch::State::reserve(const simd::TreeView& tree) {
+void QueryScratch::State::reserve(const simd::TreeView& tree, std::size_t more) {
   survivors.are_contacts_kept = false;
   constexpr std::size_t kSpare = 8;  // kernels write eight at a time
-  const std::size_t points = tree.point_count + kSpare;
+  const std::size_t points = tree.point_count + more + kSpare;
   if (points > point_capacity) {
     point_capacity = points;
     constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);

@@ -18,7 +18,8 @@ template <class Variant>
 struct ViewOf;
 template <class... Fields>
 struct ViewOf<std::variant<Fields...>> {
-  using Any = std::variant<std::monostate, decltype(std::declval<const Fields&>().view())...>;
+  using Any = std::variant<std::monostate, simd::ExactGridView,
+                           decltype(std::declval<const Fields&>().view())...>;
 };
 
 /// Memory for lists that are used side by side. Each begins with a cache line, at another place in
@@ -59,8 +60,15 @@ struct QueryScratch::State {
     }
   };
 
-  /// Makes room for any query about a shell of this tree.
-  void reserve(const simd::TreeView& tree);
+  /// Makes room for any query about a shell of this tree, and for `more` contacts.
+  void reserve(const simd::TreeView& tree, std::size_t more = 0);
+
+  /// What searches among a shell's edges use beside those among its points. Theirs are the places
+  /// on edges where this has points.
+  State& of_edges() {
+    if (!edges_) edges_ = std::make_unique<State>();
+    return *edges_;
+  }
 
   /// Room for one point a segment.
   simd::FoundPoint* reserve_found(std::size_t segments);
@@ -87,6 +95,7 @@ struct QueryScratch::State {
   struct Survivors {
     ViewOf<Field>::Any field;  ///< none: there are no survivors to go on from
     std::uint64_t tree = 0;
+    std::uint64_t edges = 0;  ///< the tree of the shell's edges
     Pose field_from_shell;
     float margin = 0.0f;
     double growth = 0.0;  ///< serves all poses that move no point by more than this, metres
@@ -103,6 +112,8 @@ struct QueryScratch::State {
   } survivors;
 
  private:
+  std::unique_ptr<State> edges_;
+
   simd::PointList make_point_list(std::size_t first) const {
     return {point_lists.list<std::uint32_t>(first),
             point_lists.list<std::uint32_t>(first + 1),

@@ -1,5 +1,8 @@
 #include "voxshell/wrench.h"
 
+#include <algorithm>
+#include <cstddef>
+
 #include "query/posed.h"
 #include "query/scratch.h"
 
@@ -10,7 +13,11 @@ Wrench compute_wrench(const Field& field, const PointShell& shell, const Pose& f
   const auto contacts = find_contacts(field, shell, field_from_shell, {}, scratch);
   QueryScratch::State& state = scratch.state();
   simd::PointList points = state.empty_points();
-  points.count = static_cast<std::uint32_t>(contacts.size());
+  // Edges have no area, and come behind the points.
+  const auto first_edge = std::partition_point(
+      contacts.begin(), contacts.end(), [&](const Contact& c) { return shell.is_point(c.id); });
+  const auto of_points = contacts.first(static_cast<std::size_t>(first_edge - contacts.begin()));
+  points.count = static_cast<std::uint32_t>(of_points.size());
   const auto* grid = std::get_if<GridField>(&field);
   const double step = 0.5 * (grid != nullptr ? grid->voxel_size() : shell.spacing());
   state.reserve_gradients();
@@ -20,8 +27,8 @@ Wrench compute_wrench(const Field& field, const PointShell& shell, const Pose& f
                        state.gradient_y.get(), state.gradient_z.get());
   });
   Wrench wrench;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const Contact& contact = contacts[i];
+  for (std::size_t i = 0; i < of_points.size(); ++i) {
+    const Contact& contact = of_points[i];
     const double weight = stiffness * static_cast<double>(shell.areas()[contact.id]) *
                           static_cast<double>(contact.depth);
     const Vec3f gradient{state.gradient_x[i], state.gradient_y[i], state.gradient_z[i]};

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/stage.h"
 #include "base/text.h"
+#include "mesh/creases.h"
 #include "shell/surface_voxels.h"
 
 namespace voxshell {
@@ -23,11 +24,13 @@ struct ShellPoint {
 
 struct Sampling {
   std::vector<ShellPoint> points;
+  std::vector<Vec3f> normals;  ///< of the points; filled in where sampling is done
   double spacing = 0.0;
   std::size_t samples = 0;  ///< more than points where float32 cannot tell some apart
+  std::optional<EdgeSegments> edges = {};
 };
 
-Vec3 normal_of(const TriangleMesh& mesh, std::uint32_t triangle) {
+Vec3 normal_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
   return normalized(cross(b - a, c - a));
 }
@@ -79,8 +82,8 @@ std::vector<ShellPoint> make_shell_points(const TriangleMesh& mesh,
   const auto face_the_same_way = [&](std::uint32_t a, std::uint32_t b) {
     constexpr double kSameNormal = 1.0 - 1e-6;
     return points[a].triangle == points[b].triangle ||
-           dot(normal_of(mesh, points[a].triangle), normal_of(mesh, points[b].triangle)) >
-               kSameNormal;
+           dot(normal_of_triangle(mesh, points[a].triangle),
+               normal_of_triangle(mesh, points[b].triangle)) > kSameNormal;
   };
   const auto join = [&](std::uint32_t id, std::uint32_t other) {
     points[other].area += points[id].area;
@@ -118,7 +121,7 @@ Sampling sample_shell(const TriangleMesh& mesh, const VoxelGrid& grid, unsigned 
                       Stage& stage) {
   const auto samples = sample_surface_voxels(mesh, grid, threads, stage.as_progress(0.0, 0.9));
   if (stage.stopped()) return {};
-  return {make_shell_points(mesh, samples, stage), grid.spacing, samples.size()};
+  return {make_shell_points(mesh, samples, stage), {}, grid.spacing, samples.size()};
 }
 
 /// A grid that shares no symmetry with the mesh; another for each index. Rotation and shift are
@@ -229,11 +232,142 @@ Result<Sampling> sample_target(const TriangleMesh& mesh, std::size_t target, uns
                            target, best.points.size())};
 }
 
+/// The triangles of a mesh that `is_wanted`, with the vertices that they use. None where they are
+/// no mesh: so small, or of so little area, that nothing is missed.
+template <class IsWanted>
+std::optional<TriangleMesh> extract(const TriangleMesh& mesh, const IsWanted& is_wanted) {
+  constexpr auto kNone = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> index_of(mesh.vertices().size(), kNone);
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    if (!is_wanted(i)) continue;
+    Triangle triangle = mesh.triangles()[i];
+    for (std::uint32_t& corner : triangle) {
+      if (index_of[corner] == kNone) {
+        index_of[corner] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(mesh.vertices()[corner]);
+      }
+      corner = index_of[corner];
+    }
+    triangles.push_back(triangle);
+  }
+  auto part = TriangleMesh::from_parts(std::move(vertices), std::move(triangles));
+  if (!part) return std::nullopt;
+  return *std::move(part);
+}
+
+/// How far apart points are to be on each triangle, in steps of a square root of two finer than the
+/// coarsest.
+struct Density {
+  static constexpr int kMostSteps = 64;
+
+  double coarsest = 0.0;  ///< metres
+  std::vector<std::uint8_t> steps;
+
+  static double refine(double spacing) { return spacing * 0.7071067811865476; }
+};
+
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings,
+                       double tolerance) {
+  // On flat parts, so that areas are spread over enough points.
+  constexpr double kFewest = 25.0;  // along the longest side
+  constexpr double kFinest = 2.0;   // tolerances
+  Density density;
+  density.coarsest = mesh.bounds().extents()[mesh.bounds().longest_axis()] / kFewest;
+  density.steps.reserve(spacings.size());
+  for (const double wanted : spacings) {
+    double spacing = density.coarsest;
+    int step = 0;
+    while (step < Density::kMostSteps && spacing > wanted &&
+           Density::refine(spacing) >= kFinest * tolerance) {
+      spacing = Density::refine(spacing);
+      ++step;
+    }
+    density.steps.push_back(static_cast<std::uint8_t>(step));
+  }
+  return density;
+}
+
+/// Samples a mesh as densely as its curvature asks for, and adds corners and edges.
+Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellSettings& settings,
+                                     Stage& stage) {
+  const double tolerance = settings.tolerance;
+  const Creases creases = find_creases(mesh, tolerance);
+  const Density density = choose_density(mesh, creases.spacings, tolerance);
+  Sampling sampling;
+  for (const Corner& corner : creases.corners) {
+    sampling.points.push_back({static_cast<Vec3f>(mesh.vertices()[corner.vertex]), 0, 0.0});
+    sampling.normals.push_back(static_cast<Vec3f>(corner.normal));
+  }
+  const int finest = *std::max_element(density.steps.begin(), density.steps.end());
+  double spacing = density.coarsest;
+  for (int step = 0; step <= finest; ++step, spacing = Density::refine(spacing)) {
+    stage.set_part(static_cast<double>(step) / (finest + 1), (step + 1.0) / (finest + 1));
+    const auto part = extract(mesh, [&](std::size_t i) { return density.steps[i] == step; });
+    if (!part) continue;
+    const std::size_t limit = std::min(settings.point_limit, PointShellSettings::kMostPoints);
+    const double expected = compute_passed_area(*part, {}) / (spacing * spacing);
+    if (expected + static_cast<double>(sampling.points.size()) > static_cast<double>(limit)) {
+      return Error{
+          ErrorCode::kTooLarge,
+          format_text("a point shell with a tolerance of %g m has about %.3g points, above "
+                      "the limit of %zu; use a larger tolerance",
+                      tolerance, expected, limit)};
+    }
+    const double size = length(part->bounds().extents());
+    Sampling sampled =
+        sample_shell(*part, {std::min(spacing, 2.0 * size), {}}, settings.threads, stage);
+    if (stage.stopped()) return stopped();
+    if (sampling.spacing == 0.0) sampling.spacing = spacing;
+    for (const ShellPoint& point : sampled.points) {
+      sampling.points.push_back(point);
+      sampling.normals.push_back(static_cast<Vec3f>(normal_of_triangle(*part, point.triangle)));
+    }
+  }
+  stage.set_part(0.0, 1.0);
+  // Points of different parts may share a place, as may corners and points.
+  PlaceTable table(sampling.points);
+  std::size_t kept = 0;
+  std::vector<std::uint32_t> place(sampling.points.size());
+  for (std::uint32_t id = 0; id < sampling.points.size(); ++id) place[id] = table.take(id);
+  for (std::uint32_t id = 0; id < sampling.points.size(); ++id) {
+    if (place[id] != id) sampling.points[place[id]].area += sampling.points[id].area;
+  }
+  for (std::uint32_t id = 0; id < sampling.points.size(); ++id) {
+    if (place[id] != id) continue;
+    sampling.points[kept] = sampling.points[id];
+    sampling.normals[kept] = sampling.normals[id];
+    ++kept;
+  }
+  sampling.points.resize(kept);
+  sampling.normals.resize(kept);
+
+  std::vector<EdgeSegments::Edge> edges;
+  edges.reserve(creases.sharp_edges.size());
+  for (std::size_t i = 0; i < creases.sharp_edges.size(); ++i) {
+    const BentEdge& edge = creases.sharp_edges[i];
+    edges.push_back(
+        {mesh.vertices()[edge.from], mesh.vertices()[edge.to], creases.edge_normals[i]});
+  }
+  if (!edges.empty()) sampling.edges = EdgeSegments::build(edges, tolerance, settings.threads);
+  return sampling;
+}
+
 }  // namespace
 
 Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
                                          const PointShellSettings& settings) {
   const bool by_spacing = settings.spacing != 0.0;
+  if (settings.tolerance != 0.0) {
+    if (by_spacing || settings.target_points != 0) {
+      return Error{ErrorCode::kInvalidArgument,
+                   "give a tolerance, a point spacing or a number of target points, not several"};
+    }
+    if (settings.tolerance > 0.0 && std::isfinite(settings.tolerance)) return std::monostate{};
+    return Error{ErrorCode::kInvalidArgument,
+                 format_text("tolerance must be above 0 m, not %g", settings.tolerance)};
+  }
   if (by_spacing == (settings.target_points != 0)) {
     return Error{ErrorCode::kInvalidArgument,
                  "give either a point spacing or a number of target points"};
@@ -268,7 +402,11 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
 
   Stage stage(progress, "point shell");
   Sampling sampling;
-  if (settings.target_points == 0) {
+  if (settings.tolerance != 0.0) {
+    auto sampled = sample_by_tolerance(mesh, settings, stage);
+    if (!sampled) return sampled.error();
+    sampling = *std::move(sampled);
+  } else if (settings.target_points == 0) {
     // Voxels of twice the mesh's size and above hold all of it; far above, numbers overflow.
     const double size = length(mesh.bounds().extents());
     sampling =
@@ -295,13 +433,16 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   };
   for_points([&](std::size_t i) {
     points[i] = sampling.points[i].point;
-    normals[i] = static_cast<Vec3f>(normal_of(mesh, sampling.points[i].triangle));
+    normals[i] = sampling.normals.empty()
+                     ? static_cast<Vec3f>(normal_of_triangle(mesh, sampling.points[i].triangle))
+                     : sampling.normals[i];
   });
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
 
   PointShell shell;
   shell.spacing_ = sampling.spacing;
+  shell.edges_ = std::move(sampling.edges);
   shell.tree_ = PointSphereTree::build(points, order, progress, settings.threads, normals);
   if (shell.tree_.point_count() == 0) return stopped();
   shell.normals_.resize(order.size());

@@ -1,28 +1,16 @@
 #include <cmath>
-#include <span>
 #include <utility>
 
-#include "base/finite.h"
 #include "base/text.h"
+#include "shell/point_checks.h"
 #include "voxshell/point_shell.h"
 
 namespace voxshell {
 namespace {
 
-constexpr float kLargestCoordinate = 1.001e9f;  // metres: a mesh's, rounded
-constexpr float kLargestArea = 1e20f;           // m2
+constexpr float kLargestArea = 1e20f;  // m2
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
-
-bool is_place(const Vec3f& p) {
-  return are_within(coordinates(std::span(&p, 1)), kLargestCoordinate);
-}
-
-/// Zero where a surface faces nowhere.
-bool is_direction(const Vec3f& normal) {
-  constexpr float kTolerance = 1e-3f;
-  return std::abs(squared_length(normal) - 1.0f) <= kTolerance || normal == Vec3f{};
-}
 
 }  // namespace
 
@@ -53,7 +41,21 @@ Result<PointShell> PointShell::from_parts(Parts parts) {
   shell.areas_ = std::move(parts.areas);
   shell.spacing_ = parts.spacing;
   shell.tree_ = std::move(parts.tree);
+  shell.edges_ = std::move(parts.edges);
   return shell;
+}
+
+std::uint32_t PointShell::segment_of(std::uint32_t id, int level) const {
+  if (is_point(id)) return tree_.segment(id, level);
+  const auto clusters = static_cast<std::uint32_t>(PointSphereTree::cluster_count(level));
+  return clusters + edges_->tree().segment(id - tree_.point_count(), level);
+}
+
+PointRange PointShell::segment_elements(int level, std::uint32_t segment) const {
+  const auto clusters = static_cast<std::uint32_t>(PointSphereTree::cluster_count(level));
+  if (segment < clusters) return tree_.cluster_points(level, segment);
+  const PointRange range = edges_->tree().cluster_points(level, segment - clusters);
+  return {tree_.point_count() + range.begin, tree_.point_count() + range.end};
 }
 
 }  // namespace voxshell

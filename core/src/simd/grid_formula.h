@@ -1,9 +1,21 @@
 #pragma once
 
+#include "simd/exact_formula.h"
 #include "simd/grid_view.h"
 #include "simd/wide.h"
 
 namespace voxshell::simd::VOXSHELL_ISA {
+
+template <class G>
+inline constexpr bool kIsGrid = false;
+template <>
+inline constexpr bool kIsGrid<GridView> = true;
+template <>
+inline constexpr bool kIsGrid<ExactGridView> = true;
+template <class G>
+inline constexpr bool kHasExactCells = false;
+template <>
+inline constexpr bool kHasExactCells<ExactGridView> = true;
 
 /// Where points fall: the nearest point of the grid and its brick.
 template <class F>
@@ -160,9 +172,57 @@ struct GridValue {
 
 enum class Wanted { kDistance, kDistanceAndGradient };
 
-/// The field at the nearest point of the grid.
+VOXSHELL_INLINE float lane_of(float value, int) { return value; }
+VOXSHELL_INLINE float lane_of(F8 value, int lane) { return value[lane]; }
+VOXSHELL_INLINE int32_t lane_of(int32_t value, int) { return value; }
+VOXSHELL_INLINE int32_t lane_of(I8 value, int lane) { return value[lane]; }
+VOXSHELL_INLINE void set_lane(float& to, int, float value) { to = value; }
+VOXSHELL_INLINE void set_lane(F8& to, int lane, float value) { to[lane] = value; }
+
+/// 0, or 1 + the index of the exact cells, of bricks that have such.
+template <class F>
+VOXSHELL_INLINE Integer<F> find_exact_bricks(const ExactGridView& grid, const GridPlace<F>& place) {
+  return gather(grid.exact_bricks, place.brick);
+}
+
+/// Puts the values of exact cells in place of those of samples.
 template <Wanted kWanted, class F>
-VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple<F>& p,
+VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<F>& p,
+                                          const GridPlace<F>& place, GridValue<F>& value) {
+  const Integer<F> bricks = find_exact_bricks(grid, place);
+  for (unsigned lanes = bits(bricks != 0); lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
+    const auto find_cell = [&](F within) {
+      const int32_t cell = to_int(lane_of(within, lane));
+      return static_cast<uint32_t>(cell < kBrickCells ? cell : kBrickCells - 1);
+    };
+    const uint32_t cell =
+        find_cell(place.within.x) +
+        kBrickCells * (find_cell(place.within.y) + kBrickCells * find_cell(place.within.z));
+    const uint32_t* masks = grid.exact_masks +
+                            static_cast<uint64_t>(lane_of(bricks, lane) - 1) * (2 * kMaskWords) +
+                            cell / 32;
+    const uint32_t bit = 1u << cell % 32;
+    if ((*masks & bit) == 0) continue;
+    const uint32_t index =
+        masks[kMaskWords] + static_cast<uint32_t>(__builtin_popcount(*masks & (bit - 1)));
+    const uint32_t list = grid.exact_lists[index];
+    const ExactValue exact =
+        evaluate_triangles({grid.listed + (list >> kListCountBits), list & kMostInList,
+                            grid.triangles, grid.feature_normals},
+                           lane_of(p.x, lane), lane_of(p.y, lane), lane_of(p.z, lane));
+    set_lane(value.distance, lane, exact.distance);
+    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+      set_lane(value.gradient.x, lane, exact.gradient.x);
+      set_lane(value.gradient.y, lane, exact.gradient.y);
+      set_lane(value.gradient.z, lane, exact.gradient.z);
+    }
+  }
+}
+
+/// What samples and planes say at the nearest point of the grid.
+template <Wanted kWanted, class F>
+VOXSHELL_INLINE GridValue<F> evaluate_samples(const GridView& grid, const Triple<F>& p,
                                               const GridPlace<F>& place) {
   constexpr unsigned kAllLanes = sizeof(F) == sizeof(float) ? 1u : 255u;
   GridValue<F> value;
@@ -201,6 +261,15 @@ VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const GridView& grid, const Triple
   return value;
 }
 
+/// The field at the nearest point of the grid.
+template <Wanted kWanted, class G, class F>
+VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const G& grid, const Triple<F>& p,
+                                              const GridPlace<F>& place) {
+  GridValue<F> value = evaluate_samples<kWanted>(grid, p, place);
+  if constexpr (kHasExactCells<G>) evaluate_exact_cells<kWanted>(grid, p, place, value);
+  return value;
+}
+
 template <class F>
 VOXSHELL_INLINE MaskOf<F> is_beyond(const Triple<F>& outside) {
   return as_float(as_int(outside.x) | as_int(outside.y) | as_int(outside.z)) != 0.0f;
@@ -222,8 +291,9 @@ VOXSHELL_INLINE Triple<F> from_surface(const Triple<F>& outside, const GridValue
 }
 
 /// Exact below `limit`; where it is not below, neither is what is told.
-template <class F>
-VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p,
+template <class G, class F>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F evaluate_distance(const G& grid, const Triple<F>& p,
                                     float limit = __builtin_inff()) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
@@ -239,8 +309,9 @@ VOXSHELL_INLINE F evaluate_distance(const GridView& grid, const Triple<F>& p,
 }
 
 /// Outside the grid unit length, inside as long as the interpolant is steep.
-template <class F>
-VOXSHELL_INLINE Triple<F> evaluate_gradient(const GridView& grid, const Triple<F>& p) {
+template <class G, class F>
+  requires kIsGrid<G>
+VOXSHELL_INLINE Triple<F> evaluate_gradient(const G& grid, const Triple<F>& p) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistanceAndGradient>(grid, p, place);
   const auto beyond = is_beyond(place.outside);
@@ -343,13 +414,28 @@ VOXSHELL_INLINE F find_room(const GridPlace<F>& place) {
          maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
 }
 
-/// Of balls within one brick, from the value at the centre: there it is continuous, and along each
-/// axis no steeper than two nodes next to each other allow. For others, infinity.
+/// How far a point is within its cell of one voxel from the nearest side, voxels, rounding left
+/// out.
 template <class F>
-VOXSHELL_INLINE F bound_fall_in_brick(const GridView& grid, const GridPlace<F>& place,
+VOXSHELL_INLINE F find_room_in_cell(const GridPlace<F>& place) {
+  constexpr float kSafety = 0.001f;  // voxels
+  const auto along = [](F within) { return absolute(within - to_float(to_int(within)) - 0.5f); };
+  const Triple<F>& w = place.within;
+  return 0.5f - kSafety - maximum(maximum(along(w.x), along(w.y)), along(w.z));
+}
+
+/// Of balls within which the field is continuous: those in one brick, or in one cell of a brick
+/// that has exact cells. From the value at the centre: along each axis it is no steeper than two
+/// nodes next to each other allow, nor is an exact one. For others, infinity.
+template <class G, class F>
+VOXSHELL_INLINE F bound_fall_in_brick(const G& grid, const GridPlace<F>& place,
                                       const GridValue<F>& value, F radius) {
+  F room = find_room(place);
+  if constexpr (kHasExactCells<G>) {
+    room = select(find_exact_bricks(grid, place) != 0, find_room_in_cell(place), room);
+  }
   const auto is_within =
-      (radius * grid.inverse_voxel_size <= find_room(place)) & (is_beyond(place.outside) == 0);
+      (radius * grid.inverse_voxel_size <= room) & (is_beyond(place.outside) == 0);
   constexpr float kDiagonal = 1.7321f;  // of a cube
   constexpr float kRounding = 1e-3f;    // of a value, in cells
   const F edge = value.cell_size * grid.voxel_size;
@@ -360,16 +446,17 @@ VOXSHELL_INLINE F bound_fall_in_brick(const GridView& grid, const GridPlace<F>& 
 
 /// Of the value over a ball, from that at its centre; of values up to a limit alone where
 /// `coarsest` is what find_coarsest() says of it.
-template <class F>
-VOXSHELL_INLINE F find_lower_bound(const GridView& grid, const GridPlace<F>& place,
+template <class G, class F>
+VOXSHELL_INLINE F find_lower_bound(const G& grid, const GridPlace<F>& place,
                                    const GridValue<F>& value, F radius,
                                    float coarsest = kBrickCells) {
   return maximum(combine(grid, bound_ball(grid, place, value, radius, coarsest)),
                  value.distance - bound_fall_in_brick(grid, place, value, radius));
 }
 
-template <class F>
-VOXSHELL_INLINE F evaluate_lower_bound(const GridView& grid, const Triple<F>& p, F radius,
+template <class G, class F>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F evaluate_lower_bound(const G& grid, const Triple<F>& p, F radius,
                                        float coarsest = kBrickCells) {
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);

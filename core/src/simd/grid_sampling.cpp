@@ -4,11 +4,20 @@
 
 namespace voxshell::simd {
 
-const GridSampling& grid_sampling() {
+template <>
+const GridSampling<GridView>& grid_sampling<GridView>() {
 #ifdef VOXSHELL_HAS_AVX2
   if (active_isa() == Isa::kAvx2) return kAvx2GridSampling;
 #endif
   return kPortableGridSampling;
+}
+
+template <>
+const GridSampling<ExactGridView>& grid_sampling<ExactGridView>() {
+#ifdef VOXSHELL_HAS_AVX2
+  if (active_isa() == Isa::kAvx2) return kAvx2ExactGridSampling;
+#endif
+  return kPortableExactGridSampling;
 }
 
 }  // namespace voxshell::simd

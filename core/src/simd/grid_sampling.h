@@ -1,23 +1,27 @@
 #pragma once
 
-#include "simd/grid_view.h"
+#include "simd/exact_view.h"
 
 namespace voxshell::simd {
 
 /// Values of a grid field at eight points, whose coordinates are p[0], p[1], p[2]. Metres, the
 /// field's frame.
+template <class G>
 struct GridSampling {
-  void (*measure_distances)(const GridView& grid, const float (*p)[8], float* distances);
+  void (*measure_distances)(const G& grid, const float (*p)[8], float* distances);
 
   /// Of balls: the distances of their centres, and what no point within has a smaller one than.
-  void (*bound_balls)(const GridView& grid, const float (*centres)[8], const float* radii,
+  void (*bound_balls)(const G& grid, const float (*centres)[8], const float* radii,
                       float* distances, float* lower_bounds);
 };
 
 /// For the active instruction set; all give the same bits.
-const GridSampling& grid_sampling();
+template <class G>
+const GridSampling<G>& grid_sampling();
 
-extern const GridSampling kPortableGridSampling;
-extern const GridSampling kAvx2GridSampling;
+extern const GridSampling<GridView> kPortableGridSampling;
+extern const GridSampling<GridView> kAvx2GridSampling;
+extern const GridSampling<ExactGridView> kPortableExactGridSampling;
+extern const GridSampling<ExactGridView> kAvx2ExactGridSampling;
 
 }  // namespace voxshell::simd

@@ -3,6 +3,9 @@
 
 namespace voxshell::simd {
 
-const GridSampling kAvx2GridSampling{avx2::measure_distances, avx2::bound_balls};
+const GridSampling<GridView> kAvx2GridSampling{avx2::measure_distances<GridView>,
+                                               avx2::bound_balls<GridView>};
+const GridSampling<ExactGridView> kAvx2ExactGridSampling{avx2::measure_distances<ExactGridView>,
+                                                         avx2::bound_balls<ExactGridView>};
 
 }  // namespace voxshell::simd

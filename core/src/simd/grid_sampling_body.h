@@ -12,12 +12,14 @@ VOXSHELL_INLINE Triple<F8> load_points(const float (*p)[8]) {
   return {load<F8>(p[0]), load<F8>(p[1]), load<F8>(p[2])};
 }
 
-inline void measure_distances(const GridView& grid, const float (*p)[8], float* distances) {
+template <class G>
+void measure_distances(const G& grid, const float (*p)[8], float* distances) {
   store(distances, evaluate_distance(grid, load_points(p)));
 }
 
-inline void bound_balls(const GridView& grid, const float (*centres)[8], const float* radii,
-                        float* distances, float* lower_bounds) {
+template <class G>
+void bound_balls(const G& grid, const float (*centres)[8], const float* radii, float* distances,
+                 float* lower_bounds) {
   const Triple<F8> p = load_points(centres);
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);

@@ -3,6 +3,9 @@
 
 namespace voxshell::simd {
 
-const GridSampling kPortableGridSampling{portable::measure_distances, portable::bound_balls};
+const GridSampling<GridView> kPortableGridSampling{portable::measure_distances<GridView>,
+                                                   portable::bound_balls<GridView>};
+const GridSampling<ExactGridView> kPortableExactGridSampling{
+    portable::measure_distances<ExactGridView>, portable::bound_balls<ExactGridView>};
 
 }  // namespace voxshell::simd

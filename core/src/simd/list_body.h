@@ -48,7 +48,7 @@ VOXSHELL_INLINE void expand_by(const TreeView& tree, int level, const NodeList& 
 template <class V>
 void expand(const PosedView<V>& posed, const TreeView& tree, int level, const NodeList& nodes,
             NodeList& out, float margin, float growth) {
-  if constexpr (std::is_same_v<V, GridView>) {
+  if constexpr (kIsGrid<V>) {
     if (out.bound == nullptr && is_decided_by_size(posed.field, margin + posed.slack)) {
       expand_by<V>(tree, level, nodes, out, growth, [&](const Block& block, uint32_t tag) {
         return test_balls<Test::kAgainstMargin>(posed, block, tag, margin);
@@ -72,7 +72,9 @@ VOXSHELL_INLINE F8 bound_points(const PosedView<PlaneView>& posed, const Triple<
                                 uint32_t /*tag*/, float growth, float /*margin*/) {
   return evaluate_distance(posed.field, p) - growth - posed.slack;
 }
-VOXSHELL_INLINE F8 bound_points(const PosedView<GridView>& posed, const Triple<F8>& p, uint32_t tag,
+template <class G>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F8 bound_points(const PosedView<G>& posed, const Triple<F8>& p, uint32_t tag,
                                 float growth, float margin) {
   const Triple<F8> q = to_field(posed, p);
   // Where rounding may carry a point across the side of a brick, values are not continuous.
@@ -213,10 +215,11 @@ struct Normals<PlaneView> {
   }
   Triple<F8> normal;
 };
-template <>
-struct Normals<GridView> {
-  explicit Normals(const PosedView<GridView>&) {}
-  Triple<F8> find(const PosedView<GridView>& posed, const Triple<F8>& p, const uint32_t* tags) {
+template <class G>
+  requires kIsGrid<G>
+struct Normals<G> {
+  explicit Normals(const PosedView<G>&) {}
+  Triple<F8> find(const PosedView<G>& posed, const Triple<F8>& p, const uint32_t* tags) {
     if (tags[0] == 0 || !is_uniform(load_tags(tags))) return posed_normal(posed, p);
     if (tags[0] != tag) {
       tag = tags[0];

@@ -3,6 +3,7 @@
 // The kernels of simd/query_kernels.h, for whatever instruction set the including source is
 // compiled for.
 
+#include "simd/edge_body.h"
 #include "simd/list_body.h"
 #include "simd/search_body.h"
 
@@ -10,7 +11,8 @@ namespace voxshell::simd::VOXSHELL_ISA {
 
 template <class V>
 inline constexpr QueryKernels<V> kQueryKernels = {
-    &expand<V>,        &sift<V>,         &evaluate<V>, &evaluate_sifted<V>, &complete<V>,
-    &differentiate<V>, &find_deepest<V>, &find_any<V>, &find_widest<V>,     &choose_widest};
+    &expand<V>,      &sift<V>,          &evaluate<V>,     &evaluate_sifted<V>,
+    &complete<V>,    &differentiate<V>, &find_deepest<V>, &find_any<V>,
+    &find_widest<V>, &choose_widest,    &refine_edges<V>, &find_any_edge<V>};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

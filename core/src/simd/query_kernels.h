@@ -2,6 +2,7 @@
 
 #include <stdint.h>
 
+#include "simd/edge_view.h"
 #include "simd/isa.h"
 #include "simd/posed_view.h"
 #include "simd/tree_view.h"
@@ -48,6 +49,7 @@ struct FoundPoint {
   uint32_t id;  ///< or kNone
   float distance;
   float point[3];
+  float score = 0.0f;  ///< what it adds to a manifold's area, where that was asked for
 };
 
 /// The work of queries on one kind of field, compiled for one instruction set.
@@ -86,11 +88,19 @@ struct QueryKernels {
                             const ManifoldSearch&, float margin);
   /// The same of listed points.
   FoundPoint (*choose_widest)(const PointList& points, const ManifoldSearch&);
+  /// Finds the place of the least distance on each of the listed pieces of edges, which sift()
+  /// finds by their middles with a growth of `reach`. Appends those places that are below `margin`,
+  /// by the ids of the pieces.
+  void (*refine_edges)(const PosedView<V>&, const EdgeView&, const PointList& pieces, float margin,
+                       PointList& out);
+  /// Whether any such place lies below `margin`.
+  bool (*find_any_edge)(const PosedView<V>&, const EdgeView&, float margin);
 };
 
 /// The views that there are kernels for.
 #define VOXSHELL_FOR_EACH_VIEW(DO) \
   DO(GridView)                     \
+  DO(ExactGridView)                \
   DO(PlaneView)                    \
   DO(BoxView) DO(SphereView) DO(CapsuleView) DO(CylinderView) DO(ConeView) DO(ConvexView)
 

@@ -144,7 +144,7 @@ VOXSHELL_INLINE bool find_any_by(const PosedView<V>& posed, const TreeView& tree
 
 template <class V>
 bool find_any(const PosedView<V>& posed, const TreeView& tree, float margin) {
-  if constexpr (std::is_same_v<V, GridView>) {
+  if constexpr (kIsGrid<V>) {
     if (is_decided_by_size(posed.field, margin + posed.slack)) {
       return find_any_by(posed, tree, margin, [&](const Block& block, uint32_t tag) {
         return test_balls<Test::kAgainstMargin>(posed, block, tag, margin);
@@ -303,6 +303,7 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Se
       }
     }
   });
+  best.score = best_score;
   return best;
 }
 
@@ -322,6 +323,7 @@ inline FoundPoint choose_widest(const PointList& points, const ManifoldSearch& s
       best_score = scores[lane];
     }
   }
+  best.score = best_score;
   return best;
 }
 

@@ -60,6 +60,7 @@ VOXSHELL_INLINE F8 bound_extent(const Block& block, const Triple<float>& normal)
 }
 
 template <class V>
+  requires(!kIsGrid<V>)
 VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Block& block, uint32_t /*tag*/,
                                  float margin) {
   const F8 bound =
@@ -84,8 +85,9 @@ VOXSHELL_INLINE F8 distance_to_plane(const GridView& grid, uint32_t tag, const T
   return plane[0] * p.x + plane[1] * p.y + plane[2] * p.z - plane[3];
 }
 
-VOXSHELL_INLINE F8 bound_extent(const PosedView<GridView>& posed, const Block& block,
-                                uint32_t tag) {
+template <class G>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F8 bound_extent(const PosedView<G>& posed, const Block& block, uint32_t tag) {
   const float* plane = plane_of(posed.field, tag);
   return bound_extent(block, to_shell(posed, Triple<float>{plane[0], plane[1], plane[2]}));
 }
@@ -106,10 +108,11 @@ VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
 /// too.
 enum class Test { kAgainstMargin, kWithBounds };
 
-template <Test kTest = Test::kWithBounds>
-VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& block, uint32_t tag,
+template <Test kTest = Test::kWithBounds, class G>
+  requires kIsGrid<G>
+VOXSHELL_INLINE Balls test_balls(const PosedView<G>& posed, const Block& block, uint32_t tag,
                                  float margin) {
-  const GridView& grid = posed.field;
+  const G& grid = posed.field;
   const Triple<F8> p = to_field(posed, block.centres);
   if (tag != 0) {
     const F8 distance = distance_to_plane(grid, tag, p);
@@ -119,7 +122,8 @@ VOXSHELL_INLINE Balls test_balls(const PosedView<GridView>& posed, const Block& 
             bits(distance + reach < margin) & block.lanes};
   }
   const auto place = locate(grid, p);
-  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  // Bounds hold from samples, too, and exact cells would take longer.
+  const auto value = evaluate_samples<Wanted::kDistance>(grid, p, place);
   const auto bounds =
       bound_ball(grid, place, value, block.radii, find_coarsest(grid, margin + posed.slack));
   F8 bound =
@@ -143,8 +147,10 @@ VOXSHELL_INLINE F8 tagged_distance(const PosedView<V>& posed, const Triple<F8>& 
                                    float /*margin*/) {
   return posed_distance(posed, p);
 }
-VOXSHELL_INLINE F8 tagged_distance(const PosedView<GridView>& posed, const Triple<F8>& p,
-                                   uint32_t tag, float margin) {
+template <class G>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F8 tagged_distance(const PosedView<G>& posed, const Triple<F8>& p, uint32_t tag,
+                                   float margin) {
   const Triple<F8> q = to_field(posed, p);
   return tag == 0 ? evaluate_distance(posed.field, q, margin)
                   : distance_to_plane(posed.field, tag, q);

@@ -88,6 +88,10 @@ void bind_simulation(nb::module_& module) {
       .value("REGULAR", bullet::ContactMode::kRegular)
       .value("SEGMENTED", bullet::ContactMode::kSegmented);
 
+  nb::enum_<bullet::ShellRule>(module, "ShellRule")
+      .value("AUTO", bullet::ShellRule::kAutomatic)
+      .value("FEWEST", bullet::ShellRule::kFewest);
+
   nb::enum_<ConstraintSolver>(module, "ConstraintSolver")
       .value("SEQUENTIAL_IMPULSE", ConstraintSolver::kSequentialImpulse)
       .value("NNCG", ConstraintSolver::kNncg)
@@ -117,8 +121,8 @@ void bind_simulation(nb::module_& module) {
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
-             bool two_friction_directions, bullet::ContactMode mode, int level, double margin,
-             double sweep_beyond) {
+             bool two_friction_directions, bullet::ContactMode mode, bullet::ShellRule shell,
+             int level, double margin, double sweep_beyond) {
             new (self)
                 Simulation({.gravity = to_vec3(gravity),
                             .time_step = time_step,
@@ -128,6 +132,7 @@ void bind_simulation(nb::module_& module) {
                             .iterations = iterations,
                             .two_friction_directions = two_friction_directions,
                             .contact = {.mode = mode,
+                                        .shell = shell,
                                         .level = level,
                                         .margin = margin,
                                         .sweep_beyond = sweep_beyond,
@@ -135,8 +140,8 @@ void bind_simulation(nb::module_& module) {
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
-          nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("level"), nb::arg("margin"),
-          nb::arg("sweep_beyond"))
+          nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"), nb::arg("level"),
+          nb::arg("margin"), nb::arg("sweep_beyond"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,

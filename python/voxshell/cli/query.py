@@ -20,7 +20,7 @@ from voxshell.cli.tables import new_table
 from voxshell.errors import PoseError, SettingsError
 from voxshell.experiments.files import finite
 from voxshell.experiments.units import format_length
-from voxshell.queries import distance, wrench
+from voxshell.queries import Shell, distance, wrench
 from voxshell.query_scratch import QueryScratch
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def query(
         "collide",
         "distance",
     ),
-    shell: Literal["auto", "a", "b", "both"] = "auto",
+    shell: Shell = "auto",
     margin: float = 0.0,
     max_points: int | None = None,
     stiffness: float | None = None,
@@ -83,7 +83,8 @@ def query(
         a_pose: Where a is.
         poses: Or many places of b: a .csv file with a pose a line, or a .npy file with (n, 4, 4) or rows.
         ask: What to ask; wrench needs --stiffness.
-        shell: The body whose points are tested; auto: the one with fewer.
+        shell: The body whose points are tested; auto: that with which least is missed, or both; fewest:
+            the one with fewer points.
         margin: Points up to so many metres apart count as contacts, too.
         max_points: Only so many contacts, the deepest.
         stiffness: For wrench: newtons per cubic metre, the pressure per metre of depth.
@@ -96,8 +97,6 @@ def query(
         raise SettingsError("ask must name a question: contacts, collide, distance or wrench")
     if "wrench" in ask and stiffness is None:
         raise SettingsError("wrench needs a stiffness, as in --stiffness 1e6")
-    if "wrench" in ask and shell == "both":
-        raise SettingsError("wrench takes shell auto, a or b: with both, each surface counts twice")
     world_from_a = np.eye(4) if a_pose is None else make_pose(a_pose, "a_pose")
     if poses is not None:
         world_from_b = read_poses(poses)
@@ -141,7 +140,7 @@ def _ask(
     a_pose: NDArray[np.float64],
     b_poses: NDArray[np.float64],
     ask: tuple[Question, ...],
-    shell: Literal["auto", "a", "b", "both"],
+    shell: Shell,
     margin: float,
     max_points: int | None,
     stiffness: float | None,

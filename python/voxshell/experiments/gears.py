@@ -188,6 +188,7 @@ def turn_gears(settings: GearsSettings, method: GearMethod, library: str) -> Tab
     models = settings.build_models()
     shapes, hulls = _build_shapes(settings, method, models)
     world = World(
+        shell="fewest",
         gravity=(0.0, 0.0, 0.0),
         time_step=1.0 / settings.rate,
         sleeping=False,
@@ -215,7 +216,9 @@ def turn_gears(settings: GearsSettings, method: GearMethod, library: str) -> Tab
     rows, overlaps = [], []
     for step in range(round(settings.seconds * settings.rate)):
         if step % settings.recorded_every == 0:
-            overlaps.append(-distance(*models, bodies[0].pose, bodies[1].pose).distance)
+            overlaps.append(
+                -distance(*models, bodies[0].pose, bodies[1].pose, shell="fewest").distance
+            )
         world.step()
         found = world.contacts()
         turned = [hinge.position / (2.0 * np.pi) for hinge in hinges]

@@ -50,7 +50,7 @@ def plan(settings: BoltSettings) -> list[Part]:
 
 def run_nut(settings: BoltSettings, mode: Mode, friction: float) -> Tables:
     """Every step: how far the nut is down, what it turned, and the deepest contact."""
-    world = World(time_step=1.0 / settings.rate, contact=mode, sleeping=False)
+    world = World(shell="fewest", time_step=1.0 / settings.rate, contact=mode, sleeping=False)
     world.add(settings.build_bolt(), mass=0.0, friction=friction, name="bolt")
     start = settings.compute_fit(START_TURNS)
     nut = world.add(settings.build_nut(), mass=NUT_MASS, pose=start, friction=friction, name="nut")
@@ -89,7 +89,7 @@ def compare_fits(settings: BoltSettings) -> Tables:
             shapes = (decompose(bolt.mesh), decompose(nut.mesh))
         elif method == "hull":
             shapes = (ConvexHull(bolt.mesh.vertices), ConvexHull(nut.mesh.vertices))
-        world = World(gravity=(0.0, 0.0, 0.0), time_step=1.0 / settings.rate)
+        world = World(shell="fewest", gravity=(0.0, 0.0, 0.0), time_step=1.0 / settings.rate)
         world.add(shapes[0], mass=0.0)
         world.add(shapes[1], mass=NUT_MASS, pose=pose)
         world.step()

@@ -244,7 +244,12 @@ def find_falls(
     middle = model.bounds.mean(axis=0)
     falls = []
     for _ in range(settings.falls):
-        world = World(gravity=(0.0, 0.0, -GRAVITY), time_step=1.0 / settings.rate, sleeping=False)
+        world = World(
+            shell="fewest",
+            gravity=(0.0, 0.0, -GRAVITY),
+            time_step=1.0 / settings.rate,
+            sleeping=False,
+        )
         world.add(model, mass=0.0)
         pose = random_rotation_matrix(rng.random(3))
         offset = settings.size * np.array([*rng.uniform(-0.2, 0.2, 2), FALL_HEIGHT])
@@ -315,7 +320,11 @@ def find_poses_between(
         for _ in range(24):
             distance = 0.5 * (near + far)
             pose[:3, 3] = origin + distance * direction
-            near, far = (distance, far) if collide(model, model, None, pose) else (near, distance)
+            near, far = (
+                (distance, far)
+                if collide(model, model, None, pose, shell="a")
+                else (near, distance)
+            )
         depth = rng.uniform(least_depth, most_depth)
         pose[:3, 3] = origin + (far - depth) * direction
     return poses
@@ -330,6 +339,7 @@ def _build_world(
     **arguments: Any,
 ) -> Any:
     world = World(
+        shell="fewest",
         gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
@@ -378,7 +388,7 @@ def _count_contacts(
 def _make_queries(model: Model) -> dict[str, Callable[[NDArray[np.float64]], object]]:
     """Yes/no queries of the pair, ours and coal's where it is installed."""
     queries: dict[str, Callable[[NDArray[np.float64]], object]] = {
-        "collide": lambda pose: collide(model, model, None, pose)
+        "collide": lambda pose: collide(model, model, None, pose, shell="a")
     }
     try:
         import coal  # pyright: ignore[reportMissingImports]

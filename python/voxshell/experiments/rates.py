@@ -220,7 +220,9 @@ def _build_world(
     speed: float,
     orientation: int,
 ) -> tuple[World, Body]:
-    world = World(time_step=1.0 / rate, sleeping=False, **_contact_arguments(rule, mode))
+    world = World(
+        shell="fewest", time_step=1.0 / rate, sleeping=False, **_contact_arguments(rule, mode)
+    )
     if ground == "plane":
         world.add(Plane(), mass=0.0, name="ground")
     else:

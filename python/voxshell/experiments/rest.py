@@ -288,6 +288,7 @@ def _build_world(
     rate: float | None = None,
 ) -> tuple[World, Body]:
     world = World(
+        shell="fewest",
         time_step=1.0 / (settings.rate if rate is None else rate),
         contact=mode,
         sleeping=sleeping,

@@ -98,7 +98,7 @@ def _lie(
     settings: ScalingSettings, model: Model, voxel_size: float, orientation: int
 ) -> np.ndarray:
     """Seconds of the narrow phase of steps in which the bunny lies in the block."""
-    world = World(gravity=(0.0, 0.0, 0.0), sleeping=False)
+    world = World(shell="fewest", gravity=(0.0, 0.0, 0.0), sleeping=False)
     below = np.eye(4)
     below[2, 3] = -BLOCK_HALF_EXTENTS[2]
     world.add(build_block(BLOCK_HALF_EXTENTS, voxel_size), mass=0.0, pose=below)

@@ -152,6 +152,7 @@ def _build_world(
     gravity: float,
 ) -> tuple[World, Body]:
     world = World(
+        shell="fewest",
         gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,

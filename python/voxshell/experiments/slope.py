@@ -90,6 +90,7 @@ def _slide(
     """
     turn = math.radians(angle)
     world = World(
+        shell="fewest",
         gravity=(9.81 * math.sin(turn), 0.0, -9.81 * math.cos(turn)),
         time_step=1.0 / settings.rate,
         contact="auto" if kind == "bullet" else kind,

@@ -141,6 +141,7 @@ def build_world(
         landing: Where the shell's lowest point is.
     """
     world = World(
+        shell="fewest",
         gravity=(0.0, 0.0, -settings.gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,

@@ -254,6 +254,7 @@ def build_world(
         gravity: m/s2, downwards.
     """
     world = World(
+        shell="fewest",
         gravity=(0.0, 0.0, -gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,

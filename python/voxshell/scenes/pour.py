@@ -145,6 +145,7 @@ def build_world(
     """
     ours = method == "voxshell"
     world = World(
+        shell="fewest",
         time_step=1.0 / settings.rate,
         sleeping=False,
         **({} if ours else choose_bullet_solver(method)),

@@ -22,7 +22,7 @@ class WorldSettings:
         duration: Simulated seconds.
         rate: Steps a second.
         gravity: Three numbers, m/s2.
-        contact, level, solver, iterations, sleeping, sweep_beyond: As for the world.
+        contact, shell, level, solver, iterations, sleeping, sweep_beyond: As for the world.
     """
 
     title: str = ""
@@ -30,6 +30,7 @@ class WorldSettings:
     rate: float = 200.0
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
     contact: Literal["auto", "regular", "segmented"] = "auto"
+    shell: Literal["auto", "fewest"] = "auto"
     level: int | None = None
     solver: Literal["sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"] = (
         "sequential_impulse"

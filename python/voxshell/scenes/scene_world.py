@@ -47,6 +47,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
         gravity=settings.gravity,
         time_step=1.0 / settings.rate,
         contact=settings.contact,
+        shell=settings.shell,
         level=settings.level,
         solver=settings.solver,
         iterations=settings.iterations,

@@ -83,6 +83,7 @@ def build_world(
     from trimesh.transformations import random_rotation_matrix
 
     world = World(
+        shell="fewest",
         time_step=1.0 / settings.rate,
         sleeping=False,
         friction_directions=1 if points is None else 2,
@@ -113,7 +114,7 @@ def build_bunny_world(settings: StackSettings, *, seed: int) -> tuple[World, lis
     from trimesh.transformations import quaternion_matrix
 
     bunny = BunnySettings()
-    world = World(time_step=1.0 / settings.rate, sleeping=False)
+    world = World(shell="fewest", time_step=1.0 / settings.rate, sleeping=False)
     world.add(Plane(), mass=0.0, name="ground")
     rng = np.random.default_rng(seed)
     bodies = []

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -66,7 +67,8 @@ void expect_contacts_as_by_hand(TouchingPair& pair, const PairCase& c, int max_p
 TEST_P(Collision, SegmentedContactsAreAsByHand) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, kDepth, {.mode = ContactMode::kSegmented, .margin = 0});
+    TouchingPair pair(c, kDepth,
+                      {.mode = ContactMode::kSegmented, .shell = ShellRule::kFewest, .margin = 0});
     expect_contacts_as_by_hand(pair, c, 1);
   }
 }
@@ -74,7 +76,8 @@ TEST_P(Collision, SegmentedContactsAreAsByHand) {
 TEST_P(Collision, RegularContactsAreAsByHand) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, kDepth, {.mode = ContactMode::kRegular, .margin = 0});
+    TouchingPair pair(c, kDepth,
+                      {.mode = ContactMode::kRegular, .shell = ShellRule::kFewest, .margin = 0});
     expect_contacts_as_by_hand(pair, c, 4);
   }
 }
@@ -104,7 +107,10 @@ TEST_P(Collision, WithinTheMarginAndAtRestThereIsContact) {
 TEST_P(Collision, WithinTheMarginAFastApproachIsNoContactYet) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, -0.002, {.margin = 0.003});
+    TouchingPair pair(c, -0.002,
+                      {.shell = ShellRule::kFewest,
+                       .margin = 0.003,
+                       .sweep_beyond = std::numeric_limits<double>::infinity()});
     pair.world.world.getDispatchInfo().m_timeStep = scalar(0.005);
     // Of 0.6 m/s, 3 mm a step: the limit. Whichever body moves, the other comes to rest relative.
     btRigidBody& moving = c.cube_mass > 0 ? *pair.cube : *pair.partner;

@@ -73,7 +73,7 @@ void expect_agreement(TouchingPair& pair, const Collector& collector,
 TEST_P(ContactTest, OfAPairFindsPenetrationWithAndWithoutAThreshold) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, 0.004);
+    TouchingPair pair(c, 0.004, {.shell = ShellRule::kFewest});
     for (const double threshold : {0.0, 0.002, 0.02}) {
       for (const bool cube_asks : {true, false}) {
         btRigidBody* first = cube_asks ? pair.cube : pair.partner;
@@ -90,7 +90,7 @@ TEST_P(ContactTest, OfAPairFindsPenetrationWithAndWithoutAThreshold) {
 TEST_P(ContactTest, OfAPairFindsSeparationUpToTheThreshold) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, -0.005);
+    TouchingPair pair(c, -0.005, {.shell = ShellRule::kFewest});
     for (const bool cube_asks : {true, false}) {
       btRigidBody* first = cube_asks ? pair.cube : pair.partner;
       btRigidBody* second = cube_asks ? pair.partner : pair.cube;
@@ -111,7 +111,7 @@ TEST_P(ContactTest, OfAPairFindsSeparationUpToTheThreshold) {
 TEST_P(ContactTest, OfTheWorldAgreesWithTheSimulation) {
   for (const PairCase& c : all_pair_cases(GetParam())) {
     SCOPED_TRACE(to_string(c));
-    TouchingPair pair(c, 0.004);
+    TouchingPair pair(c, 0.004, {.shell = ShellRule::kFewest});
     for (btRigidBody* first : {pair.cube, pair.partner}) {
       Collector collector(first, 0.0);
       pair.world.world.contactTest(first, collector);

@@ -34,7 +34,7 @@ Pose random_touch(Random& random) {
 TEST(Manifolds, RegularIsOneManifoldOfFourWithTheDeepestFirst) {
   ASSERT_LT(blob_model()->shell().size(), slab_model()->shell().size());
   Random random(21);
-  TestWorld world({.mode = ContactMode::kRegular, .margin = 0});
+  TestWorld world({.mode = ContactMode::kRegular, .shell = ShellRule::kFewest, .margin = 0});
   world.add_model(slab_model(), 0);
   btRigidBody& blob = world.add_model(blob_model(), 1);
   int full = 0;
@@ -61,7 +61,10 @@ INSTANTIATE_TEST_SUITE_P(Levels, Segments, testing::Values(1, 2, 3, 4, 6, 12));
 
 TEST_P(Segments, AreThoseOfTheCoreWithOnePointEach) {
   Random random(22);
-  TestWorld world({.mode = ContactMode::kSegmented, .level = GetParam(), .margin = 0});
+  TestWorld world({.mode = ContactMode::kSegmented,
+                   .shell = ShellRule::kFewest,
+                   .level = GetParam(),
+                   .margin = 0});
   world.add_model(slab_model(), 0);
   btRigidBody& blob = world.add_model(blob_model(), 1);
   std::vector<std::uint32_t> deepest;
@@ -70,7 +73,7 @@ TEST_P(Segments, AreThoseOfTheCoreWithOnePointEach) {
     place(blob, random_touch(random));
     world.world.performDiscreteCollisionDetection();
     const auto expected = contacts_by_core(blob);
-    select_deepest_per_segment(expected, blob_model()->shell().tree(), GetParam(), deepest);
+    select_deepest_per_segment(expected, blob_model()->shell(), GetParam(), deepest);
     most = std::max(most, deepest.size());
 
     auto& pairs = world.broadphase.getOverlappingPairCache()->getOverlappingPairArray();

@@ -87,6 +87,16 @@ poses = 2
 fine_points = 1000
 voxel_size = 0.006
 reference_voxel_size = 0.004
+[geometry]
+scenes = ["ball on slab 0.3 m", "crossed knives"]
+poses = 1
+rotations = 0
+retriangulated = 0
+judged = 2
+pairs = 1
+pair_poses = 20
+optimized = 0
+builds = 1
 [scaling]
 orientations = 1
 points = [500, 1000]
@@ -178,6 +188,7 @@ DEMANDED = {
     "nut": ("creep of the nut", "off its thread", "distance of the threads"),
     "gears": ("turns of the driven gear", "deepest true overlap"),
     "accuracy": ("depth off the truth",),
+    "geometry": ("first contact beyond the first touch", "answers wrong beyond the stated bounds"),
 }
 
 

@@ -75,7 +75,7 @@ def test_contact_is_what_the_meshes_say_within_the_stated_bounds(name: str, bunn
     pair = make_pair(name, bunny_path)
     judge = MeshPair(pair.a.solid, pair.b.solid)
     a, b = pair.a.build(), pair.b.build()
-    bounds = {"a": vx.contact_bounds(a, b), "b": vx.contact_bounds(b, a)}
+    bounds = {shell: vx.contact_bounds(a, b, shell=shell) for shell in ("a", "b")}
     size = float(np.linalg.norm(a.bounds, axis=1).max() + np.linalg.norm(b.bounds, axis=1).max())
     rng = np.random.default_rng(17)
     clearance = max(bound.clearance for bound in bounds.values()) + ROUNDING

@@ -24,6 +24,11 @@ NAMES = (
     "areas",
     "spheres",
     "sphere blocks",
+    "edge middles",
+    "edge halves",
+    "edge normals",
+    "edge spheres",
+    "edge sphere blocks",
 )
 TABLE_END = -(-(HEADER + ENTRY * len(NAMES)) // 64) * 64
 
@@ -169,14 +174,14 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
 
     record = by_name["record"]
     for i in range(record.item_size // 8):
-        if i in (1, 3, 5, 10, 11, 12, 23, *range(25, 31)):
+        if i in (2, 4, 6, 11, 12, 13, 24, *range(26, 32), 41, 52):
             continue  # integers
         yield changed("record", 0, 8 * i, "d", nan)
         yield changed("record", 0, 8 * i, "d", infinity)
-    for i in (5, 23, 25):
+    for i in (6, 24, 26):
         for choice in (3, -1, 2**40):
             yield changed("record", 0, 8 * i, "q", choice)
-    for i in (10, 11, 12):
+    for i in (11, 12, 13):
         for bricks in (0, -1, 2, 2**20, 2**31, 2**63 - 1):
             yield changed("record", 0, 8 * i, "q", bricks)
     for name, width in (

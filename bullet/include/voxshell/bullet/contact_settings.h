@@ -16,6 +16,15 @@ enum class ContactMode {
   kSegmented,
 };
 
+/// Whose points of two models are tested against the other's field.
+enum class ShellRule {
+  /// Those of the model with which least can be missed, or both's where neither alone is enough: a
+  /// constant of the two models (voxshell/pair.h).
+  kAutomatic,
+  /// Those of the model with fewer points, as the thesis has it.
+  kFewest,
+};
+
 /// Seconds spent in voxshell's part of the narrow phase since the last reset, for one thread.
 struct NarrowPhaseTimings {
   double query = 0.0;      ///< finding contacts
@@ -26,6 +35,7 @@ struct NarrowPhaseTimings {
 /// How contacts of models become contact points of Bullet.
 struct ContactSettings {
   ContactMode mode = ContactMode::kAutomatic;
+  ShellRule shell = ShellRule::kAutomatic;
 
   /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments, and,
   /// unless contacts are kSegmented, level 5, up to 256, in steps that sweep.
@@ -33,17 +43,17 @@ struct ContactSettings {
 
   /// Slow points this close to a surface count as contacts, metres: without them a resting body
   /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the smaller
-  /// body's diameter. "Slow" is an approach that takes longer than a step to cross the margin, so
-  /// that impacts keep their rebound: a contact reported before touching makes the solver close the
-  /// gap instead of reversing the velocity. Where a btCompoundShape takes part, give the ModelShape
-  /// a margin above the default with setMargin() too: compounds skip children whose bounds are
-  /// apart.
+  /// body's diameter, but no more than a 20th of either body's thickness. "Slow" is an approach
+  /// that takes longer than a step to cross the margin, so that impacts keep their rebound: a
+  /// contact reported before touching makes the solver close the gap instead of reversing the
+  /// velocity. Where a btCompoundShape takes part, give the ModelShape a margin above the default
+  /// with setMargin() too: compounds skip children whose bounds are apart.
   double margin = -1.0;
 
   /// Where bodies move farther than this in a step, metres, points that are going to touch within
   /// the step are contacts before they do, so that fast bodies stop at surfaces, thin ones
-  /// included. Negative: a voxel, or a quarter of the inner radius of a box, ball, hull ...,
-  /// whichever is less. Infinity: never.
+  /// included. Negative: a quarter of a model's thickness or a 50th of its longest side, or a
+  /// quarter of the inner radius of a box, ball, hull ..., whichever is least. Infinity: never.
   double sweep_beyond = -1.0;
 
   /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from

@@ -98,6 +98,7 @@ class Worlds:
 
     def _world(self, time_step: float, *, gravity: bool = False) -> World:
         return World(
+            shell="fewest",
             gravity=(0.0, 0.0, -9.81 if gravity else 0.0),
             time_step=time_step,
             sleeping=False,

@@ -74,7 +74,12 @@ class _Query:
     def ask(self, pose: NDArray[np.float64]) -> float:
         def find() -> None:
             self._found = contacts(
-                self._body, self._other, pose, self._other_pose, scratch=self._scratch
+                self._body,
+                self._other,
+                pose,
+                self._other_pose,
+                shell="fewest",
+                scratch=self._scratch,
             )
 
         return seconds_of(find)

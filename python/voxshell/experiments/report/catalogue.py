@@ -7,6 +7,7 @@ from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
 from voxshell.experiments.report.gears import GEARS
+from voxshell.experiments.report.geometry import GEOMETRY
 from voxshell.experiments.report.nut import NUT
 from voxshell.experiments.report.pair import PAIR
 from voxshell.experiments.report.pour import POUR
@@ -30,5 +31,6 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     NUT,
     GEARS,
     ACCURACY,
+    GEOMETRY,
     SCALING,
 )

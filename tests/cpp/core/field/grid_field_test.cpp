@@ -405,8 +405,8 @@ TEST(GridField, EightAtOnceAreAsOneByOne) {
         radii[i] = static_cast<float>(random.uniform(0.0, 0.2));
       }
       if (round == 0) points.set(3, {std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f});
-      for (const simd::GridSampling* kernels :
-           {&simd::grid_sampling(), &simd::kPortableGridSampling}) {
+      for (const simd::GridSampling<simd::GridView>* kernels :
+           {&simd::grid_sampling<simd::GridView>(), &simd::kPortableGridSampling}) {
         EightFloats distances;
         EightFloats of_centres;
         EightFloats bounded;

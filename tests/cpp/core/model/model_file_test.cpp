@@ -50,6 +50,25 @@ const FileBytes& small_file() {
   return *bytes;
 }
 
+/// The field of the small model with a shell that has edges.
+const Model& edgy_model() {
+  static const auto* model = [] {
+    auto shell = PointShell::build(make_l_shape(0.1).mesh(), {.tolerance = 3e-3});
+    if (!shell) std::abort();
+    auto made =
+        Model::from_parts(small_model().mesh(), small_model().grid(), *std::move(shell),
+                          {.tolerance = 3e-3}, small_model().accuracy(), small_model().thickness());
+    if (!made) std::abort();
+    return new std::shared_ptr<const Model>(*std::move(made));
+  }();
+  return **model;
+}
+
+const FileBytes& edgy_file() {
+  static const auto* bytes = new FileBytes(to_bytes(edgy_model()));
+  return *bytes;
+}
+
 enum Kind : std::uint32_t {
   kRecord = 1,
   kVertices,
@@ -62,6 +81,11 @@ enum Kind : std::uint32_t {
   kAreas,
   kSpheres,
   kBlocks,
+  kEdgeMiddles,
+  kEdgeHalves,
+  kEdgeNormals,
+  kEdgeSpheres,
+  kEdgeBlocks,
 };
 
 /// Offset in a file of item `index` of a section.
@@ -74,6 +98,19 @@ template <class T>
 void expect_equal(std::span<const T> a, std::span<const T> b) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_TRUE(a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+void expect_equal(const EdgeSegments* a, const EdgeSegments* b) {
+  ASSERT_EQ(a == nullptr, b == nullptr);
+  if (a == nullptr) return;
+  EXPECT_EQ(std::vector<Vec3f>(a->middles().begin(), a->middles().end()),
+            std::vector<Vec3f>(b->middles().begin(), b->middles().end()));
+  expect_equal(a->halves(), b->halves());
+  expect_equal(a->normals(), b->normals());
+  expect_equal(a->tree().spheres(), b->tree().spheres());
+  expect_equal(a->tree().blocks(), b->tree().blocks());
+  EXPECT_EQ(a->tolerance(), b->tolerance());
+  EXPECT_EQ(a->reach(), b->reach());
 }
 
 std::vector<Vec3f> points_of(const Model& model) {
@@ -100,6 +137,7 @@ void expect_equal(const Model& a, const Model& b) {
   expect_equal(a.shell().normals(), b.shell().normals());
   expect_equal(a.shell().areas(), b.shell().areas());
   EXPECT_EQ(a.shell().spacing(), b.shell().spacing());
+  expect_equal(a.shell().edges(), b.shell().edges());
   EXPECT_EQ(a.shell().tree().level_count(), b.shell().tree().level_count());
   expect_equal(a.shell().tree().spheres(), b.shell().tree().spheres());
   expect_equal(a.shell().tree().blocks(), b.shell().tree().blocks());
@@ -107,6 +145,7 @@ void expect_equal(const Model& a, const Model& b) {
   EXPECT_EQ(a.bounds().upper, b.bounds().upper);
   EXPECT_EQ(a.solid_mass_properties().centre_of_mass, b.solid_mass_properties().centre_of_mass);
   EXPECT_EQ(a.surface_mass_properties().inertia.row_x, b.surface_mass_properties().inertia.row_x);
+  EXPECT_EQ(a.settings().tolerance, b.settings().tolerance);
   EXPECT_EQ(a.settings().voxel_size, b.settings().voxel_size);
   EXPECT_EQ(a.settings().resolution, b.settings().resolution);
   EXPECT_EQ(a.settings().point_spacing, b.settings().point_spacing);
@@ -125,6 +164,7 @@ TEST_F(ModelFile, HoldsTheWholeModel) {
   for (const auto& model :
        {build(make_blob(0.3, 3), {.resolution = 20, .target_points = 2000}),
         build(make_torus(0.4, 0.1, 30, 15), {.resolution = 25, .point_spacing = 0.05}),
+        build(make_l_shape(0.1), {.tolerance = 1e-3}),
         build(make_corner_tetrahedron(1e-3), {.voxel_size = 1e-4})}) {
     ASSERT_TRUE(save_model(*model, path("model")));
     const auto loaded = load_model(path("model"));
@@ -382,6 +422,40 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
   expect_refused(with(kPoints, 0, 0, 100.0f), "cannot be used");
 }
 
+TEST(ModelBytes, WithEdgesThatCannotBeAreRefused) {
+  const auto with = [](Kind kind, std::size_t index, std::size_t offset, auto value) {
+    FileBytes bytes = edgy_file();
+    write_at(bytes, item(bytes, kind, index) + offset, value);
+    fix_checksum(bytes);
+    return bytes;
+  };
+  ASSERT_TRUE(from_bytes(edgy_file()));
+  ASSERT_GT(edgy_model().shell().edges()->size(), 20u);
+  const float nanf = std::numeric_limits<float>::quiet_NaN();
+  const float infinityf = std::numeric_limits<float>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const float place : {nanf, infinityf, -3e38f}) {
+      expect_refused(with(kEdgeMiddles, 5, 4 * axis, place), "cannot be used");
+      expect_refused(with(kEdgeHalves, 5, 4 * axis, place), "edge segment 5 is not finite");
+      expect_refused(with(kEdgeNormals, 5, 4 * axis, place), "the normal of edge segment 5");
+      expect_refused(with(kEdgeSpheres, 1, 4 * axis, place), "cluster 0 on level 2");
+    }
+    expect_refused(with(kEdgeHalves, 5, 4 * axis, 1.0f), "lie outside the mesh's bounds");
+  }
+  for (const float radius : {nanf, infinityf, -1.0f, 0.0f}) {
+    expect_refused(with(kEdgeSpheres, 0, 12, radius), "its tree of edges");
+    expect_refused(with(kEdgeBlocks, 24, 0, radius), "its tree of edges");
+  }
+  for (const double tolerance : {kNan, kInfinity, -1.0, 0.0}) {
+    expect_refused(with(kRecord, 0, offsetof(Record, edge_tolerance), tolerance),
+                   "tolerance of edge segments");
+  }
+  FileBytes none = small_file();
+  write_at(none, item(none, kRecord, 0) + offsetof(Record, edge_tolerance), 1.0);
+  fix_checksum(none);
+  expect_refused(none, "its tree of edges");
+}
+
 TEST(ModelBytes, WithEntriesBeyondTheArraysAreRefused) {
   const auto with = [](std::uint32_t entry) {
     FileBytes bytes = small_file();
@@ -432,20 +506,20 @@ TEST(ModelBytes, WithPlanesThatAreNoneAreRefused) {
 
 TEST(ModelBytes, OfCountsThatDisagreeAreRefused) {
   // Each section loses its last items; what follows moves up.
-  const model_format::TableEntry last = table_entry(small_file(), kBlocks);
-  for (std::uint32_t kind = kRecord; kind <= kBlocks; ++kind) {
-    const TableEntry entry = table_entry(small_file(), kind);
+  const model_format::TableEntry last = table_entry(edgy_file(), kEdgeBlocks);
+  for (std::uint32_t kind = kRecord; kind <= kEdgeBlocks; ++kind) {
+    const TableEntry entry = table_entry(edgy_file(), kind);
     if (entry.count == 0) continue;
     if (kind == kTriangles) continue;  // one less is another mesh, which may be open
     const std::uint64_t keep = kind == kSamples ? 1000 : entry.count - 1;
     const std::size_t old_end = entry.offset + model_format::align(entry.count * entry.item_size);
     const std::size_t new_size = keep * entry.item_size;
-    FileBytes bytes(small_file().begin(),
-                    small_file().begin() + static_cast<std::ptrdiff_t>(entry.offset + new_size));
+    FileBytes bytes(edgy_file().begin(),
+                    edgy_file().begin() + static_cast<std::ptrdiff_t>(entry.offset + new_size));
     bytes.resize(entry.offset + model_format::align(new_size));
     const std::uint64_t lost = old_end - bytes.size();
-    bytes.insert(bytes.end(), small_file().begin() + static_cast<std::ptrdiff_t>(old_end),
-                 small_file().end());
+    bytes.insert(bytes.end(), edgy_file().begin() + static_cast<std::ptrdiff_t>(old_end),
+                 edgy_file().end());
     TableEntry shorter = entry;
     shorter.count = keep;
     write_at(bytes, table_offset(kind), shorter);
@@ -469,17 +543,17 @@ TEST(ModelBytes, BeyondTheMemoryLimitAreRefused) {
 
 TEST(ModelBytes, ChangedAtRandomAreRefusedOrGiveASoundModel) {
   // Under the sanitizers this finds what validation lets through.
-  const FileBytes& whole = small_file();
   Random random(5);
   QueryScratch scratch;
   int accepted = 0;
   int refused = 0;
   for (int round = 0; round < 4000; ++round) {
+    const FileBytes& whole = round % 2 == 0 ? small_file() : edgy_file();
     FileBytes bytes = whole;
     // Sections are of very different sizes: one of them first, then a place in it.
     for (std::size_t change = 0; change <= random.below(3); ++change) {
       const TableEntry entry =
-          table_entry(whole, static_cast<std::uint32_t>(1 + random.below(kBlocks)));
+          table_entry(whole, static_cast<std::uint32_t>(1 + random.below(kEdgeBlocks)));
       const std::size_t size = entry.count * entry.item_size;
       if (size == 0) continue;
       const std::size_t at = entry.offset + random.below(size);
@@ -497,6 +571,7 @@ TEST(ModelBytes, ChangedAtRandomAreRefusedOrGiveASoundModel) {
     const Pose pose = random.pose(0.2);
     find_contacts((*model)->field(), small_model().shell(), pose, {.margin = 0.1f}, scratch);
     find_contacts(small_model().field(), (*model)->shell(), pose, {.margin = 0.1f}, scratch);
+    collides(small_model().field(), (*model)->shell(), pose);
   }
   EXPECT_GT(accepted, 500);
   EXPECT_GT(refused, 500);

@@ -66,7 +66,11 @@ TEST(Allocation, IsCounted) {
 
 TEST(Allocation, HappensInNoWarmQuery) {
   Random random(130);
-  for (const PointShell& shell : shells()) {
+  std::vector<PointShell> all = shells();
+  auto with_edges = PointShell::build(make_l_shape(0.3).mesh(), {.tolerance = 2e-3});
+  ASSERT_TRUE(with_edges && with_edges->edges() != nullptr);
+  all.push_back(*std::move(with_edges));
+  for (const PointShell& shell : all) {
     for (const Field& field : fields()) {
       std::vector<Pose> poses;
       for (int i = 0; i < 50; ++i) {
@@ -78,9 +82,10 @@ TEST(Allocation, HappensInNoWarmQuery) {
       const auto ask = [&](const Pose& pose) {
         const auto found = find_contacts(field, shell, pose, {.margin = 0.01f}, scratch);
         const ManifoldPoints manifold = select_manifold(found);
-        select_deepest_per_segment(found, shell.tree(), 4, deepest);
+        select_deepest_per_segment(found, shell, 4, deepest);
         contacts += found.size() + manifold.count + deepest.size();
         contacts += collides(field, shell, pose, 0.01f);
+        contacts += find_manifold(field, shell, pose, 0.01f, scratch).size();
       };
       const std::size_t cold = allocation_count;
       for (const Pose& pose : poses) ask(pose);

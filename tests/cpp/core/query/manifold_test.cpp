@@ -187,14 +187,19 @@ TEST(Manifold, DoesNotDependOnSizeOrPlace) {
 }
 
 /// A tree of `count` points; which ones does not matter to its segments.
-PointSphereTree tree_of(std::uint32_t count) {
+PointShell shell_of(std::uint32_t count) {
   std::vector<Vec3f> points;
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < count; ++i) {
     points.push_back({static_cast<float>(i), 0, 0});
     order.push_back(i);
   }
-  return PointSphereTree::build(points, order);
+  auto shell = PointShell::from_parts({.tree = PointSphereTree::build(points, order),
+                                       .normals = std::vector<Vec3f>(count, {0, 0, 1}),
+                                       .areas = std::vector<float>(count, 1.0f),
+                                       .spacing = 1.0});
+  EXPECT_TRUE(shell);
+  return *std::move(shell);
 }
 
 /// The cluster whose range of points holds `id`, by bisection.
@@ -217,7 +222,7 @@ TEST(DeepestPerSegment, AgreesWithAMap) {
   std::vector<std::uint32_t> deepest{99, 99, 99};
   std::size_t found = 0;
   for (const std::uint32_t count : {1u, 5u, 100u, 799u, 5000u}) {
-    const PointSphereTree tree = tree_of(count);
+    const PointShell shell = shell_of(count);
     for (int trial = 0; trial < 50; ++trial) {
       std::vector<Contact> contacts;
       const double share = random.unit();
@@ -230,10 +235,10 @@ TEST(DeepestPerSegment, AgreesWithAMap) {
         std::map<std::uint64_t, std::uint32_t> expected;
         for (std::uint32_t i = 0; i < contacts.size(); ++i) {
           const auto [entry, is_new] =
-              expected.try_emplace(find_cluster(tree, level, contacts[i].id), i);
+              expected.try_emplace(find_cluster(shell.tree(), level, contacts[i].id), i);
           if (!is_new && contacts[i].depth > contacts[entry->second].depth) entry->second = i;
         }
-        select_deepest_per_segment(contacts, tree, level, deepest);
+        select_deepest_per_segment(contacts, shell, level, deepest);
         std::vector<std::uint32_t> expected_indices;
         for (const auto& [segment, index] : expected) expected_indices.push_back(index);
         ASSERT_EQ(deepest, expected_indices) << count << " points, level " << level;
@@ -246,28 +251,28 @@ TEST(DeepestPerSegment, AgreesWithAMap) {
 }
 
 TEST(DeepestPerSegment, OnTheFirstLevelIsTheDeepestOfAll) {
-  const PointSphereTree tree = tree_of(64);
+  const PointShell shell = shell_of(64);
   const std::vector<Contact> contacts{contact_at(3, 0.1f, {}), contact_at(9, 0.4f, {}),
                                       contact_at(40, 0.4f, {}), contact_at(63, 0.2f, {})};
   std::vector<std::uint32_t> deepest;
-  select_deepest_per_segment(contacts, tree, 1, deepest);
+  select_deepest_per_segment(contacts, shell, 1, deepest);
   EXPECT_EQ(deepest, (std::vector<std::uint32_t>{1}));
-  select_deepest_per_segment(contacts, tree, 2, deepest);
+  select_deepest_per_segment(contacts, shell, 2, deepest);
   EXPECT_EQ(deepest, (std::vector<std::uint32_t>{1, 2, 3}));
 }
 
 TEST(DeepestPerSegment, FarBeyondTheNumberOfBucketsKeepsOneContactOfEach) {
-  const PointSphereTree tree = tree_of(100);
+  const PointShell shell = shell_of(100);
   std::vector<Contact> contacts;
   for (std::uint32_t id = 0; id < 100; ++id) contacts.push_back(contact_at(id, 0.1f, {}));
   std::vector<std::uint32_t> deepest;
-  select_deepest_per_segment(contacts, tree, PointSphereTree::kMaxLevel, deepest);
+  select_deepest_per_segment(contacts, shell, PointSphereTree::kMaxLevel, deepest);
   EXPECT_EQ(deepest.size(), 13u);  // of eight points each, the last of four
 }
 
 TEST(DeepestPerSegment, OfNothingIsEmpty) {
   std::vector<std::uint32_t> deepest{1, 2, 3};
-  select_deepest_per_segment({}, tree_of(10), 3, deepest);
+  select_deepest_per_segment({}, shell_of(10), 3, deepest);
   EXPECT_TRUE(deepest.empty());
 }
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "posed_pair.h"
+
+namespace voxshell::bullet {
+
+/// A contact of the second shell as one of the first: its point is the place on the first body's
+/// surface, its normal that of the field's side. `field_from_shell` is of the second query.
+Contact turn_over(const Contact& contact, const Pose& field_from_shell);
+
+/// Where a point of the second shell is: where the field's side touches. The first shell's frame.
+inline Vec3 place_of_second(const Contact& contact) {
+  return static_cast<Vec3>(contact.point) +
+         static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal);
+}
+
+/// Adds what the second shell of a pair finds to what the first found.
+class SecondShell {
+ public:
+  /// Appends contacts of the second shell, with ids from kFirstOfSecond on.
+  void append(std::span<const Contact> found, const Pose& field_from_shell,
+              std::vector<Contact>& contacts);
+
+  /// Drops contacts of the second shell where one of the first is as near as `margin`, metres, and
+  /// has the same normal, within ten degrees: manifolds need not hold both.
+  void drop_doubles(float margin, std::vector<Contact>& contacts);
+
+ private:
+  std::vector<Contact> by_x_;  ///< those of the first shell, ascending by their points' x
+};
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "voxshell/point_sphere_tree.h"
+#include "voxshell/result.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+namespace simd {
+struct EdgeView;
+}
+
+/// Sharp edges of a mesh, cut into short straight pieces: the elements of a point shell that points
+/// alone would miss. Metres, the mesh's frame.
+///
+/// Each piece is its middle, which the tree holds, and half of the way from one end to the other.
+/// Queries find the place of the least distance along each piece by samples, as a function of the
+/// pose alone.
+class EdgeSegments {
+ public:
+  /// A straight edge before it is cut.
+  struct Edge {
+    Vec3 from;
+    Vec3 to;
+    Vec3 normal;  ///< the mean of the two faces', unit length
+  };
+
+  /// Longest half of a piece, in tolerances: samples along a piece are then two tolerances apart.
+  static constexpr double kHalfPerTolerance = 7.0;
+  static constexpr std::size_t kMostPieces = 50'000;  ///< unless there are more edges than that
+
+  /// Cuts `edges`, one at least. Where they would give more than kMostPieces, pieces are longer.
+  static EdgeSegments build(std::span<const Edge> edges, double tolerance, unsigned threads = 0);
+
+  /// What the functions below return.
+  struct Parts {
+    PointSphereTree tree;  ///< of the middles
+    std::vector<Vec3f> halves;
+    std::vector<Vec3f> normals;
+    double tolerance = 0.0;
+  };
+
+  /// Checked: as many of each, finite, normals of unit length or zero. Error: kInvalidArgument.
+  static Result<EdgeSegments> from_parts(Parts parts);
+
+  std::size_t size() const { return tree_.point_count(); }
+  BucketPoints middles() const { return tree_.points(); }
+  std::span<const Vec3f> halves() const { return halves_; }  ///< from the middle to an end
+  std::span<const Vec3f> normals() const { return normals_; }
+  const PointSphereTree& tree() const { return tree_; }
+  double tolerance() const { return tolerance_; }
+
+  /// No end of a piece is farther than this from its middle.
+  float reach() const { return reach_; }
+
+  /// In a field whose distances change by no more than the way between two places, no place of a
+  /// piece is deeper than the one that queries find by more than this and tie().
+  double bracket() const;
+
+  /// Places whose distances differ by less than this count as equally deep: the middle of them is
+  /// the contact, so that an edge that lies flat touches with its middle.
+  float tie() const { return static_cast<float>(tolerance_ / 8.0); }
+
+  std::size_t nbytes() const;
+  simd::EdgeView view() const;
+
+ private:
+  EdgeSegments() = default;
+  void measure_reach();
+
+  PointSphereTree tree_;
+  std::vector<Vec3f> halves_;
+  std::vector<Vec3f> normals_;
+  double tolerance_ = 0.0;
+  float reach_ = 0.0f;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,398 @@
+#include "field/exact_cells.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "field/brick_plan.h"
+#include "mesh/closest_point.h"
+#include "simd/exact_formula.h"
+#include "simd/exact_view.h"
+#include "simd/grid_formula.h"
+
+namespace voxshell {
+namespace {
+
+using simd::kBrickCells;
+
+constexpr int kNodes = kBrickCells + 1;
+constexpr std::size_t kCells = cube(kBrickCells);
+/// The surface does not pass through cells whose corners are farther from it than this, voxels.
+constexpr float kAtSurface = 0.9f;
+/// Nor do contacts lie deeper than this as a rule; up to there, cells are exact where depths have a
+/// ridge, as in the middle of thin walls: where samples are off by much, voxels.
+constexpr float kDeep = 2.0f;
+constexpr float kRidge = 0.2f;
+/// Away from the surface samples may be off by this share of the distance more.
+constexpr float kOfDistance = 0.1f;
+/// Of the tolerance, as few places of a cell are looked at.
+constexpr double kSafety = 0.7;
+
+Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto [a, b, c] = mesh.corners(triangle);
+  return normalized(cross(b - a, c - a));
+}
+
+/// The angle between two directions, without the last bits of trigonometric functions, which differ
+/// by machine, in what is stored: only weights depend on it.
+double angle_between(const Vec3& u, const Vec3& v) {
+  return std::atan2(length(cross(u, v)), dot(u, v));
+}
+
+/// See simd/exact_view.h.
+std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
+  const auto triangles = mesh.triangles();
+  std::vector<Vec3> of_vertices(mesh.vertices().size());
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Vec3 normal = unit_normal(mesh, i);
+    const auto corners = mesh.corners(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle =
+          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+      of_vertices[triangles[i][k]] += angle * normal;
+      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
+      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
+    }
+  }
+  std::ranges::sort(edges);
+  std::vector<Vec3> edge_normals(3 * triangles.size());
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin;
+    Vec3 sum{};
+    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
+      sum += unit_normal(mesh, edges[end].second / 3);
+    }
+    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
+  }
+  std::vector<float> normals;
+  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const auto append = [&](const Vec3& normal) {
+      const auto n = static_cast<Vec3f>(normal);
+      normals.insert(normals.end(), {n.x, n.y, n.z});
+    };
+    append(unit_normal(mesh, i));
+    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
+    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
+  }
+  return normals;
+}
+
+/// See simd/exact_view.h.
+std::vector<float> make_records(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangles().size();
+  std::vector<float> records(simd::kTriangleFloats * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [a, b, c] = mesh.corners(i);
+    float* to = &records[simd::kTriangleFloats * i];
+    for (const Vec3& row : {a, b - a, c - a, unit_normal(mesh, i)}) {
+      const auto rounded = static_cast<Vec3f>(row);
+      *to++ = rounded.x;
+      *to++ = rounded.y;
+      *to++ = rounded.z;
+    }
+  }
+  return records;
+}
+
+/// What trilinear samples may be off in the cells of a brick, voxels, estimated from how the
+/// differences of nodes change along each axis: a crease across a cell changes them by what its two
+/// sides differ in slope, four times what the middle of the cell is off.
+std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
+  std::array<float, kCells> errors{};
+  constexpr std::array<int, 3> kStrides{1, kNodes, kNodes * kNodes};
+  const auto node = [&](const std::array<int, 3>& at) {
+    return at[0] + kNodes * (at[1] + kNodes * at[2]);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const auto b = (a + 1) % 3;
+    const auto c = (a + 2) % 3;
+    // Of each node, how much the difference changes there; negative where it has no neighbours.
+    std::array<float, cube(kNodes)> change{};
+    for (int k = 0; k < kNodes; ++k) {
+      for (int j = 0; j < kNodes; ++j) {
+        for (int i = 0; i < kNodes; ++i) {
+          std::array<int, 3> at{};
+          at[a] = i;
+          at[b] = j;
+          at[c] = k;
+          const auto n = static_cast<std::size_t>(node(at));
+          const auto stride = static_cast<std::size_t>(kStrides[a]);
+          change[n] = i == 0 || i == kNodes - 1
+                          ? -1.0f
+                          : std::abs(nodes[n - stride] - 2.0f * nodes[n] + nodes[n + stride]);
+        }
+      }
+    }
+    for (int k = 0; k < kBrickCells; ++k) {
+      for (int j = 0; j < kBrickCells; ++j) {
+        for (int i = 0; i < kBrickCells; ++i) {
+          std::array<int, 3> at{};
+          at[a] = i;
+          at[b] = j;
+          at[c] = k;
+          const int cell = at[0] + kBrickCells * (at[1] + kBrickCells * at[2]);
+          float worst = 0.0f;
+          for (int side = 0; side < 4; ++side) {
+            std::array<int, 3> low = at;
+            low[b] += side & 1;
+            low[c] += side >> 1;
+            std::array<int, 3> high = low;
+            ++high[a];
+            const float before = change[static_cast<std::size_t>(node(low))];
+            const float after = change[static_cast<std::size_t>(node(high))];
+            // At the side of the brick only one of the two is known.
+            const float error = before < 0.0f  ? after
+                                : after < 0.0f ? before
+                                               : 0.25f * (before + after);
+            worst = std::max(worst, error);
+          }
+          errors[static_cast<std::size_t>(cell)] += worst;
+        }
+      }
+    }
+  }
+  return errors;
+}
+
+}  // namespace
+
+struct ExactCellFinder::Job {
+  Vec3 origin;  ///< of the brick, metres
+  std::span<const float> nodes;
+  std::bitset<kCells> candidates;
+};
+
+ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
+                                 const DistanceTree& tree, double tolerance)
+    : mesh_(mesh),
+      grid_(grid),
+      tree_(tree),
+      tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
+      records_(make_records(mesh)),
+      feature_normals_(compute_feature_normals(mesh)) {}
+
+ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const float> nodes,
+                                             Work& work) const {
+  Brick brick;
+  brick.index = index;
+  const auto place = grid_.place(index);
+  Job job{grid_.node(kBrickCells * place[0], kBrickCells * place[1], kBrickCells * place[2]),
+          nodes,
+          {}};
+  const auto errors = estimate_errors(nodes);
+  DistanceTree::Nearest nearest{};
+  for (std::size_t cell = 0; cell < kCells; ++cell) {
+    if (errors[cell] <= tolerance_) continue;
+    const std::size_t x = cell % kBrickCells;
+    const std::size_t y = cell / kBrickCells % kBrickCells;
+    const std::size_t z = cell / (kBrickCells * kBrickCells);
+    float least = std::numeric_limits<float>::infinity();
+    float deepest = 0.0f;
+    const auto corner_of = [&](std::size_t corner) {
+      return nodes[x + (corner & 1) + kNodes * (y + (corner >> 1 & 1)) +
+                   std::size_t{kNodes} * kNodes * (z + (corner >> 2))];
+    };
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const float node = corner_of(corner);
+      least = std::min(least, std::abs(node));
+      deepest = std::min(deepest, node);
+    }
+    const bool is_near =
+        least < kAtSurface || (deepest < 0.0f && least < kDeep && errors[cell] > kRidge);
+    if (!is_near) continue;
+    // On smooth surfaces the estimate is several times too large. There the middle of a cell is off
+    // by half as much or more as any place.
+    constexpr float kTooLarge = 4.0f;
+    constexpr float kOfMost = 0.4f;
+    if (errors[cell] <= kTooLarge * tolerance_) {
+      float mean = 0.0f;
+      for (std::size_t corner = 0; corner < 8; ++corner) mean += 0.125f * corner_of(corner);
+      const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
+                        static_cast<double>(z) + 0.5};
+      nearest = tree_.find_nearest(
+          centre_of(place) + middle - Vec3{kHalfEdge, kHalfEdge, kHalfEdge}, nearest.guess);
+      const float off = std::abs(std::abs(mean) - nearest.distance);
+      if (off <= kOfMost * (tolerance_ + kOfDistance * nearest.distance)) continue;
+    }
+    job.candidates[cell] = true;
+  }
+  if (job.candidates.none()) return brick;
+  const Vec3 centre = centre_of(place);
+  const double at_centre = std::abs(static_cast<double>(
+      nodes[kBrickCells / 2 * (1 + kNodes * (1 + static_cast<std::size_t>(kNodes)))]));
+  constexpr std::size_t kMostInBrick = 1 << 16;
+  constexpr double kRounding = 0.01;  // voxels
+  if (!tree_.find_within(centre, at_centre + 2.0 * kHalfDiagonal + kRounding, kMostInBrick,
+                         work.nearby)) {
+    return brick;
+  }
+  std::vector<std::uint32_t> triangles = work.nearby;
+  std::ranges::sort(triangles);
+  triangles.erase(std::ranges::unique(triangles).begin(), triangles.end());
+  divide(job, {{0, 0, 0}, kBrickCells}, triangles, brick);
+  // Cells were found in the order of octants.
+  std::vector<std::size_t> order(brick.cells.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::sort(order, {}, [&](std::size_t i) { return brick.cells[i]; });
+  Brick sorted;
+  sorted.index = index;
+  for (const std::size_t i : order) {
+    sorted.cells.push_back(brick.cells[i]);
+    sorted.lists.push_back(std::move(brick.lists[i]));
+  }
+  return sorted;
+}
+
+/// Keeps those triangles that may be the nearest somewhere in the cube, and goes on with its
+/// octants.
+void ExactCellFinder::divide(const Job& job, const Cube& cube,
+                             std::span<const std::uint32_t> triangles, Brick& brick) const {
+  const double h = grid_.voxel_size;
+  const auto [x, y, z] = cube.first;
+  bool is_candidate = false;
+  for (int k = z; k < z + cube.size && !is_candidate; ++k) {
+    for (int j = y; j < y + cube.size && !is_candidate; ++j) {
+      for (int i = x; i < x + cube.size && !is_candidate; ++i) {
+        is_candidate =
+            job.candidates[static_cast<std::size_t>(i + kBrickCells * (j + kBrickCells * k))];
+      }
+    }
+  }
+  if (!is_candidate) return;
+  const double half = 0.5 * cube.size * h;
+  const Vec3 centre = job.origin + h * Vec3{1.0 * x, 1.0 * y, 1.0 * z} + Vec3{half, half, half};
+  constexpr double kRounding = 1e-3;  // of the cube
+  const double diagonal = std::sqrt(3.0) * half * (1.0 + kRounding);
+  std::vector<double> distances(triangles.size());
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto corners = mesh_.corners(triangles[i]);
+    distances[i] = length(closest_point_on_triangle(centre, corners) - centre);
+    nearest = std::min(nearest, distances[i]);
+  }
+  double most = nearest + 2.0 * diagonal;
+  if (cube.size == 1) {
+    // No place is farther from a triangle than the farthest of the cell's corners.
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (distances[i] > nearest + 0.5 * diagonal) continue;
+      const auto corners = mesh_.corners(triangles[i]);
+      double farthest = 0.0;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 p =
+            centre + half * Vec3{(corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+                                 (corner & 4) != 0 ? 1.0 : -1.0};
+        farthest = std::max(farthest, squared_length(closest_point_on_triangle(p, corners) - p));
+      }
+      most = std::min(most, std::sqrt(farthest) + diagonal);
+    }
+    most += kRounding * h;
+  }
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (distances[i] <= most) kept.push_back(triangles[i]);
+  }
+  if (cube.size == 1) {
+    std::erase_if(kept, [&](std::uint32_t triangle) {
+      return unit_normal(mesh_, triangle) == Vec3{};  // its edges are those of others
+    });
+    if (kept.empty() || kept.size() > simd::kMostInList) return;
+    if (!is_needed(job, cube, kept)) return;
+    brick.cells.push_back(static_cast<std::uint16_t>(x + kBrickCells * (y + kBrickCells * z)));
+    brick.lists.push_back(std::move(kept));
+    return;
+  }
+  const int size = cube.size / 2;
+  for (int octant = 0; octant < 8; ++octant) {
+    divide(
+        job,
+        {{x + size * (octant & 1), y + size * (octant >> 1 & 1), z + size * (octant >> 2)}, size},
+        kept, brick);
+  }
+}
+
+/// Whether samples are off by more than the tolerance at some of a few places in the cell.
+bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
+                                std::span<const std::uint32_t> triangles) const {
+  const simd::portable::ListedTriangles list{triangles.data(),
+                                             static_cast<std::uint32_t>(triangles.size()),
+                                             records_.data(), feature_normals_.data()};
+  const auto [x, y, z] = cell.first;
+  const auto at = [&](int i, int j, int k) {
+    return job.nodes[static_cast<std::size_t>(x + i + kNodes * (y + j + kNodes * (z + k)))];
+  };
+  const auto h = static_cast<float>(grid_.voxel_size);
+  const auto is_off = [&](float tx, float ty, float tz) {
+    using simd::portable::lerp;
+    const float low =
+        lerp(lerp(at(0, 0, 0), at(1, 0, 0), tx), lerp(at(0, 1, 0), at(1, 1, 0), tx), ty);
+    const float high =
+        lerp(lerp(at(0, 0, 1), at(1, 0, 1), tx), lerp(at(0, 1, 1), at(1, 1, 1), tx), ty);
+    const Vec3 p = job.origin + grid_.voxel_size * Vec3{x + static_cast<double>(tx),
+                                                        y + static_cast<double>(ty),
+                                                        z + static_cast<double>(tz)};
+    const auto q = static_cast<Vec3f>(p);
+    const float exact = simd::portable::evaluate_triangles(list, q.x, q.y, q.z).distance;
+    return !(std::abs(lerp(low, high, tz) - exact / h) <=
+             tolerance_ + kOfDistance * std::abs(exact / h));
+  };
+  constexpr std::array kAlong{0.5f, 0.1f, 0.9f};
+  for (const float tz : kAlong) {
+    for (const float ty : kAlong) {
+      for (const float tx : kAlong) {
+        if (is_off(tx, ty, tz)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
+  ExactCells exact;
+  if (bricks.empty()) return exact;
+  exact.bricks.resize(grid_.count());
+  std::map<std::vector<std::uint32_t>, std::uint32_t> known;
+  std::uint32_t number = 0;
+  for (const Brick& brick : bricks) {
+    exact.bricks[brick.index] = ++number;
+    const std::size_t masks = exact.masks.size();
+    exact.masks.resize(masks + 2 * std::size_t{simd::kMaskWords});
+    std::size_t next = 0;
+    for (std::size_t word = 0; word < simd::kMaskWords; ++word) {
+      exact.masks[masks + simd::kMaskWords + word] = static_cast<std::uint32_t>(exact.lists.size());
+      for (; next < brick.cells.size() && brick.cells[next] / 32 == word; ++next) {
+        exact.masks[masks + word] |= 1u << brick.cells[next] % 32;
+        const auto& list = brick.lists[next];
+        const std::size_t packed = exact.listed.size() << simd::kListCountBits | list.size();
+        const auto [found, is_new] = known.try_emplace(list, static_cast<std::uint32_t>(packed));
+        if (is_new) exact.listed.insert(exact.listed.end(), list.begin(), list.end());
+        exact.lists.push_back(found->second);
+      }
+    }
+  }
+  // Only the triangles in use are kept, and indices become those among them.
+  std::vector<std::uint32_t> used = exact.listed;
+  std::ranges::sort(used);
+  used.erase(std::ranges::unique(used).begin(), used.end());
+  const auto copy = [&](const std::vector<float>& all, std::size_t each, std::vector<float>& to) {
+    to.reserve(each * used.size());
+    for (const std::uint32_t triangle : used) {
+      const auto from = all.begin() + static_cast<std::ptrdiff_t>(each * triangle);
+      to.insert(to.end(), from, from + static_cast<std::ptrdiff_t>(each));
+    }
+  };
+  copy(records_, simd::kTriangleFloats, exact.triangles);
+  copy(feature_normals_, simd::kFeatureNormalFloats, exact.feature_normals);
+  for (std::uint32_t& triangle : exact.listed) {
+    triangle = static_cast<std::uint32_t>(std::ranges::lower_bound(used, triangle) - used.begin());
+  }
+  return exact;
+}
+
+}  // namespace voxshell

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "field/brick_grid.h"
+#include "mesh/distance_tree.h"
+#include "voxshell/grid_field.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// Finds the fine cells that samples cannot follow, and the triangles that are nearest in them.
+/// Of closed meshes: the normals of triangles, edges and corners tell inside from outside.
+class ExactCellFinder {
+ public:
+  /// `tolerance` in metres; all three outlive this.
+  ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
+                  double tolerance);
+
+  /// The exact cells of one brick and their lists of triangles, ascending.
+  struct Brick {
+    std::size_t index = 0;
+    std::vector<std::uint16_t> cells;  ///< x fastest, ascending
+    std::vector<std::vector<std::uint32_t>> lists;
+  };
+
+  /// What one thread works with.
+  struct Work {
+    std::vector<std::uint32_t> nearby;
+  };
+
+  /// `nodes` are the signed distances of the brick's nodes, voxels, x fastest.
+  Brick find(std::size_t index, std::span<const float> nodes, Work& work) const;
+
+  /// Of bricks ascending by index.
+  ExactCells assemble(std::span<const Brick> bricks) const;
+
+ private:
+  struct Cube {
+    std::array<int, 3> first;  ///< cell
+    int size;                  ///< cells
+  };
+  struct Job;
+  void divide(const Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
+              Brick& brick) const;
+  bool is_needed(const Job& job, const Cube& cell, std::span<const std::uint32_t> triangles) const;
+
+  const TriangleMesh& mesh_;
+  const BrickGrid& grid_;
+  const DistanceTree& tree_;
+  float tolerance_;             ///< voxels
+  std::vector<float> records_;  ///< of triangles; see simd/exact_view.h
+  std::vector<float> feature_normals_;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,102 @@
+#pragma once
+
+// Kernels about straight pieces of edges.
+
+#include "simd/edge_formula.h"
+#include "simd/search_body.h"
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+VOXSHELL_INLINE Triple<float> half_of(const EdgeView& edges, uint32_t id) {
+  const float* half = edges.halves + 3 * static_cast<uint64_t>(id);
+  return {half[0], half[1], half[2]};
+}
+
+/// Whether a place of the piece may be below the margin, by balls about places along it that
+/// overlap: a second look before the search for the least place.
+template <class V>
+VOXSHELL_INLINE bool may_touch(const PosedView<V>& posed, const EdgeView& edges,
+                               const Triple<float>& middle, const Triple<float>& half,
+                               float margin) {
+  constexpr F8 kCentres = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
+  constexpr float kShare = 0.1251f;
+  const F8 bound =
+      bound_points(posed, place_on_edge(middle, half, kCentres), 0, kShare * edges.reach, margin);
+  return lanes_below(bound, margin) != 0;
+}
+
+template <class V>
+void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointList& pieces,
+                  float margin, PointList& out) {
+  uint32_t count = out.count;
+  Triple<F8> p{};
+  I8 ids{};
+  int lane = 0;
+  const auto finish = [&] {
+    if (lane == 0) return;
+    const F8 distance = posed_distance(posed, p);
+    const unsigned lanes = bits(distance < margin) & ((1u << lane) - 1);
+    compress(out.id + count, ids, lanes);
+    const I8 tags{};
+    memcpy(out.tag + count, &tags, sizeof tags);
+    compress(out.distance + count, distance, lanes);
+    compress(out.x + count, p.x, lanes);
+    compress(out.y + count, p.y, lanes);
+    compress(out.z + count, p.z, lanes);
+    count += static_cast<uint32_t>(__builtin_popcount(lanes));
+    lane = 0;
+  };
+  for (uint32_t i = 0; i < pieces.count; ++i) {
+    const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
+    const Triple<float> half = half_of(edges, pieces.id[i]);
+    if (!may_touch(posed, edges, middle, half, margin)) continue;
+    const float t = find_place_on_edge(posed, middle, half, edges.tie);
+    const Triple<float> place = place_on_edge(middle, half, t);
+    p.x[lane] = place.x;
+    p.y[lane] = place.y;
+    p.z[lane] = place.z;
+    ids[lane] = static_cast<int32_t>(pieces.id[i]);
+    if (++lane == kLanes) finish();
+  }
+  finish();
+  out.count = count;
+}
+
+template <class V>
+bool find_any_edge(const PosedView<V>& posed, const EdgeView& edges, float margin) {
+  const TreeView& tree = edges.tree;
+  BestFirst walk({-kFarthest, 0, 0, 0});
+  while (!walk.is_done()) {
+    const Waiting node = walk.take();
+    if (node.level < tree.level_count) {
+      const Block block = load_block(tree, node.level, node.index, edges.reach);
+      const Balls balls = test_balls(posed, block, node.tag, margin);
+      walk.begin_siblings();
+      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        walk.push({balls.bound[lane], node.index * kLanes + static_cast<uint32_t>(lane),
+                   static_cast<uint32_t>(balls.tags[lane]), node.level + 1});
+      }
+      continue;
+    }
+    const uint32_t end = first_bucket(tree, node.index + 1);
+    for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
+      const Triple<F8> middles = load_triple(bucket_of(tree, bucket));
+      const F8 bound = bound_points(posed, middles, node.tag, edges.reach, margin);
+      for (unsigned lanes = lanes_below(bound, margin) & bits(middles.x == middles.x); lanes != 0;
+           lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const Triple<float> middle{middles.x[lane], middles.y[lane], middles.z[lane]};
+        const Triple<float> half = half_of(edges, bucket * kLanes + static_cast<uint32_t>(lane));
+        if (!may_touch(posed, edges, middle, half, margin)) continue;
+        const float t = find_place_on_edge(posed, middle, half, edges.tie);
+        const Triple<float> place = place_on_edge(middle, half, t);
+        const Triple<F8> p{splat<F8>(place.x), splat<F8>(place.y), splat<F8>(place.z)};
+        if (any(posed_distance(posed, p) < margin)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace voxshell::simd::VOXSHELL_ISA

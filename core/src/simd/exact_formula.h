@@ -1,0 +1,147 @@
+#pragma once
+
+#include "simd/exact_view.h"
+#include "simd/wide.h"
+
+namespace voxshell::simd::VOXSHELL_ISA {
+
+/// How far a point is from one triangle, or from eight, and where that triangle is nearest.
+template <class F>
+struct NearestOnTriangle {
+  F squared_distance;
+  Triple<F> offset;    ///< from the nearest place to the point
+  Integer<F> feature;  ///< see kFeatureNormalFloats
+};
+
+template <class F>
+VOXSHELL_INLINE Triple<F> subtract(const Triple<F>& a, const Triple<F>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+template <class F>
+VOXSHELL_INLINE Triple<F> cross_product(const Triple<F>& a, const Triple<F>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// `p`, `ab`, `ac` from the corner a. A point is above the face where it is on the inner side of
+/// all three edges; elsewhere the nearest edge has the nearest place.
+template <class F>
+VOXSHELL_INLINE NearestOnTriangle<F> find_on_triangle(const Triple<F>& p, const Triple<F>& ab,
+                                                      const Triple<F>& ac,
+                                                      const Triple<F>& normal) {
+  const F zero = splat<F>(0.0f);
+  const F one = splat<F>(1.0f);
+  const Triple<F> bc = subtract(ac, ab);
+  const Triple<F> bp = subtract(p, ab);
+  const auto is_inside = [&](const Triple<F>& edge, const Triple<F>& from) {
+    return dot(cross_product(normal, edge), from) >= zero;
+  };
+  const Triple<F> ca{zero - ac.x, zero - ac.y, zero - ac.z};
+  const auto is_above = is_inside(ab, p) & is_inside(bc, bp) & is_inside(ca, p);
+  const F height = dot(normal, p);
+
+  NearestOnTriangle<F> nearest;
+  const auto along = [&](const Triple<F>& edge, const Triple<F>& from, F& t) {
+    t = minimum(maximum(dot(edge, from) / dot(edge, edge), zero), one);
+    return Triple<F>{from.x - t * edge.x, from.y - t * edge.y, from.z - t * edge.z};
+  };
+  const auto code = [&](F t, int edge, int start, int end) {
+    const Integer<F> none{};
+    return select(t <= zero, none + start, select(t >= one, none + end, none + edge));
+  };
+  const auto take = [&](const Triple<F>& offset, Integer<F> feature, bool is_first) {
+    const F squared = dot(offset, offset);
+    if (is_first) {
+      nearest = {squared, offset, feature};
+      return;
+    }
+    const auto is_nearer = squared < nearest.squared_distance;
+    nearest.squared_distance = select(is_nearer, squared, nearest.squared_distance);
+    nearest.offset = select<F>(is_nearer, offset, nearest.offset);
+    nearest.feature = select(is_nearer, feature, nearest.feature);
+  };
+  F t;
+  const Triple<F> from_ab = along(ab, p, t);
+  take(from_ab, code(t, 1, 4, 5), true);
+  const Triple<F> from_bc = along(bc, bp, t);
+  take(from_bc, code(t, 2, 5, 6), false);
+  const Triple<F> from_ac = along(ac, p, t);
+  take(from_ac, code(t, 3, 4, 6), false);
+
+  nearest.squared_distance = select(is_above, height * height, nearest.squared_distance);
+  const Triple<F> from_face{height * normal.x, height * normal.y, height * normal.z};
+  nearest.offset = select<F>(is_above, from_face, nearest.offset);
+  nearest.feature = select(is_above, Integer<F>{}, nearest.feature);
+  return nearest;
+}
+
+/// Signed distance and gradient.
+struct ExactValue {
+  float distance;
+  Triple<float> gradient;  ///< unit length
+};
+
+/// Triangles as they lie in memory, see simd/exact_view.h.
+struct ListedTriangles {
+  const uint32_t* listed;  ///< the list's first
+  uint32_t count;          ///< 1 at least
+  const float* triangles;
+  const float* feature_normals;
+
+  uint32_t index(uint32_t i) const { return listed[i < count ? i : count - 1]; }
+  const float* record(uint32_t i) const {
+    return triangles + static_cast<uint64_t>(index(i)) * kTriangleFloats;
+  }
+};
+
+/// The signed distance to the nearest of a few triangles.
+inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float y, float z) {
+  F8 least = splat<F8>(__builtin_inff());
+  I8 least_index{};
+  const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
+  for (uint32_t first = 0; first < list.count; first += kLanes) {
+    F8 rows[kLanes];
+    F8 others[kLanes];
+    for (uint32_t i = 0; i < kLanes; ++i) {
+      const float* record = list.record(first + i);
+      rows[i] = load<F8>(record);
+      others[i] = load<F8>(record + kLanes);
+    }
+    transpose(rows);
+    transpose(others);
+    const Triple<F8> p = subtract(place, Triple<F8>{rows[0], rows[1], rows[2]});
+    const F8 squared = find_on_triangle(p, Triple<F8>{rows[3], rows[4], rows[5]},
+                                        Triple<F8>{rows[6], rows[7], others[0]},
+                                        Triple<F8>{others[1], others[2], others[3]})
+                           .squared_distance;
+    const I8 is_nearer = squared < least;
+    least = select(is_nearer, squared, least);
+    least_index = select(is_nearer, kLaneIndex + static_cast<int32_t>(first), least_index);
+  }
+  int lane = 0;
+  for (int other = 1; other < kLanes; ++other) {
+    if (least[other] < least[lane]) lane = other;
+  }
+  const auto found = static_cast<uint32_t>(least_index[lane]);
+  const float* record = list.record(found);
+  const auto pick = [&](int i) { return Triple<float>{record[i], record[i + 1], record[i + 2]}; };
+  const Triple<float> normal = pick(9);
+  const auto nearest =
+      find_on_triangle<float>(subtract(Triple<float>{x, y, z}, pick(0)), pick(3), pick(6), normal);
+  const Triple<float>& offset = nearest.offset;
+  if (nearest.feature == 0) return {dot(normal, offset), normal};
+  const float* out = list.feature_normals +
+                     static_cast<uint64_t>(list.index(found)) * kFeatureNormalFloats +
+                     3 * nearest.feature;
+  const Triple<float> outward{out[0], out[1], out[2]};
+  const float length = square_root(nearest.squared_distance);
+  const float sign = dot(outward, offset) < 0.0f ? -1.0f : 1.0f;
+  // So near, rounding would say which way the offset points.
+  constexpr float kNear = 1e-6f;
+  const float size = absolute(x) + absolute(y) + absolute(z);
+  if (length <= kNear * size) return {sign * length, normalized(outward)};
+  const float scale = sign / length;
+  return {sign * length, {scale * offset.x, scale * offset.y, scale * offset.z}};
+}
+
+}  // namespace voxshell::simd::VOXSHELL_ISA

@@ -1,0 +1,92 @@
+"""Warns, once a pair, where queries may miss much of a body."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING, NamedTuple
+
+from voxshell import _core
+from voxshell.contact_set import ROLES
+from voxshell.model import Model
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from types import FrameType
+
+    from voxshell.field import Field
+
+_MISSED_AT_MOST = 0.02  # of the smaller body's thinnest side
+_PACKAGE = os.path.dirname(__file__)
+_MOST_REMEMBERED = 10_000
+
+
+class AccuracyWarning(UserWarning):
+    """Contacts of two bodies may be missed that are deep beside the smaller one's thickness."""
+
+
+class Missing(NamedTuple):
+    """What queries of two bodies may miss, metres."""
+
+    miss: float
+    thickness: float  # of the smaller body
+    shell: str
+
+    def __str__(self) -> str:
+        of = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
+        return (
+            f"may miss {self.miss * 1e3:.3g} mm in depth with {of}, "
+            f"{100 * self.miss / self.thickness:.3g} % of the smaller body's thinnest side of "
+            f"{self.thickness * 1e3:.3g} mm"
+        )
+
+
+_ADVICE = (
+    "build the models with a smaller tolerance= or voxel_size= (voxshell.contact_bounds tells what "
+    'that brings), or name the shell, as in shell="both", to do without this warning'
+)
+
+
+def judge(a: Model | Field, b: Model | Field) -> None:
+    """Warns where the automatic role of two bodies may miss much of the smaller one."""
+    for body, other in ((a, b), (b, a)):
+        if len(body._judged) >= _MOST_REMEMBERED:
+            body._judged.clear()
+        body._judged.add(other._serial)
+    missing = measure(a, b)
+    if missing is not None:
+        _warn(f"queries of {a!r} and {b!r} {missing}; {_ADVICE}")
+
+
+def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
+    """Warns of the worst of the pairs of models that may meet in a world."""
+    found = [missing for missing in (measure(a, b) for a, b in pairs) if missing is not None]
+    if not found:
+        return
+    worst = max(found, key=lambda missing: missing.miss / missing.thickness)
+    count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
+    _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
+
+
+def measure(a: Model | Field, b: Model | Field) -> Missing | None:
+    """What the automatic role of two bodies may miss, if that is too much."""
+    shells = _core.Shells.AUTOMATIC
+    role, miss, _, _, _, thickness = _core.role(*_parts(a), *_parts(b), shells)
+    if miss <= _MISSED_AT_MOST * thickness:
+        return None
+    return Missing(miss, thickness, ROLES[role])
+
+
+def _parts(body: Model | Field) -> tuple[_core.Field, _core.Model | None]:
+    return (body.field._core, body._core) if isinstance(body, Model) else (body._core, None)
+
+
+def _warn(text: str) -> None:
+    """Shown at the first line outside of the package."""
+    level = 1
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, AccuracyWarning, stacklevel=level)

@@ -1,0 +1,398 @@
+"""What the study of geometry says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.experiments import geometry
+from voxshell.experiments.experiment import Experiment, Picture
+from voxshell.experiments.geometry import (
+    RETRIANGULATED,
+    GeometrySettings,
+    name_pair,
+    name_scene,
+)
+from voxshell.experiments.report.figures import FAINT, OURS, PEERS, open_figure
+from voxshell.experiments.verdict import Row, at_most, format_value
+from voxshell.scenes.geometry import (
+    BUILT,
+    COINCIDENT,
+    LEAST_BAR,
+    PAIRS,
+    SCENES,
+    SHARE_OF_OBJECT,
+    GeometryScene,
+)
+from voxshell.scenes.geometry_bodies import make_body
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from voxshell.experiments.experiment import Results
+    from voxshell.experiments.part import Columns, Tables
+
+NORMAL_BAR = 10.0
+"""Degrees."""
+
+VOXEL_SHARE_BAR = 0.25
+"""How far places on b may be off b, in voxels of the field."""
+
+LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
+"""Stated bounds: metres, or this share of the larger body."""
+
+SHARPNESS_BAR = 3.0
+"""Stated bound over the worst overlap that is found to be denied."""
+
+SECONDS_BAR, BYTES_BAR = 3.0, 64e6
+
+_ROUNDING = 1e-6
+_GROUNDS = ("slab", "table", "stairs", "terrain")
+_GROUPS = {
+    "rest": "bodies at rest",
+    "edges": "edges, corners and tips",
+    "thin": "thin parts",
+    "inside": "bodies within others",
+}
+_SHOWN_LEAST = 1e-6
+"""Metres: smaller errors are drawn here."""
+
+
+def describe(settings: GeometrySettings) -> str:
+    """The set-up in words."""
+    held_out = sum(SCENES[name].held_out for name in settings.chosen)
+    return (
+        f"{len(settings.chosen)} scenes of two meshes that come nearer to each other, {held_out} of them "
+        f"chosen by someone who did not write the code, in {settings.poses} poses each, in both orders "
+        f"of the bodies, with {settings.rotations} rotated copies and {settings.retriangulated} with "
+        "other triangles. Models and queries have default settings. The truth is the meshes': the first "
+        "touch of their triangles along the approach, the shortest separating translation, and the "
+        f"faces nearest to each contact. {settings.pairs} pairs of mixed size meet in "
+        f"{settings.pair_poses:,} poses, the worst of which {settings.optimized} steps of a search make "
+        "worse."
+    )
+
+
+# ---- rows ----------------------------------------------------------------------------------------
+
+
+def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
+    """The verdicts."""
+    chosen = [SCENES[name] for name in settings.chosen]
+    rows = [_judge_answers(group, chosen, results) for group in _GROUPS]
+    rows += [_judge_onset(scene, results[name_scene(scene.name)]["approaches"]) for scene in chosen]
+    rows += [
+        _judge_depth(scene, results[name_scene(scene.name)]["depths"])
+        for scene in chosen
+        if scene.group == "rest" and scene.b.startswith(_GROUNDS)
+    ]
+    for scene in chosen:
+        if scene.judge_normals:
+            rows += _judge_normals(scene, results[name_scene(scene.name)]["contacts"])
+    rows += [_tell_normals(group, chosen, results) for group in _GROUPS]
+    rows.append(_judge_coincident(results["coincident"]["bodies"]))
+    for index in range(settings.pairs):
+        rows += _judge_pair(settings, index, results[name_pair(index)])
+    if settings.builds:
+        rows += _judge_builds(results["builds"]["builds"])
+    return [row for row in rows if row is not None]
+
+
+def _mark(scene: GeometryScene) -> str:
+    return f"{scene.name}, held out" if scene.held_out else scene.name
+
+
+def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
+    """Overlaps at least as deep as the scene's bar that ``collide`` denies."""
+    denied = asked = early = apart = 0
+    for scene in chosen:
+        if scene.group != group:
+            continue
+        table = results[name_scene(scene.name)]["depths"]
+        deep = table["depth"] >= 0.999 * scene.onset_bar
+        asked += int(deep.sum())
+        denied += int((table["yes"][deep] == 0.0).sum())
+        apart += int((table["apart_yes"][deep] >= 0.0).sum())
+        early += int((table["apart_yes"][deep] == 1.0).sum())
+    if asked == 0:
+        return None
+    return Row(
+        f"wrong answers at least the bar off the first touch, {_GROUPS[group]}",
+        None,
+        denied + early,
+        f"of {asked + apart}",
+        bar="0",
+        holds=denied + early == 0,
+        note=f"{denied} overlaps denied, {early} gaps taken for contact",
+    )
+
+
+def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
+    """How far off the true first touch the first contact is."""
+    onset = _correct(table)
+    worst = float(onset[np.argmax(np.abs(onset))]) if len(onset) else np.nan
+    notes = []
+    never = int(np.isinf(onset).sum())
+    if never:
+        notes.append(f"never in {never} of {len(onset)} approaches")
+    for name, of_kind in (
+        ("as it is", table["copy"] == 0),
+        ("rotated", table["copy"] > 0),
+        ("other triangles", table["copy"] == RETRIANGULATED),
+    ):
+        if of_kind.any():
+            notes.append(f"{name} {format_value(float(np.abs(onset[of_kind]).max()) * 1e3)}")
+    notes.append(
+        f"deepest overlap denied {format_value(float(table['unseen'].max(initial=0.0)) * 1e3)}"
+    )
+    return Row(
+        f"first contact beyond the first touch, {_mark(scene)}",
+        None,
+        worst * 1e3,
+        "mm",
+        bar=f"<= {format_value(scene.onset_bar * 1e3)}",
+        holds=at_most(abs(worst), scene.onset_bar),
+        note="; ".join(notes),
+    )
+
+
+def _correct(table: Columns) -> NDArray[np.float64]:
+    """First contacts beyond the first touch as lengths of the shortest separating translation, metres."""
+    return table["onset"] * table["slope"]
+
+
+def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
+    """How far the deepest contact is off the shortest separating translation."""
+    off = np.abs(_deepest(table) - table["way_out"])
+    bar = max(LEAST_BAR, SHARE_OF_OBJECT * scene.size)
+    worst = float(off.max()) if len(off) else np.nan
+    return Row(
+        f"deepest contact off the true depth at most, {_mark(scene)}",
+        None,
+        worst * 1e3,
+        "mm",
+        bar=f"<= {format_value(bar * 1e3)}",
+        holds=at_most(worst, bar),
+        note=f"median {format_value(float(np.median(off)) * 1e3)}, at depths up to "
+        f"{format_value(float(table['way_out'].max()) * 1e3)}"
+        if len(off)
+        else "",
+    )
+
+
+def _deepest(table: Columns) -> NDArray[np.float64]:
+    """The deepest contact of each pose, 0 where there is none."""
+    return np.where(table["count"] > 0.0, table["deepest"], 0.0)
+
+
+def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
+    """Normals and places of the contacts of a scene that is for them."""
+    if len(table["angle"]) == 0:
+        return []
+    angles = np.degrees(table["angle"])
+    angle = float(np.percentile(angles, 99))
+    share = float((table["b_off"] / table["voxel"]).max())
+    return [
+        Row(
+            f"normals off the nearest surface's cone, 99 %, {_mark(scene)}",
+            None,
+            angle,
+            "degrees",
+            bar=f"<= {NORMAL_BAR:g}",
+            holds=at_most(angle, NORMAL_BAR),
+            note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}, worst "
+            f"{format_value(float(angles.max()))}",
+        ),
+        Row(
+            f"points_b off b at most, {_mark(scene)}",
+            None,
+            share,
+            "voxels",
+            bar=f"<= {VOXEL_SHARE_BAR:g}",
+            holds=at_most(share, VOXEL_SHARE_BAR),
+            note=f"{format_value(float(table['b_off'].max()) * 1e3)} mm",
+        ),
+    ]
+
+
+def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
+    """Normals of all contacts of a group, for information."""
+    tables = [results[name_scene(s.name)]["contacts"] for s in chosen if s.group == group]
+    angles = np.degrees(np.concatenate([np.zeros(0), *(table["angle"] for table in tables)]))
+    if len(angles) == 0:
+        return None
+    off = np.concatenate([table["b_off"] for table in tables])
+    return Row(
+        f"normals off the nearest surface's cone, 99 %, {_GROUPS[group]}",
+        None,
+        float(np.percentile(angles, 99)),
+        "degrees",
+        note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}; points_b off b "
+        f"by up to {format_value(float(off.max()) * 1e3)} mm",
+    )
+
+
+def _judge_coincident(table: Columns) -> Row:
+    seen = (table["yes"] == 1.0) & (table["count"] > 0.0)
+    unseen = [body for body, yes in zip(COINCIDENT, seen, strict=True) if not yes]
+    return Row(
+        "two bodies in the same pose, no contact",
+        None,
+        len(unseen),
+        f"of {len(seen)}",
+        bar="0",
+        holds=not unseen,
+        note=", ".join(unseen),
+    )
+
+
+def _judge_pair(settings: GeometrySettings, index: int, tables: Tables) -> list[Row]:
+    """Whether stated bounds hold, how wide they are, and how near the worst pose comes to them."""
+    poses, worst = tables["poses"], tables["worst"]
+    a, b = PAIRS[index]
+    name = f"{a} and {b}"
+    if len(poses["offset"]) == 0:
+        return []
+    inside = poses["offset"] > 0.0
+    stated = np.where(inside, poses["overlap"], poses["clearance"])
+    violated = int((poses["proven"] > stated + _ROUNDING).sum())
+    deepest = float(worst["optimized"].max())
+    overlap = float(poses["overlap"].max())
+    violated += int(deepest > overlap + _ROUNDING)
+    denied = inside & (poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)
+    early = ~inside & (poses["yes"] == 1.0)
+    size = max(float(np.ptp(make_body(body).vertices, axis=0).max()) for body in (a, b))
+    most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
+    bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
+    sharpness = overlap / deepest if deepest > 0.0 else np.inf
+    return [
+        Row(
+            f"answers wrong beyond the stated bounds, {name}",
+            None,
+            violated,
+            f"of {len(stated):,}",
+            bar="0",
+            holds=violated == 0,
+            note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
+        ),
+        Row(
+            f"stated bounds at most, {name}",
+            None,
+            bound * 1e3,
+            "mm",
+            bar=f"<= {format_value(most * 1e3)}",
+            holds=at_most(bound, most),
+        ),
+        Row(
+            f"stated bound over the worst overlap that is denied, {name}",
+            None,
+            sharpness,
+            "",
+            # Chance alone does not find the worst.
+            bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
+            holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
+            note=f"worst {format_value(float(worst['random'].max()) * 1e3)} mm by chance, "
+            f"{format_value(deepest * 1e3)} mm after a search",
+        ),
+    ]
+
+
+def _judge_builds(table: Columns) -> list[Row]:
+    within = (table["seconds"] <= SECONDS_BAR) & (table["bytes"] <= BYTES_BAR)
+    broken = ~within & (table["warnings"] == 0.0)
+    names = [body for body, fails in zip(BUILT, broken, strict=False) if fails]
+    slowest, largest = int(np.argmax(table["seconds"])), int(np.argmax(table["bytes"]))
+    return [
+        Row(
+            "default builds beyond 3 s or 64 MB without a warning",
+            None,
+            len(names),
+            f"of {len(broken)}",
+            bar="0",
+            holds=not names,
+            note=", ".join(names),
+        ),
+        Row(
+            "slowest default build",
+            None,
+            float(table["seconds"][slowest]),
+            "s",
+            note=BUILT[slowest],
+        ),
+        Row(
+            "largest default model",
+            None,
+            float(table["bytes"][largest]) / 1e6,
+            "MB",
+            note=BUILT[largest],
+        ),
+    ]
+
+
+# ---- figures -------------------------------------------------------------------------------------
+
+
+def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Picture]:
+    """How far off the first touch each first contact is, a line a scene."""
+    scenes = [SCENES[name] for name in settings.chosen]
+    with open_figure(folder / "onset.png", width=10, height=1.2 + 0.2 * len(scenes)) as figure:
+        axes = figure.subplots()
+        never = 0.1
+        for line, scene in enumerate(scenes):
+            onset = np.abs(_correct(results[name_scene(scene.name)]["approaches"]))
+            seen = np.isfinite(onset)
+            late = onset > scene.onset_bar
+            for chosen, color, marker in (
+                (seen & ~late, OURS, "o"),
+                (seen & late, PEERS[0], "o"),
+                (~seen, PEERS[0], ">"),
+            ):
+                where = np.where(seen, np.maximum(onset, _SHOWN_LEAST), never)[chosen]
+                axes.plot(
+                    where * 1e3, np.full(len(where), line), marker, color=color, ms=4, alpha=0.6
+                )
+            bar = scene.onset_bar * 1e3
+            axes.plot([bar, bar], [line - 0.4, line + 0.4], color="black", lw=1.5)
+        axes.set_yticks(range(len(scenes)), [_mark(scene) for scene in scenes], fontsize=7)
+        axes.set(
+            xscale="log",
+            xlabel="first contact off the true first touch, mm",
+            ylim=(len(scenes) - 0.5, -0.5),
+        )
+        axes.axvline(never * 1e3, color=FAINT, lw=0.8)
+        axes.text(never * 1e3, -0.7, "never", ha="center", fontsize=7)
+        axes.grid(axis="y", color=FAINT, alpha=0.2)
+    return [
+        Picture(
+            "onset.png",
+            "First contact off the true first touch as a separating translation, a dot a pose, copy and order of "
+            "the bodies; the black lines are the bars, and smaller errors than 1 \N{MICRO SIGN}m are drawn there.",
+        )
+    ]
+
+
+GEOMETRY = Experiment(
+    name="geometry",
+    title="Geometry",
+    question="How right are yes and no, depths, normals and places at default settings, whatever the pair?",
+    describe=describe,
+    settings=GeometrySettings(),
+    quick=replace(
+        GeometrySettings(),
+        poses=2,
+        rotations=0,
+        retriangulated=0,
+        judged=8,
+        pairs=4,
+        pair_poses=400,
+        optimized=0,
+    ),
+    plan=geometry.plan,
+    reduce=reduce,
+    draw=draw,
+    published=False,
+)

@@ -1,0 +1,203 @@
+#include "field/exact_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "field/grid_field_check.h"
+#include "mesh/closest_point.h"
+#include "support/grid_fields.h"
+#include "support/meshes.h"
+#include "support/pairs.h"
+#include "support/random.h"
+#include "voxshell/contacts.h"
+#include "voxshell/contacts_flat.h"
+#include "voxshell/grid_field.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+GridField build_exact(const TriangleMesh& mesh, double voxel_size, double tolerance,
+                      unsigned threads = 0) {
+  auto field = GridField::build(mesh, {.voxel_size = voxel_size,
+                                       .tolerance = tolerance,
+                                       .padding = 2.0 * voxel_size,
+                                       .threads = threads});
+  EXPECT_TRUE(field) << field.error().message;
+  if (!field) std::abort();
+  return *std::move(field);
+}
+
+Vec3 point_on(const TriangleMesh& mesh, Random& random) {
+  const auto [a, b, c] = mesh.corners(
+      static_cast<std::size_t>(random.unit() * static_cast<double>(mesh.triangles().size())));
+  double u = random.unit();
+  double v = random.unit();
+  if (u + v > 1.0) {
+    u = 1.0 - u;
+    v = 1.0 - v;
+  }
+  return a + u * (b - a) + v * (c - a);
+}
+
+TEST(ExactCells, AreNoneWithoutATolerance) {
+  EXPECT_FALSE(build(make_box({1, 1, 1}).mesh(), 0.1).has_exact_cells());
+}
+
+TEST(ExactCells, BringTheSurfaceWithinTheTolerance) {
+  Random random(301);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const double tolerance = 0.02 * voxel_size;
+    const GridField field = build_exact(mesh, voxel_size, tolerance);
+    const GridField uniform = build(mesh, voxel_size);
+    ASSERT_TRUE(field.has_exact_cells()) << name;
+    double worst = 0.0;
+    double worst_uniform = 0.0;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto p = static_cast<Vec3f>(point_on(mesh, random));
+      worst = std::max(worst, static_cast<double>(std::abs(field.distance(p))));
+      worst_uniform = std::max(worst_uniform, static_cast<double>(std::abs(uniform.distance(p))));
+    }
+    // Few places of each cell were looked at.
+    EXPECT_LT(worst, 1.7 * tolerance + field.data().node_error) << name;
+    if (std::string_view(name) == "hollow") continue;  // its faces lie along the grid
+    EXPECT_GT(worst_uniform, 2.0 * tolerance) << name << ": the test asks for nothing";
+  }
+}
+
+TEST(ExactCells, HaveTheNormalsOfThinWalls) {
+  const Vec3 half{0.5, 0.4, 0.015};
+  const GridField field = build_exact(make_box(half).mesh(), 0.05, 0.001);
+  Random random(302);
+  for (int i = 0; i < 2'000; ++i) {
+    const double depth = random.uniform(0.0005, 0.014);
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    const Vec3 p{random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3), side * (half.z - depth)};
+    EXPECT_NEAR(field.distance(static_cast<Vec3f>(p)), -depth, 2e-6);
+    const Vec3f normal = field.gradient(static_cast<Vec3f>(p));
+    EXPECT_NEAR(normal.z, side, 1e-5);
+  }
+}
+
+TEST(ExactCells, TellInsideFromOutsideAtEdgesAndCorners) {
+  const Vec3 half{0.3, 0.2, 0.25};
+  const GridField field = build_exact(make_box(half).mesh(), 0.07, 1e-4);
+  Random random(303);
+  for (int i = 0; i < 20'000; ++i) {
+    // About a corner, an edge or a face.
+    Vec3 p;
+    for (int axis = 0; axis < 3; ++axis) {
+      p[axis] = (random.unit() < 0.5 ? 1.0 : -1.0) *
+                (half[axis] - (random.unit() < 0.7 ? random.uniform(-0.03, 0.03) : 0.1));
+    }
+    Vec3 outside;
+    double deepest = -1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double beyond = std::abs(p[axis]) - half[axis];
+      outside[axis] = std::max(beyond, 0.0);
+      deepest = std::max(deepest, beyond);
+    }
+    const double truth = deepest > 0.0 ? length(outside) : deepest;
+    ASSERT_NEAR(field.distance(static_cast<Vec3f>(p)), truth, 4e-4 + 0.1 * std::abs(truth));
+    if (std::abs(truth) > 4e-4) {
+      ASSERT_EQ(field.distance(static_cast<Vec3f>(p)) < 0.0f, truth < 0.0);
+    }
+  }
+}
+
+TEST(ExactCells, AreTheSameForAnyNumberOfThreads) {
+  const TriangleMesh mesh = make_blob(0.6, 2).mesh();
+  const GridFieldData one = build_exact(mesh, 0.07, 1e-3, 1).data();
+  for (const unsigned threads : {2u, 5u}) {
+    const GridFieldData other = build_exact(mesh, 0.07, 1e-3, threads).data();
+    EXPECT_EQ(one.exact.bricks, other.exact.bricks);
+    EXPECT_EQ(one.exact.masks, other.exact.masks);
+    EXPECT_EQ(one.exact.lists, other.exact.lists);
+    EXPECT_EQ(one.exact.feature_normals, other.exact.feature_normals);
+  }
+}
+
+TEST(ExactCells, KeepTheLowerBoundOfBalls) {
+  Random random(304);
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField field = build_exact(mesh, voxel_size, 0.02 * voxel_size);
+    const Bounds bounds = grown(mesh.bounds(), voxel_size);
+    for (int i = 0; i < 10'000; ++i) {
+      const Vec3 centre = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
+      const double radius = voxel_size * std::pow(10.0, random.uniform(-3, 0.5));
+      const float bound = field.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius));
+      Vec3 p = centre;
+      for (int step = 0; step < 16; ++step) {
+        ASSERT_GE(field.distance(static_cast<Vec3f>(p)), bound - 2e-6f) << name;
+        const Vec3 slope = step % 4 == 3 ? random.direction()
+                                         : static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)));
+        p = p - (radius / (1 + step / 3)) * slope;
+        const double far = length(p - centre);
+        if (far > radius) p = centre + (radius * (1.0 - 1e-6) / far) * (p - centre);
+      }
+    }
+  }
+}
+
+TEST(ExactCells, GiveTheContactsOfTheFlatLoopToTheBit) {
+  Random random(305);
+  const PointShell shell = make_shell(make_torus(0.3, 0.1, 30, 16), 0.03);
+  QueryScratch scratch;
+  int hits = 0;
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const Field field = build_exact(mesh, voxel_size, 0.02 * voxel_size);
+    ASSERT_TRUE(std::get<GridField>(field).has_exact_cells());
+    Pose pose;
+    for (int i = 0; i < 400; ++i) {
+      if (i % 4 == 0) {
+        pose = {random.rotation(), random.uniform(0.0, 0.9) * random.direction()};
+      } else {  // near the last one, so that the scratch serves
+        pose.translation += 1e-4 * random.direction();
+      }
+      const float margin = i % 3 == 0 ? 0.0f : static_cast<float>(random.uniform(-0.02, 0.1));
+      const auto contacts = find_contacts(field, shell, pose, {.margin = margin}, scratch);
+      const auto flat = find_contacts_flat(field, shell, pose, {.margin = margin});
+      ASSERT_EQ(contacts.size(), flat.size()) << name;
+      for (std::size_t k = 0; k < flat.size(); ++k) ASSERT_EQ(contacts[k], flat[k]) << name;
+      ASSERT_EQ(collides(field, shell, pose, margin), !flat.empty()) << name;
+      hits += !flat.empty();
+    }
+  }
+  EXPECT_GT(hits, 1000);
+}
+
+TEST(ExactCells, OfFilesMustBeSound) {
+  const GridFieldData sound = build_exact(make_box({0.5, 0.4, 0.015}).mesh(), 0.05, 0.001).data();
+  ASSERT_TRUE(check_grid_field(sound));
+  int asked = 0;
+  const auto expect_refused = [&](const auto& spoil) {
+    GridFieldData data = sound;
+    spoil(data.exact);
+    EXPECT_FALSE(check_grid_field(data)) << asked;
+    ++asked;
+  };
+  expect_refused([](ExactCells& exact) { exact.bricks.pop_back(); });
+  expect_refused([](ExactCells& exact) { exact.bricks[0] = 1u << 30; });
+  expect_refused([&](ExactCells& exact) {
+    const auto is_coarse = [](std::uint32_t entry) { return (entry & 7) != 3; };
+    exact.bricks[static_cast<std::size_t>(std::ranges::find_if(sound.entries, is_coarse) -
+                                          sound.entries.begin())] = 1;
+  });
+  expect_refused([](ExactCells& exact) { exact.masks.pop_back(); });
+  expect_refused([](ExactCells& exact) { exact.masks.back() = 1u << 30; });
+  expect_refused([](ExactCells& exact) { exact.lists[0] = UINT32_MAX; });
+  expect_refused([](ExactCells& exact) { exact.triangles[0] = NAN; });
+  expect_refused([](ExactCells& exact) { exact.listed[0] = UINT32_MAX; });
+  expect_refused([](ExactCells& exact) { exact.feature_normals.pop_back(); });
+  expect_refused([](ExactCells& exact) { exact.feature_normals[5] = INFINITY; });
+}
+
+}  // namespace
+}  // namespace voxshell
