@@ -127,7 +127,7 @@ class Model:
                 of the surface's area or more, or where it is a tube, with a warning that says which;
                 else a solid.
             sheet_thickness: Metres, after ``scale``, half of it on either side of the surface; by
-                default a 200th of the longest side, and at least two voxels.
+                default a 200th of the longest side, and of uniform models at least two voxels.
             threads: How many to use, up to 1024; one a core by default. The result is the same.
             cache: Keep the model on the disk, and take it from there where it was built before: see
                 :mod:`voxshell.cache`. Models that are built in less than 50 ms are not kept.

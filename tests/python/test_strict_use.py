@@ -55,6 +55,12 @@ def test_models(tmp_path: Path):
     tree: vx.PointSphereTree = shell.tree
     assert tree.spheres(2).shape == (tree.branching, 4)
     assert tree.segments(tree.levels).shape == (len(shell),)
+    accuracy: vx.Accuracy = model.accuracy
+    errors: vx.ErrorStatistic = accuracy.distance
+    assert errors.median <= errors.p99 <= errors.max
+    assert accuracy.places > 0
+    assert accuracy.is_sharp
+    assert model.thickness > 0.0
     matter: vx.MassProperties = model.mass_properties(2.0, kind="surface")
     assert matter.mass == 2.0
     assert matter.center_of_mass.shape == (3,)

@@ -27,7 +27,8 @@ struct ModelSettings {
   /// What a mesh with open edges becomes. Decided by its openings only where the sign is automatic,
   /// too; else automatic means a solid.
   OpenMesh open = OpenMesh::kAutomatic;
-  /// Metres; 0: a 200th of the longest side, and at least two voxels. With kSolid: unused.
+  /// Metres; 0: a 200th of the longest side, of uniform models at least two voxels. With kSolid:
+  /// unused.
   double sheet_thickness = 0.0;
   unsigned threads = 0;  ///< 0: one a core
 };

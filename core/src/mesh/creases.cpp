@@ -183,10 +183,10 @@ struct Bending {
 };
 
 /// A place at a distance of d from the nearest point is curvature * d^2 / 2 above its tangent
-/// plane. Points that voxels choose leave no gap of more than two thirds of a spacing, nearly
-/// always.
+/// plane. On 99 % of a surface and more, the nearest of the points that voxels choose is at most
+/// half a spacing away.
 double choose_spacing(double curvature, double tolerance) {
-  constexpr double kSagittas = 4.5;
+  constexpr double kSagittas = 8.0;
   return std::sqrt(kSagittas * tolerance / curvature);
 }
 

@@ -42,13 +42,16 @@ Result<std::monostate> check_unit(const char* name, double size, const TriangleM
                            longest_side(mesh), name, size)};
 }
 
+bool is_uniform(const ModelSettings& settings) {
+  return settings.voxel_size != 0.0 || settings.resolution != 0 || settings.point_spacing != 0.0 ||
+         settings.target_points != 0;
+}
+
 /// 0 for a uniform model.
 Result<double> choose_tolerance(const TriangleMesh& mesh, const ModelSettings& settings,
                                 double thickness) {
-  const bool is_uniform = settings.voxel_size != 0.0 || settings.resolution != 0 ||
-                          settings.point_spacing != 0.0 || settings.target_points != 0;
   if (settings.tolerance != 0.0) {
-    if (is_uniform) {
+    if (is_uniform(settings)) {
       return invalid_argument(
           "give either a tolerance or the sizes of a uniform model (voxel size, resolution, point "
           "spacing, target points), not both");
@@ -56,7 +59,7 @@ Result<double> choose_tolerance(const TriangleMesh& mesh, const ModelSettings& s
     if (settings.tolerance > 0.0 && std::isfinite(settings.tolerance)) return settings.tolerance;
     return invalid_argument(format_text("tolerance must be above 0 m, not %g", settings.tolerance));
   }
-  if (is_uniform) return 0.0;
+  if (is_uniform(settings)) return 0.0;
   const double side = longest_side(mesh);
   const double by_side =
       std::min(kToleranceOfSide * side, std::max(kLargeTolerance, kToleranceOfLargeSide * side));
@@ -113,7 +116,7 @@ Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSetti
   }
   constexpr double kShare = 1.0 / 200.0;
   constexpr double kVoxels = 2.0;
-  if (settings.tolerance != 0.0) return kShare * longest;
+  if (!is_uniform(settings)) return kShare * longest;
   const auto voxel_size = choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
   return std::max(kShare * longest, kVoxels * *voxel_size);

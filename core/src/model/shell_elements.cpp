@@ -32,7 +32,15 @@ std::vector<ShellElement> list_elements(const PointShell& shell) {
   std::size_t id = 0;
   for (const Vec3f& p : shell.points()) {
     const Vec3f& normal = shell.normals()[id++];
-    elements.push_back({p, p, normal, normal});
+    elements.push_back({p, p, normal});
+  }
+  if (const EdgeSegments* edges = shell.edges()) {
+    std::size_t piece = 0;
+    for (const Vec3f& middle : edges->middles()) {
+      const Vec3f& half = edges->halves()[piece];
+      const Vec3f& normal = edges->normals()[piece++];
+      elements.push_back({middle - half, middle + half, normal});
+    }
   }
   if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
     for (std::size_t i = 0; i < edges->size(); ++i) {
@@ -61,7 +69,6 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
       block.from[axis][k] = e.from[i3];
       block.along[axis][k] = along[i3];
       block.normal[axis][k] = e.normal[i3];
-      block.other_normal[axis][k] = e.other_normal[i3];
     }
   }
 }
@@ -72,12 +79,11 @@ ShellElements::Measured ShellElements::measure(const Block& block, const Place& 
     return v[0] * normal.x + v[1] * normal.y + v[2] * normal.z;
   };
   std::array<F8, 3> off{place.x - block.from[0], place.y - block.from[1], place.z - block.from[2]};
-  F8 facing = along_normal(block.normal);
+  const F8 facing = along_normal(block.normal);
   if (block.has_segments) {
     const F8 to_end = off[0] * block.along[0] + off[1] * block.along[1] + off[2] * block.along[2];
     const F8 share = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
     for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= share * block.along[axis];
-    facing = maximum(facing, along_normal(block.other_normal));
   }
   const F8 squared = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
   return {select(facing > kFacesAway, squared, splat<F8>(kInfinity)), along_normal(off)};

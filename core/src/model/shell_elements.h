@@ -13,13 +13,12 @@
 
 namespace voxshell {
 
-/// What a shell sees with: a point with the normal there, or a segment of an edge with the normals
-/// of the faces beside it. Metres, the mesh's frame.
+/// What a shell sees with: a point with the normal there, or a piece of an edge with the mean
+/// normal of the faces beside it, or none. Metres, the mesh's frame.
 struct ShellElement {
   Vec3f from;
   Vec3f to;  ///< the same as `from` for a point
   Vec3f normal;
-  Vec3f other_normal;  ///< the same as `normal` for a point
 };
 
 std::vector<ShellElement> list_elements(const PointShell& shell);
@@ -55,7 +54,6 @@ class ShellElements {
     F8 per_length;            ///< one over its squared length; 0 for a point
     bool has_segments;        ///< otherwise they are all points
     std::array<F8, 3> normal;
-    std::array<F8, 3> other_normal;
   };
   struct Measured {
     F8 squared;  ///< distance; infinite of elements that face away

@@ -45,8 +45,8 @@ class ModelOptions:
         padding: Metres of grid beyond the mesh's bounds; 16 voxels by default.
         sign: What tells inside from outside: the closed surface, winding numbers, or whichever suits.
         open: What a mesh with open edges becomes: a closed solid, a sheet, or what its openings suggest.
-        sheet_thickness: Of such a sheet, metres; a 200th of the longest side by default, at least two
-            voxels.
+        sheet_thickness: Of such a sheet, metres; a 200th of the longest side by default, of uniform
+            models at least two voxels.
         threads: How many to build with; one a core by default.
         cache: Take models from the disk where they were built before, and keep them there.
     """
