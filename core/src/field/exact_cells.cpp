@@ -29,7 +29,7 @@ constexpr float kRidge = 0.08f;
 /// Nor may normals be off by more than this there: 10 degrees, cosine.
 constexpr float kNormalsAgree = 0.985f;
 /// Away from the surface samples may be off by this share of the distance more.
-constexpr float kOfDistance = 0.1f;
+constexpr float kOfDistance = 0.05f;
 /// Of the tolerance, as few places of a cell are looked at.
 constexpr double kSafety = 0.7;
 
