@@ -309,7 +309,7 @@ void ContactRule::drop_beside(std::vector<Contact>& contacts) {
 bool ContactRule::is_beside(const Contact& contact) const {
   constexpr float kAgainst = -0.3f;  // cosine of the angle between the normals
   constexpr float kFree = 0.3f;      // spacings
-  if (pair_.has_triangles() || contact.id >= kFirstFeature) return false;
+  if (pair_.has_triangles() || contact.id >= kInnerContact) return false;
   const bool is_second = contact.id >= kFirstOfSecond;
   const Side& side = is_second ? pair_.field_side() : pair_.shell_side();
   if (larger_ != &side && !pair_.asks_both) return false;

@@ -181,9 +181,28 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
              pair.swap_roles_if_enclosed()) {
     take();
   }
+  if (settings_.shell == ShellRule::kAutomatic && contacts_.empty()) append_inner(pair);
   find_features(pair, features_);
   if (features_.empty()) return;
   append_feature_contacts(features_, pair, reach, contacts_);
+}
+
+/// Of models of which one lies wholly inside the other, or in its very place.
+void ModelAlgorithm::append_inner(const PosedPair& pair) {
+  const Pose field_from_shell = pair.field_from_shell();
+  auto found =
+      find_inner_contact(pair.shell_side().participant(), pair.field(), field_from_shell, 0.0f);
+  if (!found && pair.field_side().model() != nullptr) {
+    const Pose shell_from_field = field_from_shell.inverse();
+    found = find_inner_contact(pair.field_side().participant(), pair.second_field(),
+                               shell_from_field, 0.0f);
+    if (found) found = turn_over(*found, shell_from_field);
+  }
+  if (!found) return;
+  found->id = kInnerContact;
+  // Where no direction is better than another, one that is the same in every step.
+  if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
+  contacts_.push_back(*found);
 }
 
 std::span<const Contact> ModelAlgorithm::ask(const Field& field, const PointShell& shell,
@@ -235,7 +254,7 @@ int ModelAlgorithm::level() const {
 
 ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
                                                    const Contact& contact) const {
-  if (pair.has_triangles() || contact.id >= kFirstFeature) {
+  if (pair.has_triangles() || contact.id >= kInnerContact) {
     return {contact.id, std::uint64_t{contact.id} + 1};
   }
   // Segments of a tree and its edges number less than its elements, of which there are at most this

@@ -59,6 +59,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
   void find_near(PosedPair& pair, double margin, Wanted wanted);
+  void append_inner(const PosedPair& pair);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,
                                QueryScratch& scratch) const;

@@ -85,7 +85,8 @@ Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
       participant_ = {.field = &model_->field(),
                       .shell = &model_->shell(),
                       .accuracy = &model_->accuracy(),
-                      .thickness = model_->thickness()};
+                      .thickness = model_->thickness(),
+                      .inner_point = &model_->inner_point()};
       return;
     }
     case Meeting::kTriangles:
@@ -174,7 +175,7 @@ double Side::thinnest() const {
 
 double Side::detail() const {
   if (model_ == nullptr) return 0.125 * thinnest();
-  constexpr double kOfThickness = 0.25;
+  constexpr double kOfThickness = 0.4;
   constexpr double kOfSize = 0.02;
   const Vec3 sides = model_->bounds().extents();
   return std::min(kOfThickness * thinnest(), kOfSize * std::max({sides.x, sides.y, sides.z}));

@@ -57,8 +57,8 @@ class Side {
   /// Of the geometry where it is thinnest, metres; infinity of planes and triangles.
   double thinnest() const;
   /// What moves by more in a step may be through it unseen, or deeper in it than a user accepts,
-  /// metres: a quarter of a model's thickness or a 50th of its longest side, a quarter of the depth
-  /// of another shape's middle.
+  /// metres: two fifths of a model's thickness or a 50th of its longest side, a quarter of the
+  /// depth of another shape's middle.
   double detail() const;
 
  private:

@@ -23,7 +23,8 @@ void def_contact_arrays(nanobind::class_<Set>& set) {
       .def_prop_ro("segments", [](const Set& s) { return view(std::span(s.arrays.segments)); })
       .def_prop_ro(
           "shells", [](const Set& s) { return view(std::span(s.arrays.shells)); },
-          "0: a's point, 1: b's.");
+          "0: a's point, 1: b's.")
+      .def_prop_ro("inner", [](const Set& s) { return view(std::span(s.arrays.inner)); });
 }
 
 }  // namespace voxshell::python

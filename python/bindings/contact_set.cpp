@@ -20,6 +20,7 @@ void ContactArrays::reserve(std::size_t count) {
   ids.reserve(count);
   segments.reserve(count);
   shells.reserve(count);
+  inner.reserve(count);
 }
 
 void ContactArrays::append(const ShellContact& of_shell, const Bodies& bodies, const PairPose& pose,
@@ -31,7 +32,10 @@ void ContactArrays::append(const ShellContact& of_shell, const Bodies& bodies, c
   normals.push_back(world.normal);
   depths.push_back(static_cast<double>(contact.depth));
   ids.push_back(contact.id);
-  segments.push_back(bodies.shell_of(shell_body)->segment_of(contact.id, level));
+  const PointShell& shell = *bodies.shell_of(shell_body);
+  const bool is_inner = contact.id >= shell.element_count();
+  segments.push_back(is_inner ? 0 : shell.segment_of(contact.id, level));
+  inner.push_back(is_inner ? 1 : 0);
   shells.push_back(shell_body == PairBody::kA ? 0 : 1);
 }
 
@@ -42,6 +46,17 @@ ContactSet make_contact_set(ContactScene scene, std::vector<ShellContact> contac
     set.arrays.append(contact, set.scene.bodies.view(), set.scene.pose, set.scene.level);
   }
   return set;
+}
+
+std::vector<ShellContact> find_inner_contacts(const Bodies& bodies, const PairPose& pose,
+                                              float margin) {
+  std::vector<ShellContact> found;
+  for (const PairBody body : {PairBody::kA, PairBody::kB}) {
+    const auto contact = find_inner_contact(bodies.participant(body), *bodies.field_of(other(body)),
+                                            pose.field_from_shell(body), margin);
+    if (contact) found.push_back({body, *contact});
+  }
+  return found;
 }
 
 void keep_deepest(std::vector<ShellContact>& contacts, std::size_t max_points) {
@@ -92,12 +107,16 @@ ContactSet deepest_per_segment(const ContactSet& set) {
       if (c.shell_body == shell_body) of_shell.push_back(c.contact);
     }
     if (of_shell.empty()) continue;
+    const PointShell& shell = *set.scene.bodies.shell_of(shell_body);
+    if (of_shell.front().id >= shell.element_count()) {
+      chosen.push_back({shell_body, of_shell.front()});
+      continue;
+    }
     // The core expects ids to ascend, which those of a manifold do not.
     std::sort(of_shell.begin(), of_shell.end(),
               [](const Contact& a, const Contact& b) { return a.id < b.id; });
     std::vector<std::uint32_t> deepest;
-    select_deepest_per_segment(of_shell, *set.scene.bodies.shell_of(shell_body), set.scene.level,
-                               deepest);
+    select_deepest_per_segment(of_shell, shell, set.scene.level, deepest);
     for (const std::uint32_t i : deepest) chosen.push_back({shell_body, of_shell[i]});
   }
   return subset(set, std::move(chosen));

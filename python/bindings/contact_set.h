@@ -24,6 +24,7 @@ struct ContactArrays {
   std::vector<std::int64_t> ids;
   std::vector<std::int64_t> segments;
   std::vector<std::uint8_t> shells;  ///< 0: a's, 1: b's
+  std::vector<std::uint8_t> inner;   ///< 1: of a place inside its body
 
   void reserve(std::size_t count);
   void append(const ShellContact& of_shell, const Bodies& bodies, const PairPose& pose, int level);
@@ -53,6 +54,10 @@ inline void append(std::vector<ShellContact>& to, PairBody shell_body,
   to.reserve(to.size() + contacts.size());
   for (const Contact& contact : contacts) to.push_back({shell_body, contact});
 }
+
+/// Where either body's inner point is inside the other, its contact; a's before b's.
+std::vector<ShellContact> find_inner_contacts(const Bodies& bodies, const PairPose& pose,
+                                              float margin);
 
 /// Those of the set that select_manifold() picks, in the order chosen.
 ContactSet select_manifold(const ContactSet& set, std::size_t max_points);

@@ -110,9 +110,10 @@ struct Part {
 };
 
 /// `parts` are of all poses, `swapped` of those that `enclosed` lists.
-ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
-                      std::size_t max_points, Role role, const std::vector<Part>& parts,
-                      const std::vector<std::size_t>& enclosed, const Part& swapped) {
+ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level, float margin,
+                      std::size_t max_points, Role role, bool asks_inside,
+                      const std::vector<Part>& parts, const std::vector<std::size_t>& enclosed,
+                      const Part& swapped) {
   ContactBatchSet set{.bodies = bodies,
                       .level = level,
                       .poses = std::move(poses),
@@ -131,8 +132,11 @@ ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level,
     for (const Part& part : parts) append(here, part.shell_body, part.at(i));
     const bool is_swapped = next_enclosed < enclosed.size() && enclosed[next_enclosed] == i;
     if (is_swapped) append(here, swapped.shell_body, swapped.at(next_enclosed++));
-    keep_deepest(here, max_points);
     const PairPose pose = set.poses[i];
+    if (asks_inside && max_points > 0 && here.empty()) {
+      here = find_inner_contacts(bodies.view(), pose, margin);
+    }
+    keep_deepest(here, max_points);
     for (const ShellContact& contact : here) set.arrays.append(contact, bodies.view(), pose, level);
     set.contacts.insert(set.contacts.end(), here.begin(), here.end());
     set.offsets.push_back(static_cast<std::int64_t>(set.contacts.size()));
@@ -179,8 +183,8 @@ Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses
     if (!found) return found.error();
     swapped.found = *std::move(found);
   }
-  return merge(bodies, std::move(poses), level, options.max_points, roles.role(), parts, enclosed,
-               swapped);
+  return merge(bodies, std::move(poses), level, options.margin, options.max_points, roles.role(),
+               roles.asks_inside, parts, enclosed, swapped);
 }
 
 ContactBatchSet contacts_batch(const SharedField& field_a, const SharedModel& model_a,
@@ -217,6 +221,11 @@ Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& 
     const auto found = ask(body, poses.field_from_shell(body), "collisions");
     if (!found) return found.error();
     for (std::size_t i = 0; i < touches.size(); ++i) add(i, (*found)[i]);
+  }
+  if (roles.asks_inside) {
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      if (touches[i] == 0) add(i, find_inner_contacts(bodies, poses[i], margin).empty() ? 0 : 1);
+    }
   }
   if (!roles.may_swap) return touches;
   const PairBody inner = other(roles.shell_bodies[0]);

@@ -84,6 +84,11 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
     asking.ask(inner);
     role = role_of(inner);
   }
+  // A search that may have missed contacts does not know that there are none.
+  const bool is_empty = asking.contacts.empty() && asking.is_exact;
+  if (roles.asks_inside && options.max_points > 0 && is_empty) {
+    asking.contacts = find_inner_contacts(bodies.view(), pose, margin);
+  }
   keep_deepest(asking.contacts, options.max_points);
   ContactSet set = make_contact_set({bodies, pose, level, role}, std::move(asking.contacts));
   set.is_exact = asking.is_exact;
@@ -94,7 +99,7 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
 /// What `find` picks from each shell's contacts without listing the others.
 template <class Find>
 ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, const Roles& roles,
-                         int level, SharedScratch* scratch, const Find& find) {
+                         float margin, int level, SharedScratch* scratch, const Find& find) {
   std::vector<ShellContact> found;
   Role role = roles.role();
   const auto ask = [&](PairBody body) {
@@ -108,6 +113,9 @@ ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, const
   if (roles.may_swap && found.empty() && is_enclosed(bodies.view(), pose, inner)) {
     ask(inner);
     role = role_of(inner);
+  }
+  if (roles.asks_inside && found.empty()) {
+    found = find_inner_contacts(bodies.view(), pose, margin);
   }
   return make_contact_set({bodies, pose, level, role}, std::move(found));
 }
@@ -126,13 +134,14 @@ ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
                           QueryScratch& own) {
       return find_contacts(field, shell, field_from_shell, {.margin = margin}, own);
     };
-    return select_manifold(pick_contacts(bodies, pose, roles, 1, scratch, list), max_points);
+    return select_manifold(pick_contacts(bodies, pose, roles, margin, 1, scratch, list),
+                           max_points);
   }
   const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
                         QueryScratch& own) {
     return find_manifold(field, shell, field_from_shell, margin, own, max_points);
   };
-  return pick_contacts(bodies, pose, roles, 1, scratch, find);
+  return pick_contacts(bodies, pose, roles, margin, 1, scratch, find);
 }
 
 ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& model_a,
@@ -148,7 +157,7 @@ ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& mo
                         QueryScratch& own) {
     return find_deepest_per_segment(field, shell, field_from_shell, level, margin, own);
   };
-  return pick_contacts(bodies, pose, roles, level, scratch, find);
+  return pick_contacts(bodies, pose, roles, margin, level, scratch, find);
 }
 
 bool collide(const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
@@ -163,6 +172,7 @@ bool collide(const Field& field_a, const Model* model_a, const Field& field_b, c
                     pose.field_from_shell(shell_body), margin);
   };
   if (std::any_of(roles.shell_bodies.begin(), roles.shell_bodies.end(), touches)) return true;
+  if (roles.asks_inside) return !find_inner_contacts(bodies, pose, margin).empty();
   const PairBody inner = other(roles.shell_bodies[0]);
   return roles.may_swap && is_enclosed(bodies, pose, inner) && touches(inner);
 }

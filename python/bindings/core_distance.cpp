@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <optional>
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/tuple.h>
 
+#include "contact_set.h"
 #include "core_module.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
@@ -43,6 +45,14 @@ std::optional<Nearest> distance(const Field& field_a, const Model* model_a, cons
   const bool is_apart = !nearest || nearest->depth <= 0.0f;
   const PairBody inner = other(roles.shell_bodies[0]);
   if (roles.may_swap && is_apart && is_enclosed(bodies, pose, inner)) ask(inner);
+  if (roles.asks_inside && is_apart) {
+    for (const auto& [body, contact] :
+         find_inner_contacts(bodies, pose, std::min(max_distance, 0.0f))) {
+      if (nearest && contact.depth <= nearest->depth) continue;
+      nearest = contact;
+      shell_body = body;
+    }
+  }
   if (!nearest) return std::nullopt;
   const WorldContact world = to_world(*nearest, shell_body, pose);
   return Nearest{0.0 - static_cast<double>(nearest->depth), to_coordinates(world.point_a),

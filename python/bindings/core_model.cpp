@@ -150,6 +150,9 @@ void bind_model(nb::module_& module) {
                               o.sheet_thickness};
           },
           "Loops, share, mouths, largest diameter, first location, and the sheet's thickness or 0.")
+      .def_prop_ro(
+          "tolerance", [](const Model& m) { return m.settings().tolerance; },
+          "Metres; 0 if the model is uniform.")
       .def_prop_ro("thickness", &Model::thickness, "Where the body is thinnest, metres.")
       .def_prop_ro(
           "solid_mass_properties",

@@ -23,7 +23,8 @@ Roles choose_roles(const Bodies& bodies, ShellChoice choice) {
   const PairRole pair = unwrap(decide_role(bodies.a, bodies.b, choice));
   const std::span<const PairBody> all(kBodies);
   const std::size_t count = pair.role == Role::kBoth ? 2 : 1;
-  return {all.subspan(pair.role == Role::kB ? 1 : 0, count), choice == ShellChoice::kFewest};
+  return {all.subspan(pair.role == Role::kB ? 1 : 0, count), choice == ShellChoice::kFewest,
+          choice == ShellChoice::kAutomatic || choice == ShellChoice::kBoth};
 }
 
 WorldContact to_world(const Contact& contact, PairBody shell_body, const PairPose& pose) {

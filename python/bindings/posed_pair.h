@@ -34,7 +34,8 @@ inline Participant make_participant(const Field& field, const Model* model) {
   return {.field = &field,
           .shell = &model->shell(),
           .accuracy = &model->accuracy(),
-          .thickness = model->thickness()};
+          .thickness = model->thickness(),
+          .inner_point = &model->inner_point()};
 }
 
 /// What a query is asked about; its caller's arguments keep them alive, without the GIL as well.
@@ -67,6 +68,7 @@ struct SharedBodies {
 struct Roles {
   std::span<const PairBody> shell_bodies;  ///< one or two, of a constant
   bool may_swap;
+  bool asks_inside;  ///< where they find nothing, whether either body's inner point is in the other
 
   Role role() const { return shell_bodies.size() == 2 ? Role::kBoth : role_of(shell_bodies[0]); }
 };

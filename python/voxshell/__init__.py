@@ -27,9 +27,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
-from voxshell._accuracy_warning import AccuracyWarning
 from voxshell._core import version as __version__
-from voxshell.accuracy import Accuracy, ErrorStatistic
+from voxshell.accuracy import Accuracy, AccuracyWarning, ErrorStatistic
 from voxshell.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.cache import CacheWarning
 from voxshell.contact_bounds import ContactBounds, contact_bounds

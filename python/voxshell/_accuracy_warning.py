@@ -8,6 +8,7 @@ import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
 from voxshell import _core
+from voxshell.accuracy import AccuracyWarning
 from voxshell.contact_set import ROLES
 from voxshell.model import Model
 
@@ -20,10 +21,6 @@ if TYPE_CHECKING:
 _MISSED_AT_MOST = 0.02  # of the smaller body's thinnest side
 _PACKAGE = os.path.dirname(__file__)
 _MOST_REMEMBERED = 10_000
-
-
-class AccuracyWarning(UserWarning):
-    """Contacts of two bodies may be missed that are deep beside the smaller one's thickness."""
 
 
 class Missing(NamedTuple):

@@ -10,6 +10,12 @@ if TYPE_CHECKING:
     from voxshell._core import Model as CoreModel
 
 
+class AccuracyWarning(UserWarning):
+    """A model is off by more than its tolerance, or contacts of two bodies may be missed that are
+    deep beside the smaller one's thickness.
+    """
+
+
 @dataclass(frozen=True)
 class ErrorStatistic:
     """The absolute errors at many places of a surface.

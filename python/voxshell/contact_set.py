@@ -80,7 +80,8 @@ class Contacts:
     def ids(self) -> NDArray[np.int64]:
         """Which elements of their shell these are, (n,) int64: rows of ``model.shell.points``.
 
-        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number.
+        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number; those
+        of :attr:`ambiguous` contacts follow on the last.
         """
         return self._core.ids
 
@@ -101,6 +102,15 @@ class Contacts:
     def shells(self) -> NDArray[np.str_]:
         """Whose shell each point is of, (n,) of "a" and "b"; each shell counts its own ids."""
         return name_shells(self._core.shells)
+
+    @property
+    def ambiguous(self) -> NDArray[np.bool_]:
+        """Whether depth and normal are ambiguous, (n,): no part of the surface is in contact.
+
+        One body lies wholly inside the other, or in its very place. Such a contact is of a place deep
+        inside its body, with that place's depth; its normal is zero where none is better than another.
+        """
+        return self._core.inner.astype(np.bool_)
 
     @property
     def exact(self) -> bool:

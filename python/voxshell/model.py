@@ -18,7 +18,7 @@ from voxshell._arguments import (
     as_real,
 )
 from voxshell._core import Model as CoreModel
-from voxshell.accuracy import read_accuracy
+from voxshell.accuracy import AccuracyWarning, read_accuracy
 from voxshell.cache import compute_key, open_cache
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import SERIALS, DistanceField
@@ -89,6 +89,12 @@ class Model:
     ) -> Model:
         """Builds a model of a mesh.
 
+        Without sizes the model is built to a tolerance: its voxels, exact cells, points and edge
+        segments follow from the shape, so that neither the field nor the shell misses more than the
+        tolerance. With any of ``voxel_size``, ``resolution``, ``point_spacing`` and
+        ``target_points`` it is uniform, as in the thesis. :attr:`accuracy` is what was measured
+        either way.
+
         Takes from milliseconds to minutes: the time grows with the number of voxels. Ctrl-C stops
         it. The same model again comes from the disk.
 
@@ -96,9 +102,13 @@ class Model:
             mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
                 vertices, counter-clockwise seen from outside; or the path of a file that trimesh
                 reads, whose bodies become one mesh.
-            tolerance: Metres that the model may be off the mesh.
+            tolerance: How far the model may be off the mesh, metres, after ``scale``; not together
+                with any size. The default follows from the longest side and from the wall that is
+                thinnest: a 2,000th of the side, but no more than 0.5 mm or, above 4 m, an 8,000th of
+                the side; and a 20th of the thickness.
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
-            resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
+            resolution: Or how many of them along the mesh's longest side; 100 where only the
+                points' spacing or number is given.
             point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
                 field's voxel size if neither this nor ``target_points`` is given.
             target_points: Or how many points are wanted, which is reached within 1 %.
@@ -140,6 +150,8 @@ class Model:
         Warns:
             MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out; says how often
                 and where, and what was made of it.
+            AccuracyWarning: The field or the shell is off by more than the tolerance on more than
+                1 % of the surface; says by how much, and what it would take.
 
         Example:
             >>> import trimesh
@@ -148,6 +160,14 @@ class Model:
             >>> model = vx.Model.from_mesh(mesh, voxel_size=0.004, target_points=1000, scale=0.001)
             >>> 990 <= len(model.shell) <= 1010
             True
+
+            To a tolerance, and by default:
+
+            >>> model = vx.Model.from_mesh(mesh, tolerance=0.0002, scale=0.001)
+            >>> model.accuracy.distance.p99 < 0.0002 and model.accuracy.coverage.p99 < 0.0002
+            True
+            >>> vx.Model.from_mesh(mesh, scale=0.001).tolerance.__round__(6)
+            7e-05
         """
         if progress is not None and not callable(progress):
             raise InputTypeError(f"progress must be callable, not {type(progress).__name__}")
@@ -157,6 +177,12 @@ class Model:
         ):
             if one is not None and other is not None:
                 raise SettingsError(f"give either {names}, not both")
+        sizes = (voxel_size, resolution, point_spacing, target_points)
+        if tolerance is not None and any(size is not None for size in sizes):
+            raise SettingsError(
+                "give either a tolerance or the sizes of a uniform model (voxel_size, resolution, "
+                "point_spacing, target_points), not both"
+            )
         # The core takes 0 for "not given".
         settings = {
             "tolerance": 0.0 if tolerance is None else as_length(tolerance, "tolerance"),
@@ -194,7 +220,9 @@ class Model:
                 core = build()
         if sign == "auto":
             _warn_of_faults(core, open)
-        return cls(core)
+        model = cls(core)
+        _warn_of_accuracy(model)
+        return model
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model to a file, which :meth:`load` reads in milliseconds.
@@ -304,6 +332,11 @@ class Model:
         """
         return self._core.thickness
 
+    @property
+    def tolerance(self) -> float | None:
+        """How far field and shell were allowed to be off the mesh, metres; None if uniform."""
+        return self._core.tolerance or None
+
     def mass_properties(
         self, mass: float = 1.0, kind: Literal["solid", "surface"] = "solid"
     ) -> MassProperties:
@@ -377,6 +410,27 @@ def _warn_of_faults(core: CoreModel, open_as: str) -> None:
         f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
         f"sign='winding' to take it as it is{openings and '; '}{openings}",
         MeshWarning,
+        stacklevel=3,
+    )
+
+
+def _warn_of_accuracy(model: Model) -> None:
+    """Warns where a model built to a tolerance falls short of it."""
+    tolerance = model.tolerance
+    if tolerance is None:
+        return
+    accuracy = model.accuracy
+    reached = max(accuracy.distance.p99, accuracy.coverage.p99)
+    if reached <= tolerance:
+        return
+    field, shell = accuracy.distance.p99 * 1e3, accuracy.coverage.p99 * 1e3
+    closed = model.field.sign_method == "closed"
+    why = "" if closed else "; exact cells need a closed mesh, so repairing it would help most"
+    warnings.warn(
+        f"the model is to be exact to {tolerance * 1e3:.3g} mm, but on 99 % of its surface the field "
+        f"is exact to {field:.3g} mm and the shell to {shell:.3g} mm{why}; pass a tolerance of "
+        f"{reached:.3g} m to accept this, or a smaller voxel_size",
+        AccuracyWarning,
         stacklevel=3,
     )
 

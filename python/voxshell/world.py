@@ -81,8 +81,8 @@ class World:
         margin: How near slow points count as contacts, metres; a thousandth of the smaller body's
             diameter by default, but no more than a 20th of either one's thickness. Without it, resting bodies rock.
         sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch
-            within the step are contacts before they do, so that nothing tunnels; by default a quarter of
-            a model's thickness or a 50th of its longest side, or a quarter of the inner radius of a
+            within the step are contacts before they do, so that nothing tunnels; by default two fifths
+            of a model's thickness or a 50th of its longest side, or a quarter of the inner radius of a
             box, ball or hull, whichever is least. Infinity: never, as the thesis
             does it.
         sleeping: Whether bodies at rest are put to sleep.

@@ -447,6 +447,55 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
         vx.contacts(cube, sparse)  # the same pair
 
 
+# ---- no surface in contact -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shell", ["auto", "both"])
+def test_bodies_in_the_very_same_place_are_in_contact(shell: str):
+    meshes = (
+        trimesh.creation.box((0.1, 0.2, 0.3)),
+        trimesh.creation.icosphere(2, radius=0.1),
+        trimesh.creation.annulus(0.08, 0.081, 0.2),
+    )
+    for mesh in meshes:
+        model = vx.Model.from_mesh(mesh, resolution=60)
+        twin = vx.Model.from_mesh(mesh, resolution=50)
+        for other in (model, twin):
+            for pose in random_poses(10, 2.0):
+                found = vx.contacts(model, other, pose, pose, shell=shell)
+                assert len(found) > 0
+                assert vx.collide(model, other, pose, pose, shell=shell)
+                assert vx.distance(model, other, pose, pose, shell=shell).distance < 0.0
+                assert len(vx.manifold(model, other, pose, pose, shell=shell)) > 0
+                assert vx.collide_batch(model, other, pose, pose, shell=shell).all()
+                batch = vx.contacts_batch(model, other, pose, pose, shell=shell)
+                flat = vx.testing.contacts_flat(model, other, pose, pose, shell=shell)
+                for same in (batch[0], flat):
+                    np.testing.assert_array_equal(same.ids, found.ids)
+                    np.testing.assert_array_equal(same.ambiguous, found.ambiguous)
+
+
+def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
+    found = vx.contacts(cube, cube, shell="both", level=3)
+    assert found.ambiguous.all()
+    assert found.shells.tolist() == ["a", "b"]
+    np.testing.assert_array_equal(found.ids, [len(cube.shell)] * 2)
+    np.testing.assert_array_equal(found.segments, [0, 0])
+    np.testing.assert_allclose(found.depths, 0.5, atol=0.15)
+    np.testing.assert_allclose(
+        found.points_b - found.points_a, found.depths[:, None] * found.normals, atol=1e-6
+    )
+    assert len(found.deepest_per_segment()) == 2
+    nearest = vx.distance(cube, cube, shell="both")
+    assert nearest.distance == -found.depths.max()
+    assert len(vx.contacts(cube, cube, shell="both", max_points=1)) == 1
+    apart = vx.contacts(cube, cube, moved(0.9), shell="both")
+    assert len(apart) > 0
+    assert not apart.ambiguous.any()
+    for shell in ("fewest", "a", "b"):
+        assert len(vx.contacts(cube, cube, shell=shell)) == 0
+
+
 # ---- both shells, few points, budgets, scratches ------------------------------------------------
 
 

@@ -50,13 +50,16 @@ class Model {
                                                          const Accuracy& accuracy, double thickness,
                                                          const Openings& openings);
 
-  const ModelSettings& settings() const { return settings_; }  ///< as they were given
+  /// As they were given, but for the tolerance: 0 if the model is uniform.
+  const ModelSettings& settings() const { return settings_; }
   /// Right side out, as far as it is closed. Of a sheet: its two sides and its rim.
   const TriangleMesh& mesh() const { return mesh_; }
   const Field& field() const { return field_; }
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }
   const PointShell& shell() const { return shell_; }
   const Bounds& bounds() const { return mesh_.bounds(); }
+  /// A place deep inside, by which the body is found where its surface touches nothing.
+  const Vec3f& inner_point() const { return inner_point_; }
   const Accuracy& accuracy() const { return accuracy_; }
   /// Of the body where it is thinnest, metres.
   double thickness() const { return thickness_; }
@@ -69,9 +72,12 @@ class Model {
   Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSettings& settings,
         const Accuracy& accuracy, double thickness, const Openings& openings);
 
+  static Vec3f find_inner_point(const GridField& field, const PointShell& shell);
+
   TriangleMesh mesh_;
   Field field_;
   PointShell shell_;
+  Vec3f inner_point_ = find_inner_point(grid(), shell_);
   MassProperties solid_;
   MassProperties surface_;
   ModelSettings settings_;

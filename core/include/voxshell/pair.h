@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "voxshell/accuracy.h"
+#include "voxshell/contacts.h"
 #include "voxshell/field.h"
 #include "voxshell/point_shell.h"
 #include "voxshell/pose.h"
@@ -16,6 +19,8 @@ struct Participant {
   const Accuracy* accuracy = nullptr;
   /// Of a model where it is thinnest, metres; 0: the shortest side of its bounds counts.
   double thickness = 0.0;
+  /// Of a model: a place deep inside.
+  const Vec3f* inner_point = nullptr;
 };
 
 enum class PairBody { kA, kB };
@@ -70,6 +75,14 @@ Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellCh
 /// What the elements of `shell` can miss of `field`, metres: how far its surface lies outside of
 /// its elements, the error of the field, and what of the field's body may enter between elements.
 double compute_miss(const Participant& shell, const Participant& field);
+
+/// Where automatic or both roles found nothing: the contact of a place deep inside `body` that is
+/// inside `field`, if it is: one body lies wholly inside the other, or in its very place. Its depth
+/// is that of the place, and where the field has no direction there its normal is zero: there,
+/// depth is ambiguous. The id is that after the last of the shell's elements. Ignores bodies
+/// without an inner point, and margins above 0.
+std::optional<Contact> find_inner_contact(const Participant& body, const Field& field,
+                                          const Pose& field_from_body, float margin);
 
 /// Where kFewest found no contact of `outer`'s points: whether the roles are to be swapped,
 /// because `inner` may lie wholly inside `outer`, as a point of its shell does. One evaluation of a

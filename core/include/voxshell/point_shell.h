@@ -21,6 +21,9 @@ struct PointShellSettings {
   /// Metres that the shell may miss. Points are then as dense as the curvature asks for, corners
   /// are points and sharp edges are segments. Or leave it 0 and give:
   double tolerance = 0.0;
+  /// About how many points a shell by tolerance may have; 0: as many as it takes. Where that is
+  /// fewer, points are farther apart, and Accuracy::coverage says what is missed.
+  std::size_t most_points = 0;
   /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
   double spacing = 0.0;
   /// How many points are wanted; reached within 1 %. The voxels of very regular meshes may then be

@@ -14,8 +14,8 @@ struct Wrench {
 /// springs): the sum over penetrating points of stiffness * area * depth * gradient and its moment
 /// (Barbic and James 2008, section 4). Gradients are central differences over
 /// half a voxel, or half the shell's spacing in an analytic field, so that the wrench is continuous
-/// in the pose: it starts from zero, and no direction jumps between cells. Edge segments have no area
-/// and add nothing.
+/// in the pose: it starts from zero, and no direction jumps between cells. Edge segments have no
+/// area and add nothing.
 Wrench compute_wrench(const Field& field, const PointShell& shell, const Pose& field_from_shell,
                       double stiffness, QueryScratch& scratch);
 

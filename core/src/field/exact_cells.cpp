@@ -25,7 +25,9 @@ constexpr float kAtSurface = 0.9f;
 /// Nor do contacts lie deeper than this as a rule; up to there, cells are exact where depths have a
 /// ridge, as in the middle of thin walls: where samples are off by much, voxels.
 constexpr float kDeep = 2.0f;
-constexpr float kRidge = 0.2f;
+constexpr float kRidge = 0.08f;
+/// Nor may normals be off by more than this there: 10 degrees, cosine.
+constexpr float kNormalsAgree = 0.985f;
 /// Away from the surface samples may be off by this share of the distance more.
 constexpr float kOfDistance = 0.1f;
 /// Of the tolerance, as few places of a cell are looked at.
@@ -161,6 +163,17 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
   return errors;
 }
 
+/// The gradient of trilinear values, whose corners are at(x, y, z).
+template <class At>
+simd::portable::Triple<float> differentiate_cell(const At& at, float tx, float ty, float tz) {
+  simd::portable::GridCell<float> cell{};
+  for (int i = 0; i < 8; ++i) cell.c[i] = at(i & 1, i >> 1 & 1, i >> 2);
+  cell.t = {tx, ty, tz};
+  cell.scale = 1.0f;
+  cell.size = 1.0f;
+  return simd::portable::differentiate(cell, 1.0f);
+}
+
 }  // namespace
 
 struct ExactCellFinder::Job {
@@ -211,7 +224,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
     // by half as much or more as any place.
     constexpr float kTooLarge = 4.0f;
     constexpr float kOfMost = 0.4f;
-    if (errors[cell] <= kTooLarge * tolerance_) {
+    if (least < kAtSurface && errors[cell] <= kTooLarge * tolerance_) {
       float mean = 0.0f;
       for (std::size_t corner = 0; corner < 8; ++corner) mean += 0.125f * corner_of(corner);
       const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
@@ -338,7 +351,12 @@ bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
                                                         y + static_cast<double>(ty),
                                                         z + static_cast<double>(tz)};
     const auto q = static_cast<Vec3f>(p);
-    const float exact = simd::portable::evaluate_triangles(list, q.x, q.y, q.z).distance;
+    const auto [exact, normal] = simd::portable::evaluate_triangles(list, q.x, q.y, q.z);
+    if (exact < -tolerance_ * h) {
+      const auto slope = differentiate_cell(at, tx, ty, tz);
+      const float along = slope.x * normal.x + slope.y * normal.y + slope.z * normal.z;
+      if (along <= kNormalsAgree * simd::portable::length(slope)) return true;
+    }
     return !(std::abs(lerp(low, high, tz) - exact / h) <=
              tolerance_ + kOfDistance * std::abs(exact / h));
   };

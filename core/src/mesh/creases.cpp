@@ -182,8 +182,9 @@ struct Bending {
   }
 };
 
-/// No place of a surface of this curvature is then farther below the tangent plane of the nearest
-/// point than the tolerance.
+/// A place at a distance of d from the nearest point is curvature * d^2 / 2 above its tangent
+/// plane. On 99 % of a surface and more, the nearest of the points that voxels choose is at most
+/// half a spacing away.
 double choose_spacing(double curvature, double tolerance) {
   constexpr double kSagittas = 8.0;
   return std::sqrt(kSagittas * tolerance / curvature);

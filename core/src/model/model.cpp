@@ -17,8 +17,12 @@ namespace {
 
 constexpr int kDefaultResolution = 100;
 
-/// The tolerance where nothing is given: of the longest side and of where the body is thinnest.
-constexpr double kToleranceOfSide = 1.0 / 4000.0;
+/// The tolerance where nothing is given. Of two models, less than two tolerances is missed: a
+/// thousandth of the larger one, but no more than a millimeter, or of bodies above 4 m a 4,000th.
+/// Walls keep their shape where they are thinnest.
+constexpr double kToleranceOfSide = 1.0 / 2000.0;
+constexpr double kToleranceOfLargeSide = 1.0 / 8000.0;
+constexpr double kLargeTolerance = 0.0005;  // metres
 constexpr double kToleranceOfThickness = 1.0 / 20.0;
 
 Error invalid_argument(std::string message) {
@@ -56,7 +60,9 @@ Result<double> choose_tolerance(const TriangleMesh& mesh, const ModelSettings& s
     return invalid_argument(format_text("tolerance must be above 0 m, not %g", settings.tolerance));
   }
   if (is_uniform(settings)) return 0.0;
-  const double by_side = kToleranceOfSide * longest_side(mesh);
+  const double side = longest_side(mesh);
+  const double by_side =
+      std::min(kToleranceOfSide * side, std::max(kLargeTolerance, kToleranceOfLargeSide * side));
   return thickness > 0.0 ? std::min(by_side, kToleranceOfThickness * thickness) : by_side;
 }
 
@@ -228,8 +234,10 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   if (!shell) return shell.error();
 
   const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
+  ModelSettings chosen = settings;
+  chosen.tolerance = *tolerance;
   return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
-                                                *std::move(shell), settings, accuracy, thickness,
+                                                *std::move(shell), chosen, accuracy, thickness,
                                                 openings));
 }
 

@@ -161,6 +161,15 @@ class EdgePlaces {
     found_ = find_on_edges(posed_, shell_.edges()->view(), margin, state_.of_edges());
   }
 
+  /// Without a list.
+  simd::FoundPoint search_deeper_than(const simd::FoundPoint& point, float margin) const {
+    if (shell_.edges() == nullptr) return point;
+    const float limit = point.id == simd::kNone ? margin : point.distance;
+    const simd::FoundPoint place =
+        kernels().find_deepest_edge(posed_, shell_.edges()->view(), limit);
+    return place.id == simd::kNone ? point : as_element(place);
+  }
+
   /// Ties go to points, whose ids are smaller.
   simd::FoundPoint deeper_of(const simd::FoundPoint& point) const {
     if (found_.count == 0) return point;
@@ -181,6 +190,7 @@ class EdgePlaces {
   /// Appends one of them to the contacts.
   void complete(simd::FoundPoint element) {
     element.id -= shell_.tree().point_count();
+    state_.of_edges().reserve(shell_.edges()->view().tree);
     simd::PointList one = state_.of_edges().empty_points();
     append(one, element);
     complete_on_edges(posed_, shell_.edges()->view(), one, shell_.size(), state_);
@@ -227,9 +237,12 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
       kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
     }
     EdgePlaces<V> on_edges(posed, shell, state);
-    // Of a single one, nothing above the best point matters.
-    on_edges.list(max_points == 1 && found.id != simd::kNone ? found.distance : margin);
-    found = on_edges.deeper_of(found);
+    if (max_points == 1) {
+      found = on_edges.search_deeper_than(found, margin);
+    } else {
+      on_edges.list(margin);
+      found = on_edges.deeper_of(found);
+    }
     simd::ManifoldSearch search{};
     std::array<simd::FoundPoint, kManifoldSize> chosen;
     std::size_t count = 0;

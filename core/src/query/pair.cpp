@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <tuple>
 #include <type_traits>
@@ -21,6 +22,8 @@ struct Body {
   bool has_shell = false;
   std::size_t points = 0;
   double coverage = 0.0;     ///< how far the surface lies outside of the shell
+  bool has_edges = false;    ///< its sharp edges, if there are any, are elements of the shell
+  double tie = 0.0;          ///< by so much they may be deeper than they are seen
   double gap = 0.0;          ///< no place of the surface is farther from an element
   double field_error = 0.0;  ///< of the distance
   bool is_sharp = false;
@@ -78,7 +81,7 @@ Body describe(const Participant& participant) {
   }
   if (participant.shell != nullptr) {
     body.has_shell = true;
-    body.points = participant.shell->size();
+    body.points = participant.shell->element_count();
     body.gap = std::sqrt(3.0) * participant.shell->spacing();
     body.coverage = body.gap;
   }
@@ -89,6 +92,12 @@ Body describe(const Participant& participant) {
     body.gap = accuracy.gap;
     body.is_sharp = accuracy.is_sharp;
     body.curvature = accuracy.curvature;
+  }
+  if (const EdgeSegments* edges = body.has_shell ? participant.shell->edges() : nullptr) {
+    body.has_edges = true;
+    body.tie = static_cast<double>(edges->tie());
+  } else {
+    body.has_edges = body.has_shell && !body.is_sharp;
   }
   return body;
 }
@@ -111,10 +120,12 @@ double miss_of(const Body& shell, const Body& field) {
 }
 
 /// Whatever either of the shells finds is found. What may enter between the elements of both is an
-/// edge that crosses an edge.
+/// edge that crosses an edge, unless the edges of one of them are elements.
 double miss_of_both(const Body& a, const Body& b, double miss_of_a, double miss_of_b) {
   if (!a.has_shell || !b.has_shell) return kUnbounded;
-  const double crossing = std::min(enter_between(a, b.gap), enter_between(b, a.gap));
+  const double crossing = a.has_edges || b.has_edges
+                              ? std::max(a.tie, b.tie)
+                              : std::min(enter_between(a, b.gap), enter_between(b, a.gap));
   const double left = a.coverage + b.coverage + std::max(a.field_error, b.field_error) + crossing;
   return std::min({left, miss_of_a, miss_of_b});
 }
@@ -196,6 +207,28 @@ Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellCh
               : pair.role == Role::kB ? pair.miss_of_b
                                       : pair.miss_of_both;
   return pair;
+}
+
+std::optional<Contact> find_inner_contact(const Participant& body, const Field& field,
+                                          const Pose& field_from_body, float margin) {
+  constexpr float kDirected = 0.1f;  // of a gradient's length
+  if (body.inner_point == nullptr || body.shell == nullptr) return std::nullopt;
+  const Vec3f& point = *body.inner_point;
+  const auto place = static_cast<Vec3f>(field_from_body.transform_point(static_cast<Vec3>(point)));
+  return std::visit(
+      [&](const auto& typed) -> std::optional<Contact> {
+        const float distance = typed.distance(place);
+        if (!(distance < std::min(margin, 0.0f))) return std::nullopt;
+        const Vec3f gradient = typed.gradient(place);
+        Vec3f normal{};
+        if (squared_length(gradient) > kDirected * kDirected) {
+          const auto outwards = normalized(static_cast<Vec3>(gradient));
+          normal = static_cast<Vec3f>(field_from_body.inverse().rotate(outwards));
+        }
+        return Contact{static_cast<std::uint32_t>(body.shell->element_count()), -distance, point,
+                       normal};
+      },
+      field);
 }
 
 bool is_enclosed(const Participant& inner, const Participant& outer, const Pose& outer_from_inner) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <compare>
 #include <numeric>
 #include <utility>
 
@@ -263,30 +264,127 @@ struct Density {
   static constexpr int kMostSteps = 64;
 
   double coarsest = 0.0;  ///< metres
+  double expected_points = 0.0;
   std::vector<std::uint8_t> steps;
 
   static double refine(double spacing) { return spacing * 0.7071067811865476; }
 };
 
-Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings,
-                       double tolerance) {
+/// `stretch` is by how much farther points are apart than the spacings that are wanted.
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
+                       double stretch) {
   // On flat parts, so that areas are spread over enough points.
   constexpr double kFewest = 25.0;  // along the longest side
   constexpr double kFinest = 2.0;   // tolerances
   Density density;
   density.coarsest = mesh.bounds().extents()[mesh.bounds().longest_axis()] / kFewest;
   density.steps.reserve(spacings.size());
-  for (const double wanted : spacings) {
+  for (std::size_t i = 0; i < spacings.size(); ++i) {
     double spacing = density.coarsest;
     int step = 0;
-    while (step < Density::kMostSteps && spacing > wanted &&
+    while (step < Density::kMostSteps && spacing > stretch * spacings[i] &&
            Density::refine(spacing) >= kFinest * tolerance) {
       spacing = Density::refine(spacing);
       ++step;
     }
     density.steps.push_back(static_cast<std::uint8_t>(step));
+    // As compute_passed_area() has it.
+    const auto [a, b, c] = mesh.corners(i);
+    const Vec3 doubled = cross(b - a, c - a);
+    density.expected_points += 0.5 *
+                               (std::abs(doubled.x) + std::abs(doubled.y) + std::abs(doubled.z)) /
+                               (spacing * spacing);
   }
   return density;
+}
+
+/// With no more than `most` points, if that can be.
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
+                       std::size_t most) {
+  Density density = choose_density(mesh, spacings, tolerance, 1.0);
+  constexpr double kStretch = 1.1;
+  constexpr double kMostStretch = 100.0;
+  for (double stretch = kStretch;
+       most > 0 && stretch < kMostStretch && density.expected_points > static_cast<double>(most);
+       stretch *= kStretch) {
+    density = choose_density(mesh, spacings, tolerance, stretch);
+  }
+  return density;
+}
+
+/// Drops points next to ones of a finer part that face the same way: where parts of different
+/// spacings interlock, their voxels overlap. The others take over their areas. Corners, whose
+/// spacing is 0, come first and stay.
+void drop_crowded(Sampling& sampling, std::span<const double> spacings) {
+  constexpr double kCrowded = 0.4;  // spacings
+  constexpr float kSameWay = 0.8f;  // cosine
+  std::vector<ShellPoint>& points = sampling.points;
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return spacings[a] < spacings[b]; });
+  std::vector<bool> is_dropped(points.size());
+  struct Place {
+    std::array<std::int64_t, 3> cell;
+    std::uint32_t point;
+
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Place> kept;
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    const double spacing = spacings[order[begin]];
+    while (end < order.size() && spacings[order[end]] == spacing) ++end;
+    if (begin == 0) continue;
+    const double size = kCrowded * spacing;
+    const auto cell_of = [&](const Vec3f& p, int axis) {
+      return static_cast<std::int64_t>(std::floor(static_cast<double>(p[axis]) / size));
+    };
+    kept.clear();
+    for (std::size_t i = 0; i < begin; ++i) {
+      const Vec3f& p = points[order[i]].point;
+      if (!is_dropped[order[i]]) {
+        kept.push_back({{cell_of(p, 0), cell_of(p, 1), cell_of(p, 2)}, order[i]});
+      }
+    }
+    std::sort(kept.begin(), kept.end());
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t id = order[i];
+      const Vec3f p = points[id].point;
+      double nearest = size * size;
+      std::uint32_t by = id;
+      for (int x = -1; x <= 1; ++x) {
+        for (int y = -1; y <= 1; ++y) {
+          const std::int64_t z = cell_of(p, 2);
+          const Place first{{cell_of(p, 0) + x, cell_of(p, 1) + y, z - 1}, 0};
+          for (auto at = std::lower_bound(kept.begin(), kept.end(), first);
+               at != kept.end() && at->cell[0] == first.cell[0] && at->cell[1] == first.cell[1] &&
+               at->cell[2] <= z + 1;
+               ++at) {
+            const double squared =
+                squared_length(static_cast<Vec3>(points[at->point].point) - static_cast<Vec3>(p));
+            if (squared >= nearest ||
+                dot(sampling.normals[at->point], sampling.normals[id]) < kSameWay) {
+              continue;
+            }
+            nearest = squared;
+            by = at->point;
+          }
+        }
+      }
+      if (by == id) continue;
+      is_dropped[id] = true;
+      points[by].area += points[id].area;
+    }
+  }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_dropped[i]) continue;
+    points[count] = points[i];
+    sampling.normals[count] = sampling.normals[i];
+    ++count;
+  }
+  points.resize(count);
+  sampling.normals.resize(count);
 }
 
 /// Samples a mesh as densely as its curvature asks for, and adds corners and edges.
@@ -294,12 +392,13 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
                                      Stage& stage) {
   const double tolerance = settings.tolerance;
   const Creases creases = find_creases(mesh, tolerance);
-  const Density density = choose_density(mesh, creases.spacings, tolerance);
+  const Density density = choose_density(mesh, creases.spacings, tolerance, settings.most_points);
   Sampling sampling;
   for (const Corner& corner : creases.corners) {
     sampling.points.push_back({static_cast<Vec3f>(mesh.vertices()[corner.vertex]), 0, 0.0});
     sampling.normals.push_back(static_cast<Vec3f>(corner.normal));
   }
+  std::vector<double> spacings(sampling.points.size(), 0.0);  // by which points were chosen
   const int finest = *std::max_element(density.steps.begin(), density.steps.end());
   double spacing = density.coarsest;
   for (int step = 0; step <= finest; ++step, spacing = Density::refine(spacing)) {
@@ -321,11 +420,13 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
     if (stage.stopped()) return stopped();
     if (sampling.spacing == 0.0) sampling.spacing = spacing;
     for (const ShellPoint& point : sampled.points) {
+      spacings.push_back(spacing);
       sampling.points.push_back(point);
       sampling.normals.push_back(static_cast<Vec3f>(normal_of_triangle(*part, point.triangle)));
     }
   }
   stage.set_part(0.0, 1.0);
+  drop_crowded(sampling, spacings);
   // Points of different parts may share a place, as may corners and points.
   PlaceTable table(sampling.points);
   std::size_t kept = 0;

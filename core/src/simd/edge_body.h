@@ -29,13 +29,25 @@ template <class V>
 void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointList& pieces,
                   float margin, PointList& out) {
   uint32_t count = out.count;
-  Triple<F8> p{};
+  EdgeSearch searches[kLanes];
   I8 ids{};
-  int lane = 0;
+  int waiting = 0;
+  // Eight at a time: each round waits for the one before, but not for those of other pieces.
   const auto finish = [&] {
-    if (lane == 0) return;
+    if (waiting == 0) return;
+    for (int round = 0; round < EdgeSearch::kRounds; ++round) {
+      for (int i = 0; i < waiting; ++i) searches[i].go_on(posed, edges.tie);
+    }
+    Triple<F8> p{};
+    for (int i = 0; i < kLanes; ++i) {
+      const EdgeSearch& search = searches[i < waiting ? i : 0];
+      const Triple<float> place = place_on_edge(search.middle, search.half, search.place);
+      p.x[i] = place.x;
+      p.y[i] = place.y;
+      p.z[i] = place.z;
+    }
     const F8 distance = posed_distance(posed, p);
-    const unsigned lanes = bits(distance < margin) & ((1u << lane) - 1);
+    const unsigned lanes = bits(distance < margin) & ((1u << waiting) - 1);
     compress(out.id + count, ids, lanes);
     const I8 tags{};
     memcpy(out.tag + count, &tags, sizeof tags);
@@ -44,33 +56,39 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
     compress(out.y + count, p.y, lanes);
     compress(out.z + count, p.z, lanes);
     count += static_cast<uint32_t>(__builtin_popcount(lanes));
-    lane = 0;
+    waiting = 0;
   };
   for (uint32_t i = 0; i < pieces.count; ++i) {
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
     if (!may_touch(posed, edges, middle, half, margin)) continue;
-    const float t = find_place_on_edge(posed, middle, half, edges.tie);
-    const Triple<float> place = place_on_edge(middle, half, t);
-    p.x[lane] = place.x;
-    p.y[lane] = place.y;
-    p.z[lane] = place.z;
-    ids[lane] = static_cast<int32_t>(pieces.id[i]);
-    if (++lane == kLanes) finish();
+    searches[waiting] = {middle, half};
+    ids[waiting] = static_cast<int32_t>(pieces.id[i]);
+    if (++waiting == kLanes) finish();
   }
   finish();
   out.count = count;
 }
 
-template <class V>
-bool find_any_edge(const PosedView<V>& posed, const EdgeView& edges, float margin) {
+/// Walks the tree of edges, the most promising spheres first, and calls `visit(id, place,
+/// distance)` with the best place of each piece that may lie below `limit()`, or at it, until it
+/// returns false. The limit may fall from `margin` on.
+template <class V, class Limit, class Visit>
+VOXSHELL_INLINE void visit_edges(const PosedView<V>& posed, const EdgeView& edges, float margin,
+                                 const Limit& limit, const Visit& visit) {
   const TreeView& tree = edges.tree;
+  // A shorter reach than the margin lets planes serve, and large cells be left out.
+  const auto find_reach = [&] {
+    const float reach = limit() + posed.slack;
+    return reach < margin ? reach : margin;
+  };
   BestFirst walk({-kFarthest, 0, 0, 0});
   while (!walk.is_done()) {
     const Waiting node = walk.take();
+    if (node.rank > limit()) continue;
     if (node.level < tree.level_count) {
       const Block block = load_block(tree, node.level, node.index, edges.reach);
-      const Balls balls = test_balls(posed, block, node.tag, margin);
+      const Balls balls = test_balls(posed, block, node.tag, find_reach());
       walk.begin_siblings();
       for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
@@ -82,21 +100,49 @@ bool find_any_edge(const PosedView<V>& posed, const EdgeView& edges, float margi
     const uint32_t end = first_bucket(tree, node.index + 1);
     for (uint32_t bucket = first_bucket(tree, node.index); bucket < end; ++bucket) {
       const Triple<F8> middles = load_triple(bucket_of(tree, bucket));
-      const F8 bound = bound_points(posed, middles, node.tag, edges.reach, margin);
+      const F8 bound = bound_points(posed, middles, node.tag, edges.reach, find_reach());
       for (unsigned lanes = lanes_below(bound, margin) & bits(middles.x == middles.x); lanes != 0;
            lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
+        if (bound[lane] > limit()) continue;
+        const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
         const Triple<float> middle{middles.x[lane], middles.y[lane], middles.z[lane]};
-        const Triple<float> half = half_of(edges, bucket * kLanes + static_cast<uint32_t>(lane));
-        if (!may_touch(posed, edges, middle, half, margin)) continue;
+        const Triple<float> half = half_of(edges, id);
+        if (!may_touch(posed, edges, middle, half, find_reach())) continue;
         const float t = find_place_on_edge(posed, middle, half, edges.tie);
         const Triple<float> place = place_on_edge(middle, half, t);
         const Triple<F8> p{splat<F8>(place.x), splat<F8>(place.y), splat<F8>(place.z)};
-        if (any(posed_distance(posed, p) < margin)) return true;
+        if (!visit(id, p, posed_distance(posed, p)[0])) return;
       }
     }
   }
-  return false;
+}
+
+template <class V>
+bool find_any_edge(const PosedView<V>& posed, const EdgeView& edges, float margin) {
+  bool is_found = false;
+  visit_edges(
+      posed, edges, margin, [&] { return margin; },
+      [&](uint32_t, const Triple<F8>&, float distance) {
+        is_found = distance < margin;
+        return !is_found;
+      });
+  return is_found;
+}
+
+template <class V>
+FoundPoint find_deepest_edge(const PosedView<V>& posed, const EdgeView& edges, float margin) {
+  FoundPoint best{kNone, 0.0f, {}};
+  visit_edges(
+      posed, edges, margin, [&] { return best.id == kNone ? margin : best.distance; },
+      [&](uint32_t id, const Triple<F8>& p, float distance) {
+        const bool is_deeper = best.id == kNone ? distance < margin
+                                                : distance < best.distance ||
+                                                      (distance == best.distance && id < best.id);
+        if (is_deeper) best = make_found(id, distance, p, 0);
+        return true;
+      });
+  return best;
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

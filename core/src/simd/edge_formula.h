@@ -19,42 +19,45 @@ VOXSHELL_INLINE Triple<F> place_on_edge(const Triple<float>& middle, const Tripl
 /// The mean of samples next to the least one that are less than `tie` above it, by how far they are
 /// below that. Without jumps as the distances change, unless two places far apart are equally deep.
 VOXSHELL_INLINE float balance(F8 t, F8 distance, float tie) {
-  int least = 0;
-  for (int i = 1; i < kLanes; ++i) {
-    if (distance[i] < distance[least]) least = i;
-  }
-  const float limit = distance[least] + tie;
-  float weights = 0.0f;
-  float sum = 0.0f;
-  const auto add = [&](int i) {
-    const float weight = limit - distance[i];
-    if (!(weight > 0.0f)) return false;
-    weights += weight;
-    sum += weight * t[i];
-    return true;
-  };
-  for (int i = least; i >= 0 && add(i); --i) {
-  }
-  for (int i = least + 1; i < kLanes && add(i); ++i) {
-  }
-  return weights > 0.0f ? sum / weights : t[least];
+  const float least = find_least(distance);
+  const unsigned at_least = bits(distance == least);
+  if (at_least == 0) return t[0];  // not a number
+  const int first = __builtin_ctz(at_least);
+  const float limit = least + tie;
+  const unsigned below = bits(distance < limit) | (1u << first);
+  const int end = first + __builtin_ctz(~(below >> first));
+  const int begin = first + 1 - __builtin_clz(~(below << (31 - first)));
+  const I8 is_next = (kLaneIndex >= begin) & (kLaneIndex < end);
+  const F8 weights = select(is_next, limit - distance, F8{});
+  const float sum = add_up(weights);
+  return sum > 0.0f ? add_up(weights * t) / sum : t[first];
 }
 
-/// From -1 to 1 along the piece. Eight samples over all of it, then twice eight about the best
-/// place so far.
+/// A search for the best place on a piece: eight samples over all of it, then twice eight about the
+/// best place so far. From -1 to 1 along the piece.
+struct EdgeSearch {
+  static constexpr int kRounds = 3;
+  static constexpr float kNarrower = 2.0f / 7.0f;
+
+  Triple<float> middle;
+  Triple<float> half;
+  float place = 0.0f;
+  float width = 1.0f;
+
+  template <class V>
+  VOXSHELL_INLINE void go_on(const PosedView<V>& posed, float tie) {
+    const F8 t = minimum(maximum(place + width * kEdgeSamples, splat<F8>(-1.0f)), splat<F8>(1.0f));
+    place = balance(t, posed_distance(posed, place_on_edge(middle, half, t)), tie);
+    width *= kNarrower;
+  }
+};
+
 template <class V>
 VOXSHELL_INLINE float find_place_on_edge(const PosedView<V>& posed, const Triple<float>& middle,
                                          const Triple<float>& half, float tie) {
-  constexpr int kRounds = 3;
-  constexpr float kNarrower = 2.0f / 7.0f;
-  float centre = 0.0f;
-  float width = 1.0f;
-  for (int round = 0; round < kRounds; ++round) {
-    const F8 t = minimum(maximum(centre + width * kEdgeSamples, splat<F8>(-1.0f)), splat<F8>(1.0f));
-    centre = balance(t, posed_distance(posed, place_on_edge(middle, half, t)), tie);
-    width *= kNarrower;
-  }
-  return centre;
+  EdgeSearch search{middle, half};
+  for (int round = 0; round < EdgeSearch::kRounds; ++round) search.go_on(posed, tie);
+  return search.place;
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -95,6 +95,8 @@ struct QueryKernels {
                        PointList& out);
   /// Whether any such place lies below `margin`.
   bool (*find_any_edge)(const PosedView<V>&, const EdgeView&, float margin);
+  /// The deepest of them, ties to the smaller id.
+  FoundPoint (*find_deepest_edge)(const PosedView<V>&, const EdgeView&, float margin);
 };
 
 /// The views that there are kernels for.

@@ -321,6 +321,35 @@ VOXSHELL_INLINE void compress(uint32_t* to, I8 values, unsigned lanes) {
 #endif
 }
 
+/// All lanes in one, in the same order with every instruction set: halves, quarters, pairs.
+template <class Join>
+VOXSHELL_INLINE float fold(F8 values, const Join& join) {
+  const auto pair = [&](int i) {
+    return join(join(values[i], values[i + 4]), join(values[i + 2], values[i + 6]));
+  };
+  return join(pair(0), pair(1));
+}
+VOXSHELL_INLINE float find_least(F8 values) {
+#ifdef __AVX2__
+  const __m256 all = reinterpret_cast<__m256>(values);
+  const __m128 four = _mm_min_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
+  const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+#else
+  return fold(values, [](float a, float b) { return minimum(a, b); });
+#endif
+}
+VOXSHELL_INLINE float add_up(F8 values) {
+#ifdef __AVX2__
+  const __m256 all = reinterpret_cast<__m256>(values);
+  const __m128 four = _mm_add_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
+  const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)));
+#else
+  return fold(values, [](float a, float b) { return a + b; });
+#endif
+}
+
 inline constexpr I8 kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7};
 
 /// Rows become columns.

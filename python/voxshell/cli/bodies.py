@@ -38,7 +38,7 @@ class ModelOptions:
     Attributes:
         tolerance: Metres that the model may be off the mesh. Or give sizes, for a uniform model:
         voxel_size: Edge of the distance field's cells, metres, after --scale.
-        resolution: Or how many of them along the mesh's longest side; 100 if neither is given.
+        resolution: Or how many of them along the mesh's longest side; without any of these, to a tolerance.
         point_spacing: Edge of the voxels that get one point each, metres; the voxel size by default.
         target_points: Or how many points are wanted, which is reached within 1 %.
         scale: Factor that brings the mesh to metres: 0.001 for one in millimetres.

@@ -59,7 +59,8 @@ def load_urdf(
         pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
         fixed_base: Whether the root is fixed to the world; it then needs no mass.
         voxel_size: Of the models, metres; of smaller links their longest side.
-        resolution: Instead: voxels along the longest side of each model; 100 if neither is given.
+        resolution: Instead: voxels along the longest side of each model. Without either, models
+            are built to the default tolerance of :meth:`Model.from_mesh`.
         mesh_as: "model", any mesh as it is, or "hull", its convex hull.
         friction: Coulomb coefficient of all links.
         self_collision: Whether links that no joint connects collide with each other.

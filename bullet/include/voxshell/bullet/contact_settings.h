@@ -52,7 +52,7 @@ struct ContactSettings {
 
   /// Where bodies move farther than this in a step, metres, points that are going to touch within
   /// the step are contacts before they do, so that fast bodies stop at surfaces, thin ones
-  /// included. Negative: a quarter of a model's thickness or a 50th of its longest side, or a
+  /// included. Negative: two fifths of a model's thickness or a 50th of its longest side, or a
   /// quarter of the inner radius of a box, ball, hull ..., whichever is least. Infinity: never.
   double sweep_beyond = -1.0;
 

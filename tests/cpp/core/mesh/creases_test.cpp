@@ -86,7 +86,7 @@ TEST(Creases, OfAFineCylinderAreItsRims) {
       if (is_cap) {
         EXPECT_GT(creases.spacings[i], 1e3);
       } else {
-        EXPECT_NEAR(creases.spacings[i], std::sqrt(8.0 * 1e-3 * 0.1), 2e-3);
+        EXPECT_NEAR(creases.spacings[i], std::sqrt(4.5 * 1e-3 * 0.1), 2e-3);
       }
     }
   }
@@ -114,7 +114,7 @@ TEST(Creases, OfASmoothSphereAreNone) {
     const Creases creases = find_creases(make_icosphere(0.1, subdivisions).mesh(), 1e-3);
     EXPECT_TRUE(creases.sharp_edges.empty()) << subdivisions;
     for (const double spacing : creases.spacings) {
-      EXPECT_NEAR(spacing, std::sqrt(8.0 * 1e-3 * 0.1), 7e-3);
+      EXPECT_NEAR(spacing, std::sqrt(4.5 * 1e-3 * 0.1), 7e-3);
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -212,6 +213,28 @@ TEST(Enclosed, NeedsTwoShells) {
   EXPECT_FALSE(is_enclosed({&ball}, {&box, &shell}, {}));
   EXPECT_FALSE(is_enclosed({&ball, &shell}, {&box}, {}));
   EXPECT_TRUE(is_enclosed({&ball, &shell}, {&box, &shell}, {}));
+}
+
+TEST(InnerContact, IsOfAPlaceInsideTheOther) {
+  const Field ball = SphereField{0.2};
+  const Field box = BoxField{{1, 1, 1}};
+  const PointShell on_ball = make_shell(make_icosphere(0.2, 2), 0.02);
+  const Vec3f middle{};
+  const Participant inner{.field = &ball, .shell = &on_ball, .inner_point = &middle};
+  Random random(141);
+  for (int i = 0; i < 100; ++i) {
+    const Pose inside{random.rotation(), random.in_cube(0.79)};
+    const auto found = find_inner_contact(inner, box, inside, 0.0f);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->id, on_ball.size());
+    EXPECT_EQ(found->point, middle);
+    const auto at = static_cast<Vec3f>(inside.translation);
+    EXPECT_FLOAT_EQ(found->depth, -std::get<BoxField>(box).distance(at));
+    EXPECT_NEAR(length(static_cast<Vec3>(found->normal)), 1.0, 1e-6);
+    EXPECT_FALSE(find_inner_contact(inner, box, inside, -found->depth));
+    EXPECT_FALSE(find_inner_contact(inner, box, {{}, 2.2 * random.direction()}, 0.5f));
+  }
+  EXPECT_FALSE(find_inner_contact({&ball, &on_ball}, box, {}, 0.0f));
 }
 
 }  // namespace
