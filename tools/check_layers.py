@@ -39,7 +39,6 @@ HEADER_ONLY: dict[str, str] = {
     "result.h": "base",
     "vector.h": "base",
     "version.h": "base",
-    "accuracy.h": "model",
     "field.h": "field",
     "bucket_points.h": "shell",
 }

@@ -42,14 +42,6 @@ std::vector<ShellElement> list_elements(const PointShell& shell) {
       elements.push_back({middle - half, middle + half, normal});
     }
   }
-  if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
-    for (std::size_t i = 0; i < edges->size(); ++i) {
-      const Vec3f middle = edges->middles()[i];
-      const Vec3f& half = edges->halves()[i];
-      const Vec3f& normal = edges->normals()[i];
-      elements.push_back({middle - half, middle + half, normal, normal});
-    }
-  }
   return elements;
 }
 

@@ -55,9 +55,9 @@ const Model& edgy_model() {
   static const auto* model = [] {
     auto shell = PointShell::build(make_l_shape(0.1).mesh(), {.tolerance = 3e-3});
     if (!shell) std::abort();
-    auto made =
-        Model::from_parts(small_model().mesh(), small_model().grid(), *std::move(shell),
-                          {.tolerance = 3e-3}, small_model().accuracy(), small_model().thickness());
+    auto made = Model::from_parts(small_model().mesh(), small_model().grid(), *std::move(shell),
+                                  {.tolerance = 3e-3}, small_model().accuracy(),
+                                  small_model().thickness(), {});
     if (!made) std::abort();
     return new std::shared_ptr<const Model>(*std::move(made));
   }();
