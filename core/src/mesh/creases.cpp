@@ -93,15 +93,15 @@ void turn_needles(const TriangleMesh& mesh, std::span<const Side> sides, Facets&
   }
 }
 
-std::vector<MeshEdge> measure_edges(const TriangleMesh& mesh, std::span<const Side> sides,
+std::vector<BentEdge> measure_edges(const TriangleMesh& mesh, std::span<const Side> sides,
                                     const Facets& facets) {
-  std::vector<MeshEdge> edges;
+  std::vector<BentEdge> edges;
   edges.reserve(sides.size() / 2);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     while (end < sides.size() && sides[end].is_of_same_edge(sides[begin])) ++end;
     const Side& first = sides[begin];
     const Side& second = sides[end - begin > 1 ? begin + 1 : begin];
-    MeshEdge edge{.from = first.is_forward ? first.low : first.high,
+    BentEdge edge{.from = first.is_forward ? first.low : first.high,
                   .to = first.is_forward ? first.high : first.low,
                   .triangles = {first.triangle, second.triangle},
                   .triangle_count = static_cast<std::uint32_t>(end - begin),
@@ -124,7 +124,7 @@ std::vector<MeshEdge> measure_edges(const TriangleMesh& mesh, std::span<const Si
   return edges;
 }
 
-bool is_sharp(const MeshEdge& edge, double tolerance) {
+bool is_sharp(const BentEdge& edge, double tolerance) {
   if (edge.triangle_count != 2) return true;
   // What stands out by less is a matter of points.
   if (edge.bend <= 0.0 || edge.width * edge.bend <= 0.5 * tolerance) return false;
@@ -190,7 +190,7 @@ double choose_spacing(double curvature, double tolerance) {
   return std::sqrt(kSagittas * tolerance / curvature);
 }
 
-std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const MeshEdge> edges,
+std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const BentEdge> edges,
                                     const std::vector<bool>& is_barrier, const Facets& facets,
                                     double tolerance) {
   std::vector<Bending> bending(facets.areas.size());
@@ -246,7 +246,7 @@ struct Surroundings {
   bool turns = false;      ///< where it has two
 };
 
-std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const MeshEdge> edges,
+std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const BentEdge> edges,
                                  const std::vector<bool>& is_sharp_edge,
                                  std::span<const double> spacings, double tolerance) {
   const auto vertices = mesh.vertices();
@@ -296,7 +296,7 @@ std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const MeshE
 
 }  // namespace
 
-std::vector<MeshEdge> find_edges(const TriangleMesh& mesh) {
+std::vector<BentEdge> find_bent_edges(const TriangleMesh& mesh) {
   Facets facets = measure_facets(mesh);
   const std::vector<Side> sides = sort_sides(mesh);
   turn_needles(mesh, sides, facets);
@@ -307,7 +307,7 @@ Creases find_creases(const TriangleMesh& mesh, double tolerance) {
   Facets facets = measure_facets(mesh);
   const std::vector<Side> sides = sort_sides(mesh);
   turn_needles(mesh, sides, facets);
-  const std::vector<MeshEdge> edges = measure_edges(mesh, sides, facets);
+  const std::vector<BentEdge> edges = measure_edges(mesh, sides, facets);
   std::vector<bool> is_sharp_edge(edges.size());
   std::vector<bool> is_barrier(edges.size());
   Creases creases;

@@ -42,7 +42,7 @@ Soup make_cone(double radius, double height, std::uint32_t sides) {
 
 double sum_lengths(const TriangleMesh& mesh, const Creases& creases) {
   double sum = 0.0;
-  for (const MeshEdge& edge : creases.sharp_edges) {
+  for (const BentEdge& edge : creases.sharp_edges) {
     sum += length(mesh.vertices()[edge.to] - mesh.vertices()[edge.from]);
   }
   return sum;
@@ -56,7 +56,7 @@ TEST(Creases, OfABoxAreItsTwelveEdgesAndEightCorners) {
     ASSERT_EQ(creases.sharp_edges.size(), 12u);
     EXPECT_EQ(creases.corners.size(), 8u);
     EXPECT_NEAR(sum_lengths(mesh, creases), 4 * 1.6, 1e-9);
-    for (const MeshEdge& edge : creases.sharp_edges) EXPECT_NEAR(edge.bend, 1.0, 1e-9);
+    for (const BentEdge& edge : creases.sharp_edges) EXPECT_NEAR(edge.bend, 1.0, 1e-9);
     for (const Corner& corner : creases.corners) {
       EXPECT_GT(dot(corner.normal, mesh.vertices()[corner.vertex] - mesh.bounds().centre()), 0.0);
     }
@@ -68,8 +68,8 @@ TEST(Creases, OfAnLShapeLeaveItsConcaveEdgeOut) {
   const TriangleMesh mesh = make_l_shape(1.0).mesh();
   const Creases creases = find_creases(mesh, 1e-3);
   EXPECT_EQ(creases.sharp_edges.size(), 17u);
-  const auto edges = find_edges(mesh);
-  EXPECT_EQ(std::count_if(edges.begin(), edges.end(), [](const MeshEdge& e) { return e.bend < 0; }),
+  const auto edges = find_bent_edges(mesh);
+  EXPECT_EQ(std::count_if(edges.begin(), edges.end(), [](const BentEdge& e) { return e.bend < 0; }),
             1);
 }
 
@@ -123,7 +123,7 @@ TEST(Creases, HoldTheEdgesOfAnOpenMesh) {
   const TriangleMesh mesh = opened(make_box({0.5, 0.5, 0.5}), 0.4).mesh();
   const Creases creases = find_creases(mesh, 1e-3);
   const auto open = std::count_if(creases.sharp_edges.begin(), creases.sharp_edges.end(),
-                                  [](const MeshEdge& e) { return e.triangle_count == 1; });
+                                  [](const BentEdge& e) { return e.triangle_count == 1; });
   EXPECT_EQ(open, 4);
   EXPECT_EQ(creases.sharp_edges.size(), 12u);
 }
@@ -132,9 +132,9 @@ TEST(Creases, SeeThroughNeedles) {
   // A needle along the edge of a box, as exporters leave them.
   Soup soup = make_box({0.5, 0.5, 0.5});
   const TriangleMesh whole = soup.mesh();
-  const auto edges = find_edges(whole);
+  const auto edges = find_bent_edges(whole);
   const auto sharp =
-      std::find_if(edges.begin(), edges.end(), [](const MeshEdge& e) { return e.bend > 0.5; });
+      std::find_if(edges.begin(), edges.end(), [](const BentEdge& e) { return e.bend > 0.5; });
   const auto middle = static_cast<std::uint32_t>(soup.vertices.size());
   const std::uint32_t from = sharp->from;
   const std::uint32_t to = sharp->to;
