@@ -197,7 +197,7 @@ void PosedPair::settle_roles(ShellRule rule) {
   // One of the two is a model, or the algorithm would not have been made.
   const PairRole pair = *decide_role(a.participant(), b.participant(), choice);
   asks_both = pair.role == Role::kBoth;
-  shell_is_a = asks_both ? pair.miss_of_a <= pair.miss_of_b : pair.role == Role::kA;
+  shell_is_a = pair.first == PairBody::kA;
 }
 
 bool PosedPair::swap_roles_if_enclosed() {

@@ -46,6 +46,9 @@ enum class ShellChoice {
 /// contact that is deeper than `miss` is found.
 struct PairRole {
   Role role = Role::kA;
+  /// The one that is asked, or of both the one that meets truer normals: those of a smooth body
+  /// turn least between its elements.
+  PairBody first = PairBody::kA;
   double miss = 0.0;       ///< with this role
   double miss_of_a = 0.0;  ///< with the elements of a alone; infinity where a has no shell
   double miss_of_b = 0.0;
@@ -55,19 +58,20 @@ struct PairRole {
   bool asks(PairBody body) const {
     return role == Role::kBoth || role == (body == PairBody::kA ? Role::kA : Role::kB);
   }
-  /// The one that is asked, or asked first.
-  PairBody first() const { return role == Role::kB ? PairBody::kB : PairBody::kA; }
 };
 
 /// A body may miss so much of the smaller body's thickness as the only shell.
 inline constexpr double kMissedByOne = 0.005;
+/// And normals may turn by so much between its elements, radians.
+inline constexpr double kTurnedByOne = 0.02;
 /// From here on users are warned.
 inline constexpr double kMissedAtMost = 0.02;
 
 /// The role of a pair: a constant of the two bodies, never of their pose, and the same in either
 /// order. kAutomatic takes the shell that alone misses at most kMissedByOne of the smaller body's
-/// thickness and is too small to hide the other inside it, of two such the one with fewer points;
-/// and else both. Of bodies of equal numbers, such as two of one model, a is the shell.
+/// thickness, between whose elements the other's normals turn by at most kTurnedByOne, and
+/// which is too small to hide the other inside it, of two such the one with fewer points; and else
+/// both. Of bodies of equal numbers, such as two of one model, a is the shell.
 ///
 /// Error kInvalidArgument where a body that is chosen, or both of them, have no shell.
 Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellChoice choice);

@@ -96,8 +96,6 @@ Body describe(const Participant& participant) {
   if (const EdgeSegments* edges = body.has_shell ? participant.shell->edges() : nullptr) {
     body.has_edges = true;
     body.tie = static_cast<double>(edges->tie());
-  } else {
-    body.has_edges = body.has_shell && !body.is_sharp;
   }
   return body;
 }
@@ -153,10 +151,17 @@ bool is_cheaper(const Body& body, double miss, const Body& than, double miss_of_
   return rank(body, miss) < rank(than, miss_of_that);
 }
 
+/// Between the elements of a shell, the normal of a smooth body turns by this, radians.
+double turn_between(const Body& shell, const Body& field) { return shell.gap * field.curvature; }
+
 Role take_most_accurate(const Body& a, const Body& b, const PairRole& pair) {
   const double tolerated = kMissedByOne * pair.thickness;
-  const bool a_will_do = pair.miss_of_a <= tolerated && !may_hide_inside(b, a);
-  const bool b_will_do = pair.miss_of_b <= tolerated && !may_hide_inside(a, b);
+  const auto will_do = [&](const Body& shell, const Body& field, double miss) {
+    return miss <= tolerated && turn_between(shell, field) <= kTurnedByOne &&
+           !may_hide_inside(field, shell);
+  };
+  const bool a_will_do = will_do(a, b, pair.miss_of_a);
+  const bool b_will_do = will_do(b, a, pair.miss_of_b);
   if (a_will_do && b_will_do) {
     return is_cheaper(b, pair.miss_of_b, a, pair.miss_of_a) ? Role::kB : Role::kA;
   }
@@ -202,6 +207,16 @@ Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellCh
     pair.role = take_fewest(a, b);
   } else {
     pair.role = take_most_accurate(body_a, body_b, pair);
+  }
+  if (pair.role != Role::kBoth) {
+    pair.first = pair.role == Role::kA ? PairBody::kA : PairBody::kB;
+  } else {
+    const auto rank = [](const Body& shell, const Body& field, double miss) {
+      return std::tuple(turn_between(shell, field), miss);
+    };
+    pair.first = rank(body_b, body_a, pair.miss_of_b) < rank(body_a, body_b, pair.miss_of_a)
+                     ? PairBody::kB
+                     : PairBody::kA;
   }
   pair.miss = pair.role == Role::kA   ? pair.miss_of_a
               : pair.role == Role::kB ? pair.miss_of_b

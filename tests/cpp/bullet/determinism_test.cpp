@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x4f60a0b0334041c9, 0x0f22d980700ea165, 0x31797e16005621cc, 0x91885353e2a87a18,
-        0x957b58d14098bc2a}},
+       {0x07504197718f1e53, 0x57b5ecd5a2fee8f2, 0x4992b44e809d4629, 0x8ac882abee395526,
+        0x2fc10b4268acd535}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x64a9f8bd050c08b4, 0x7607d286a1110eaa, 0x91f689657a6a81d8, 0x992459c4a2150bb1,
-        0xeecd642978ac7d4d}},
+       {0x8111a9af200e263b, 0x47d303d48f8cc365, 0x1576ef1f9ea13dd2, 0xd5c6998b01ef6bf1,
+        0xcc0bc475aa77e7fe}},
   };
   return hashes;
 }

@@ -36,8 +36,31 @@ std::shared_ptr<const Model> build(const Soup& soup, const ModelSettings& settin
   return *std::move(model);
 }
 
-TEST(Model, HasAHundredVoxelsAndOnePointAVoxelUnlessToldOtherwise) {
+TEST(Model, IsExactToAToleranceThatFollowsFromSizeAndThicknessUnlessToldOtherwise) {
   const auto model = build(make_box({0.5, 0.25, 0.1}), {});
+  EXPECT_DOUBLE_EQ(model->settings().tolerance, 1.0 / 2000.0);
+  EXPECT_TRUE(model->grid().has_exact_cells());
+  EXPECT_NE(model->shell().edges(), nullptr);
+  EXPECT_LT(model->accuracy().distance.worst, model->settings().tolerance);
+  EXPECT_LT(model->accuracy().coverage.worst, model->settings().tolerance);
+  EXPECT_DOUBLE_EQ(build(make_box({2.5, 2.5, 2.5}), {})->settings().tolerance, 5.0 / 8000.0);
+  EXPECT_DOUBLE_EQ(build(make_box({1.5, 1.5, 1.5}), {})->settings().tolerance, 0.0005);
+  EXPECT_NEAR(build(make_box({0.5, 0.5, 0.001}), {})->settings().tolerance, 0.0001, 1e-9);
+}
+
+TEST(Model, TakesEitherAToleranceOrSizes) {
+  const auto mesh = make_box({0.5, 0.25, 0.1}).mesh();
+  for (const ModelSettings& settings : {ModelSettings{.tolerance = 0.001, .voxel_size = 0.01},
+                                        ModelSettings{.tolerance = 0.001, .target_points = 100},
+                                        ModelSettings{.tolerance = -1.0}}) {
+    const auto model = Model::build(mesh, settings);
+    ASSERT_FALSE(model);
+    EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
+  }
+}
+
+TEST(Model, HasAHundredVoxelsWhereOnlyPointsAreAskedFor) {
+  const auto model = build(make_box({0.5, 0.25, 0.1}), {.point_spacing = 0.01});
   EXPECT_DOUBLE_EQ(model->grid().voxel_size(), 0.01);
   EXPECT_EQ(model->shell().spacing(), model->grid().voxel_size());
   // Two bricks of padding on each side.
