@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, NamedTuple
 from voxshell import _core
 from voxshell.accuracy import AccuracyWarning
 from voxshell.contact_set import ROLES
-from voxshell.model import Model
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import FrameType
+    from typing import TypeAlias
 
     from voxshell.field import Field
+    from voxshell.model import Model
+
+    _Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
 
 _MISSED_AT_MOST = 0.02  # of the smaller body's thinnest side
 _PACKAGE = os.path.dirname(__file__)
@@ -45,20 +48,27 @@ _ADVICE = (
 )
 
 
-def judge(a: Model | Field, b: Model | Field) -> None:
-    """Warns where the automatic role of two bodies may miss much of the smaller one."""
+def judge(a: Model | Field, b: Model | Field, parts: _Parts) -> None:
+    """Warns where the automatic role of two bodies may miss much of the smaller one.
+
+    Args:
+        a: A body.
+        b: Another.
+        parts: What the core wants of them: the field and the shell's model of each.
+    """
     for body, other in ((a, b), (b, a)):
         if len(body._judged) >= _MOST_REMEMBERED:
             body._judged.clear()
         body._judged.add(other._serial)
-    missing = measure(a, b)
+    missing = measure(parts)
     if missing is not None:
         _warn(f"queries of {a!r} and {b!r} {missing}; {_ADVICE}")
 
 
 def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     """Warns of the worst of the pairs of models that may meet in a world."""
-    found = [missing for missing in (measure(a, b) for a, b in pairs) if missing is not None]
+    parts = ((a.field._core, a._core, b.field._core, b._core) for a, b in pairs)
+    found = [missing for missing in map(measure, parts) if missing is not None]
     if not found:
         return
     worst = max(found, key=lambda missing: missing.miss / missing.thickness)
@@ -66,17 +76,13 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
 
 
-def measure(a: Model | Field, b: Model | Field) -> Missing | None:
+def measure(parts: _Parts) -> Missing | None:
     """What the automatic role of two bodies may miss, if that is too much."""
     shells = _core.Shells.AUTOMATIC
-    role, miss, _, _, _, thickness = _core.role(*_parts(a), *_parts(b), shells)
+    role, miss, _, _, _, thickness = _core.role(*parts, shells)
     if miss <= _MISSED_AT_MOST * thickness:
         return None
     return Missing(miss, thickness, ROLES[role])
-
-
-def _parts(body: Model | Field) -> tuple[_core.Field, _core.Model | None]:
-    return (body.field._core, body._core) if isinstance(body, Model) else (body._core, None)
 
 
 def _warn(text: str) -> None:

@@ -106,6 +106,11 @@ class ContactMode(enum.Enum):
 
     SEGMENTED = 2
 
+class ShellRule(enum.Enum):
+    AUTO = 0
+
+    FEWEST = 1
+
 class ConstraintSolver(enum.Enum):
     SEQUENTIAL_IMPULSE = 0
 
@@ -177,7 +182,7 @@ class SimulationState:
     pass
 
 class Simulation:
-    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, two_friction_directions: bool, mode: ContactMode, level: int, margin: float, sweep_beyond: float) -> None: ...
+    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, sweep_beyond: float) -> None: ...
 
     def add_body(self, geometry: ModelGeometry | PlaneGeometry | BoxGeometry | SphereGeometry | CapsuleGeometry | CylinderGeometry | ConeGeometry | GImpactGeometry | HullsGeometry | CompoundGeometry, motion: Motion, mass: float, centre_of_mass: Sequence[float], inertia: Sequence[Sequence[float]], pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], material: BodyMaterial) -> int: ...
 

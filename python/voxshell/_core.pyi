@@ -157,6 +157,10 @@ class Model:
         """
 
     @property
+    def tolerance(self) -> float:
+        """Metres; 0 if the model is uniform."""
+
+    @property
     def thickness(self) -> float:
         """Where the body is thinnest, metres."""
 
@@ -171,11 +175,20 @@ class Model:
 class Shells(enum.Enum):
     AUTOMATIC = 0
 
-    A = 1
+    FEWEST = 1
 
-    B = 2
+    A = 2
 
-    BOTH = 3
+    B = 3
+
+    BOTH = 4
+
+class Role(enum.Enum):
+    A = 0
+
+    B = 1
+
+    BOTH = 2
 
 class ContactSet:
     """Contacts of a pair, world frame."""
@@ -202,10 +215,13 @@ class ContactSet:
     def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
         """0: a's point, 1: b's."""
 
+    @property
+    def inner(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]: ...
+
     def __len__(self) -> int: ...
 
     @property
-    def shells_asked(self) -> Shells: ...
+    def role(self) -> Role: ...
 
     @property
     def exact(self) -> bool: ...
@@ -224,27 +240,34 @@ class QueryScratch:
 
     def __init__(self) -> None: ...
 
-def contacts(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
+def contacts(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the point-sphere tree."""
 
-def contacts_flat(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
+def contacts_flat(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
     """By the flat loop."""
 
-def manifold(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, max_points: int, scratch: QueryScratch | None) -> ContactSet:
-    """By branch and bound; of one shell."""
+def manifold(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, max_points: int, scratch: QueryScratch | None) -> ContactSet:
+    """By branch and bound; of both shells, from the list of all."""
 
-def deepest_per_segment(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
-    """By branch and bound; of one shell."""
+def deepest_per_segment(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
+    """By branch and bound, of each shell."""
 
-def collide(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...
+def role(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, shells: Shells) -> tuple[Role, float, float, float, float, float]:
+    """
+    Role, what it, a, b and both may miss, and the smaller body's thickness, metres.
+    """
 
-def distance(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
+def collide(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...
+
+def distance(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
     """
     Distance, point on a, point on b, normal, whether a's shell is nearest; or None.
     """
 
-def wrench(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
-    """Force and torque on a about its origin, world frame; of one shell."""
+def wrench(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
+    """
+    Force and torque on a about its origin, world frame; of both shells, the mean.
+    """
 
 class ContactBatch:
     """Contacts of many poses of a pair."""
@@ -271,6 +294,9 @@ class ContactBatch:
     def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
         """0: a's point, 1: b's."""
 
+    @property
+    def inner(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]: ...
+
     def __len__(self) -> int: ...
 
     @property
@@ -278,8 +304,8 @@ class ContactBatch:
 
     def at(self, arg: int, /) -> ContactSet: ...
 
-def contacts_batch(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
+def contacts_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
     """(k, 4, 4) poses; one that is to stand for all is (1, 4, 4)."""
 
-def collide_batch(field_a: Field, shell_a: PointShell | None, field_b: Field, shell_b: PointShell | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
+def collide_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
     """(k,) bool."""

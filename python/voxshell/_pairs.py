@@ -27,6 +27,7 @@ SHELLS = {
     "b": _core.Shells.B,
     "both": _core.Shells.BOTH,
 }
+_OF_BOTH = ("auto", "both")  # choices that ask an analytic shape, too
 _MOST = 2**63 - 1
 _SINGLE_MAX = float(np.finfo(np.float32).max)
 
@@ -47,11 +48,32 @@ def as_pair(
     a: Any, b: Any, shell: Any
 ) -> tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None, _core.Shells]:
     """What the core wants of two bodies; warns of a pair whose automatic role may miss much."""
+    field_a, model_a, field_b, model_b = bodies = parts_of_pair(a, b, shell)
+    if shell == "auto" and b._serial not in a._judged and (model_a or model_b):
+        judge(a, b, bodies)
+    return field_a, model_a, field_b, model_b, as_shells(shell)
+
+
+def parts_of_pair(
+    a: Any, b: Any, shell: Any
+) -> tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]:
+    """The fields and the models whose shells may be asked: analytic shapes may have one, too."""
     field_a, model_a = parts(a, "a")
     field_b, model_b = parts(b, "b")
-    if shell == "auto" and b._serial not in a._judged and (model_a or model_b):
-        judge(a, b)
-    return field_a, model_a, field_b, model_b, as_shells(shell)
+    if shell in _OF_BOTH:
+        if model_a is None and isinstance(b, Model) and b._is_sparse:
+            model_a = _find_shell(a)
+        elif model_b is None and isinstance(a, Model) and a._is_sparse:
+            model_b = _find_shell(b)
+    return field_a, model_a, field_b, model_b
+
+
+def _find_shell(shape: Field) -> _core.Model | None:
+    if shape._shell_model is not None:
+        return shape._shell_model
+    from voxshell._shape_shells import find_shell  # trimesh takes long to import
+
+    return find_shell(shape)
 
 
 def as_shells(shell: Any) -> _core.Shells:

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from voxshell import _core
-from voxshell._pairs import as_shells, parts
+from voxshell._pairs import as_shells, parts_of_pair
 from voxshell.contact_set import ROLES
 from voxshell.field import DistanceField
 from voxshell.model import Model
@@ -66,13 +66,15 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
         >>> vx.contact_bounds(vx.Plane(), model).shell
         'b'
     """
-    role, miss, *_ = _core.role(*parts(a, "a"), *parts(b, "b"), as_shells(shell))
+    field_a, model_a, field_b, model_b = bodies = parts_of_pair(a, b, shell)
+    role, miss, *_ = _core.role(*bodies, as_shells(shell))
     name = ROLES[role]
-    asked = [(a, b)] if name == "a" else [(b, a)] if name == "b" else [(a, b), (b, a)]
+    sides = {"a": (model_a, b), "b": (model_b, a)}
     overlaps = []
     errors = []
-    for of_shell, other in asked:
-        assert isinstance(of_shell, Model)
+    for side in ("a", "b") if name == "both" else (name,):
+        of_shell, other = sides[side]
+        assert of_shell is not None
         distances = other.field if isinstance(other, Model) else other
         error = distances.interpolation_error if isinstance(distances, DistanceField) else 0.0
         overlaps.append(math.sqrt(3.0) * of_shell.shell.spacing + error)

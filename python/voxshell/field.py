@@ -27,10 +27,11 @@ class Field:
     analytic shapes are ones by formula. Immutable.
     """
 
-    __slots__ = ("_core", "_judged", "_serial")
+    __slots__ = ("_core", "_judged", "_serial", "_shell_model")
 
     def __init__(self, core: CoreField) -> None:
         self._core = core
+        self._shell_model: CoreModel | None = None
         self._serial = next(SERIALS)
         self._judged: set[int] = set()
 
