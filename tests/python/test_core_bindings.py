@@ -181,12 +181,15 @@ def test_building():
     vertices = np.eye(4)[:, :3] * 1.0
     faces = np.array([[3, 1, 0], [3, 0, 2], [3, 2, 1], [0, 1, 2]], dtype=np.uint32)
     settings = {
+        "tolerance": 0.0,
         "voxel_size": 0.1,
         "resolution": 0,
         "point_spacing": 0.0,
         "target_points": 0,
         "padding": -1.0,
         "sign": "auto",
+        "open": "auto",
+        "sheet_thickness": 0.0,
         "threads": 0,
         "progress": None,
     }

@@ -43,7 +43,13 @@ def test_settings_reach_the_core():
     assert box(resolution=None, voxel_size=0.1).field.voxel_size == 0.1
     assert box().shell.spacing == box().field.voxel_size
     assert box(point_spacing=0.2).shell.spacing == 0.2
-    assert vx.Model.from_mesh(trimesh.creation.box()).field.voxel_size == pytest.approx(1 / 100)
+    assert box().tolerance is None
+    default = vx.Model.from_mesh(trimesh.creation.box())
+    assert default.tolerance == pytest.approx(1 / 2000)
+    assert len(default.shell.edges) > 12
+    assert vx.Model.from_mesh(trimesh.creation.box(), tolerance=0.01).tolerance == 0.01
+    with pytest.raises(vx.SettingsError, match="either a tolerance or the sizes"):
+        vx.Model.from_mesh(trimesh.creation.box(), tolerance=0.01, resolution=10)
     wide = box(padding=1.0).field
     np.testing.assert_allclose(wide.origin, -1.5)
     assert box(padding=0).field.origin == pytest.approx([-0.9] * 3)  # at least a brick

@@ -24,6 +24,12 @@ NAMES = (
     "areas",
     "spheres",
     "sphere blocks",
+    "bricks with exact cells",
+    "masks of exact cells",
+    "lists of exact cells",
+    "listed triangles",
+    "exact triangles",
+    "feature normals",
     "edge middles",
     "edge halves",
     "edge normals",
@@ -174,14 +180,14 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
 
     record = by_name["record"]
     for i in range(record.item_size // 8):
-        if i in (2, 4, 6, 11, 12, 13, 24, *range(26, 32), 41, 52):
+        if i in (2, 4, 6, 7, 13, 14, 15, 26, *range(28, 34), 43, 45, 51, 62):
             continue  # integers
         yield changed("record", 0, 8 * i, "d", nan)
         yield changed("record", 0, 8 * i, "d", infinity)
-    for i in (6, 24, 26):
+    for i in (6, 7, 26, 28, 62):
         for choice in (3, -1, 2**40):
             yield changed("record", 0, 8 * i, "q", choice)
-    for i in (11, 12, 13):
+    for i in (13, 14, 15):
         for bricks in (0, -1, 2, 2**20, 2**31, 2**63 - 1):
             yield changed("record", 0, 8 * i, "q", bricks)
     for name, width in (
