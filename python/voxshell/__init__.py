@@ -101,8 +101,8 @@ _SIMULATION = {
 }
 
 __all__ = [
-    "AccuracyWarning",
     "Accuracy",
+    "AccuracyWarning",
     "Body",
     "Box",
     "CacheWarning",

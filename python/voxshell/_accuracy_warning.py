@@ -14,12 +14,10 @@ from voxshell.contact_set import ROLES
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import FrameType
-    from typing import TypeAlias
 
+    from voxshell._pairs import Parts
     from voxshell.field import Field
     from voxshell.model import Model
-
-    _Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
 
 _MISSED_AT_MOST = 0.02  # of the smaller body's thinnest side
 _PACKAGE = os.path.dirname(__file__)
@@ -48,7 +46,7 @@ _ADVICE = (
 )
 
 
-def judge(a: Model | Field, b: Model | Field, parts: _Parts) -> None:
+def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
     """Warns where the automatic role of two bodies may miss much of the smaller one.
 
     Args:
@@ -76,7 +74,7 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
 
 
-def measure(parts: _Parts) -> Missing | None:
+def measure(parts: Parts) -> Missing | None:
     """What the automatic role of two bodies may miss, if that is too much."""
     shells = _core.Shells.AUTOMATIC
     role, miss, _, _, _, thickness = _core.role(*parts, shells)

@@ -20,6 +20,9 @@ Collidable: TypeAlias = Model | Field
 Shell: TypeAlias = Literal["auto", "fewest", "a", "b", "both"]
 """Whose points are tested against the other's field."""
 
+Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
+"""What the core wants of two bodies: the field and the model of each."""
+
 SHELLS = {
     "auto": _core.Shells.AUTOMATIC,
     "fewest": _core.Shells.FEWEST,
@@ -44,26 +47,22 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
     )
 
 
-def as_pair(
-    a: Any, b: Any, shell: Any
-) -> tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None, _core.Shells]:
+def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:
     """What the core wants of two bodies; warns of a pair whose automatic role may miss much."""
-    field_a, model_a, field_b, model_b = bodies = parts_of_pair(a, b, shell)
-    if shell == "auto" and b._serial not in a._judged and (model_a or model_b):
+    bodies = parts_of_pair(a, b, shell)
+    if shell == "auto" and b._serial not in a._judged and (bodies[1] or bodies[3]):
         judge(a, b, bodies)
-    return field_a, model_a, field_b, model_b, as_shells(shell)
+    return bodies, as_shells(shell)
 
 
-def parts_of_pair(
-    a: Any, b: Any, shell: Any
-) -> tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]:
+def parts_of_pair(a: Any, b: Any, shell: Any) -> Parts:
     """The fields and the models whose shells may be asked: analytic shapes may have one, too."""
     field_a, model_a = parts(a, "a")
     field_b, model_b = parts(b, "b")
     if shell in _OF_BOTH:
-        if model_a is None and isinstance(b, Model) and b._is_sparse:
+        if isinstance(b, Model) and b._is_sparse and isinstance(a, Field):
             model_a = _find_shell(a)
-        elif model_b is None and isinstance(a, Model) and a._is_sparse:
+        elif isinstance(a, Model) and a._is_sparse and isinstance(b, Field):
             model_b = _find_shell(b)
     return field_a, model_a, field_b, model_b
 

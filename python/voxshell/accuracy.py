@@ -11,9 +11,7 @@ if TYPE_CHECKING:
 
 
 class AccuracyWarning(UserWarning):
-    """A model is off by more than its tolerance, or contacts of two bodies may be missed that are
-    deep beside the smaller one's thickness.
-    """
+    """A model is off by more than its tolerance, or two bodies may miss contacts that are deep."""
 
 
 @dataclass(frozen=True)

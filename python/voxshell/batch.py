@@ -173,7 +173,7 @@ def contacts_batch(
         0.05
     """
     poses = _as_pose_pairs(a_poses, b_poses)
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     return ContactBatch(
         _core.contacts_batch(
             *bodies,
@@ -229,7 +229,7 @@ def collide_batch(
         >>> vx.collide_batch(ball, vx.Plane(), world_from_ball)
         array([False,  True,  True])
     """
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     return _core.collide_batch(
         *bodies,
         *_as_pose_pairs(a_poses, b_poses),

@@ -66,7 +66,7 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
         >>> vx.contact_bounds(vx.Plane(), model).shell
         'b'
     """
-    field_a, model_a, field_b, model_b = bodies = parts_of_pair(a, b, shell)
+    _, model_a, _, model_b = bodies = parts_of_pair(a, b, shell)
     role, miss, *_ = _core.role(*bodies, as_shells(shell))
     name = ROLES[role]
     sides = {"a": (model_a, b), "b": (model_b, a)}

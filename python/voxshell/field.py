@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from voxshell._core import Field as CoreField
     from voxshell._core import GridField as CoreGridField
+    from voxshell._core import Model as CoreModel
 
 
 SERIALS = itertools.count()

@@ -184,7 +184,7 @@ def manifold(
         >>> len(corners), corners.depths.round(6)
         (4, array([0.001, 0.001, 0.001, 0.001]))
     """
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     return Contacts(
         _core.manifold(
             *bodies,
@@ -242,7 +242,7 @@ def deepest_per_segment(
         >>> len(few) == len(set(few.segments.tolist())) > 1
         True
     """
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     return Contacts(
         _core.deepest_per_segment(
             *bodies,
@@ -298,7 +298,7 @@ def collide(
         True
     """
     # Unpacked into names, not starred: a list less to be made of the arguments, in what may take a microsecond.
-    field_a, model_a, field_b, model_b, shells = as_pair(a, b, shell)
+    (field_a, model_a, field_b, model_b), shells = as_pair(a, b, shell)
     return _core.collide(
         field_a,
         model_a,
@@ -389,7 +389,7 @@ def distance(
         >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of it in the ground
         -0.1
     """
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     found = _core.distance(
         *bodies,
         as_pose(a_pose, "a_pose"),
@@ -474,7 +474,7 @@ def wrench(
         >>> bool(np.abs(wrench.torque).max() < 1e-3)
         True
     """
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     force, torque = _core.wrench(
         *bodies,
         as_pose(a_pose, "a_pose"),
@@ -500,7 +500,7 @@ def find(
     scratch: QueryScratch | None,
 ) -> Contacts:
     """Checks the arguments of :func:`contacts` and asks one of the core's searches."""
-    *bodies, shells = as_pair(a, b, shell)
+    bodies, shells = as_pair(a, b, shell)
     return Contacts(
         search(
             *bodies,

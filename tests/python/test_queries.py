@@ -433,7 +433,7 @@ def test_the_wrench_of_both_shells_has_no_jumps(ball: vx.Model, cube: vx.Model):
 
 def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
     sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=100)
-    with pytest.warns(vx.AccuracyWarning, match="may miss .* mm in depth") as caught:
+    with pytest.warns(vx.AccuracyWarning, match="may miss .* mm in depth") as caught:  # noqa: PT031
         vx.contacts(sparse, cube)
         vx.collide(sparse, cube, moved(x=3.0))
         vx.distance(sparse, cube)
