@@ -80,7 +80,6 @@ def test_a_square_is_a_plate():
         )
 
 
-@pytest.mark.xfail(reason="shells by tolerance have few points on flat faces; a ball has none")
 def test_a_ball_on_a_plate_by_tolerance_is_as_deep_as_it_is():
     square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     model = vx.Model.from_mesh(square, open="sheet", sheet_thickness=0.04)

@@ -39,7 +39,7 @@ def test_it_leaks_nothing():
         "kept += [contacts.manifold(), contacts.deepest_per_segment(), model.mesh, model.field]\n"
         "batch = vx.contacts_batch(model, vx.Plane(offset=-0.4), progress=lambda *report: None)\n"
         "kept += [batch[0], batch.depths, vx.collide_batch(model, vx.Plane()), vx.QueryScratch()]\n"
-        "kept += [vx.distance(model, vx.Plane()), vx.contacts(model, model, scratch=kept[-1])]\n"
+        "kept += [vx.distance(model, vx.Plane()), vx.contacts(model, model, shell='a', scratch=kept[-1])]\n"
         "for bad in (lambda: vx.contacts(model, vx.Plane(), a_pose=2 * np.eye(4)),\n"
         "            lambda: vx.contacts_batch(model, vx.Plane(), [2 * np.eye(4)]),\n"
         "            lambda: vx.collide_batch(model, vx.Plane(), progress=lambda: 0),\n"

@@ -41,7 +41,7 @@ def heap(ring, brick):
 
 
 def stack(ring, brick):
-    world = vx.World(contact="regular")
+    world = vx.World(contact="regular", shell="fewest")
     world.add(vx.Plane(), mass=0)
     for i in range(3):
         world.add(brick, pose=at(z=0.0301 + 0.0601 * i), restitution=0.2)

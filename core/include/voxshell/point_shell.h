@@ -84,7 +84,7 @@ class PointShell {
   bool is_point(std::uint32_t id) const { return id < size(); }
   /// The outward unit normal of an element; zero where the surface faces nowhere.
   const Vec3f& normal_of(std::uint32_t id) const {
-    return is_point(id) ? normals_[id] : edges_->normals()[id - size()];
+    return is_point(id) ? normals_[id] : edges()->normals()[id - size()];
   }
   /// The surface that an element stands for, m2; edge segments have none.
   float area_of(std::uint32_t id) const { return is_point(id) ? areas_[id] : 0.0f; }

@@ -33,6 +33,13 @@ constexpr float kOfDistance = 0.05f;
 /// Of the tolerance, as few places of a cell are looked at.
 constexpr double kSafety = 0.7;
 
+/// Of a place in a cube with so many to a side, x fastest.
+std::size_t index_of(int x, int y, int z, int side) {
+  const auto n = static_cast<std::size_t>(side);
+  return static_cast<std::size_t>(x) +
+         n * (static_cast<std::size_t>(y) + n * static_cast<std::size_t>(z));
+}
+
 Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
   return normalized(cross(b - a, c - a));
@@ -273,8 +280,7 @@ void ExactCellFinder::divide(const Job& job, const Cube& cube,
   for (int k = z; k < z + cube.size && !is_candidate; ++k) {
     for (int j = y; j < y + cube.size && !is_candidate; ++j) {
       for (int i = x; i < x + cube.size && !is_candidate; ++i) {
-        is_candidate =
-            job.candidates[static_cast<std::size_t>(i + kBrickCells * (j + kBrickCells * k))];
+        is_candidate = job.candidates[index_of(i, j, k, kBrickCells)];
       }
     }
   }
@@ -338,7 +344,7 @@ bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
                                              records_.data(), feature_normals_.data()};
   const auto [x, y, z] = cell.first;
   const auto at = [&](int i, int j, int k) {
-    return job.nodes[static_cast<std::size_t>(x + i + kNodes * (y + j + kNodes * (z + k)))];
+    return job.nodes[index_of(x + i, y + j, z + k, kNodes)];
   };
   const auto h = static_cast<float>(grid_.voxel_size);
   const auto is_off = [&](float tx, float ty, float tz) {

@@ -60,7 +60,7 @@ class ShellElements {
     F8 height;
   };
 
-  static Measured measure(const Block& block, const Place& place);
+  static Measured measure(const Block& block, const Place& at);
   void find_blocks(const Bounds& around, float reach, std::vector<std::size_t>& found) const;
 
   std::vector<Block> blocks_;

@@ -48,13 +48,13 @@ Result<PointShell> PointShell::from_parts(Parts parts) {
 std::uint32_t PointShell::segment_of(std::uint32_t id, int level) const {
   if (is_point(id)) return tree_.segment(id, level);
   const auto clusters = static_cast<std::uint32_t>(PointSphereTree::cluster_count(level));
-  return clusters + edges_->tree().segment(id - tree_.point_count(), level);
+  return clusters + edges()->tree().segment(id - tree_.point_count(), level);
 }
 
 PointRange PointShell::segment_elements(int level, std::uint32_t segment) const {
   const auto clusters = static_cast<std::uint32_t>(PointSphereTree::cluster_count(level));
   if (segment < clusters) return tree_.cluster_points(level, segment);
-  const PointRange range = edges_->tree().cluster_points(level, segment - clusters);
+  const PointRange range = edges()->tree().cluster_points(level, segment - clusters);
   return {tree_.point_count() + range.begin, tree_.point_count() + range.end};
 }
 
