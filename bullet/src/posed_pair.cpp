@@ -176,7 +176,7 @@ double Side::thinnest() const {
 double Side::detail() const {
   if (model_ == nullptr) return 0.125 * thinnest();
   constexpr double kOfThickness = 0.4;
-  constexpr double kOfSize = 0.005;
+  constexpr double kOfSize = 0.02;
   const Vec3 sides = model_->bounds().extents();
   return std::min(kOfThickness * thinnest(), kOfSize * std::max({sides.x, sides.y, sides.z}));
 }

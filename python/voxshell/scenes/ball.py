@@ -145,7 +145,8 @@ def build_world(
         gravity=(0.0, 0.0, -settings.gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
-        **(PUBLISHED_RULE if rule == "published" else {}),
+        # A voxel, as when voxels decided it: the reported rebounds are of this rule.
+        **(PUBLISHED_RULE if rule == "published" else {"sweep_beyond": settings.voxel_size}),
     )
     blocks: dict[Ground, Shape] = {"box": Box(GROUND_HALF_EXTENTS), "plane": Plane()}
     shape = build_ground(settings.voxel_size) if ground == "voxels" else blocks[ground]
