@@ -304,10 +304,11 @@ Density choose_density(const TriangleMesh& mesh, std::span<const double> spacing
   Density density = choose_density(mesh, spacings, tolerance, 1.0);
   constexpr double kStretch = 1.1;
   constexpr double kMostStretch = 100.0;
-  for (double stretch = kStretch;
-       most > 0 && stretch < kMostStretch && density.expected_points > static_cast<double>(most);
-       stretch *= kStretch) {
+  double stretch = kStretch;
+  while (most > 0 && stretch < kMostStretch &&
+         density.expected_points > static_cast<double>(most)) {
     density = choose_density(mesh, spacings, tolerance, stretch);
+    stretch *= kStretch;
   }
   return density;
 }
