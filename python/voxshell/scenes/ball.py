@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -140,13 +140,16 @@ def build_world(
         height: Of its centre, metres.
         landing: Where the shell's lowest point is.
     """
+    # The reported rebounds are of bodies that are followed from a voxel a step on.
+    contact_rule: dict[str, Any] = {"sweep_beyond": settings.voxel_size}
+    if rule == "published":
+        contact_rule = PUBLISHED_RULE
     world = World(
         shell="fewest",
         gravity=(0.0, 0.0, -settings.gravity),
         time_step=1.0 / settings.rate,
         sleeping=False,
-        # A voxel, as when voxels decided it: the reported rebounds are of this rule.
-        **(PUBLISHED_RULE if rule == "published" else {"sweep_beyond": settings.voxel_size}),
+        **contact_rule,
     )
     blocks: dict[Ground, Shape] = {"box": Box(GROUND_HALF_EXTENTS), "plane": Plane()}
     shape = build_ground(settings.voxel_size) if ground == "voxels" else blocks[ground]
