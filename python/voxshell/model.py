@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 _LARGEST_INT = 2**31 - 1
 _MOST_THREADS = 1024
+_LARGE_FIELD = 64.0  # megabytes, from which on models by tolerance warn
 
 
 class Model:
@@ -420,6 +421,14 @@ def _warn_of_accuracy(model: Model) -> None:
     tolerance = model.tolerance
     if tolerance is None:
         return
+    megabytes = model.field.nbytes / 1e6
+    if megabytes > _LARGE_FIELD:
+        warnings.warn(
+            f"the model's field takes {megabytes:.0f} MB, as much of the mesh is rough at its tolerance "
+            f"of {tolerance * 1e3:.3g} mm; pass a larger tolerance for less",
+            AccuracyWarning,
+            stacklevel=3,
+        )
     accuracy = model.accuracy
     reached = max(accuracy.distance.p99, accuracy.coverage.p99)
     if reached <= tolerance:
@@ -430,7 +439,7 @@ def _warn_of_accuracy(model: Model) -> None:
     warnings.warn(
         f"the model is to be exact to {tolerance * 1e3:.3g} mm, but on 99 % of its surface the field "
         f"is exact to {field:.3g} mm and the shell to {shell:.3g} mm{why}; pass a tolerance of "
-        f"{reached:.3g} m to accept this, or a smaller voxel_size",
+        f"{reached:.3g} m to accept this, or, for a uniform model, a voxel_size",
         AccuracyWarning,
         stacklevel=3,
     )

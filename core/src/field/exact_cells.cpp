@@ -344,7 +344,8 @@ bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
                                              records_.data(), feature_normals_.data()};
   const auto [x, y, z] = cell.first;
   const auto at = [&](int i, int j, int k) {
-    return job.nodes[index_of(x + i, y + j, z + k, kNodes)];
+    constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
+    return std::round(job.nodes[index_of(x + i, y + j, z + k, kNodes)] * kQuanta) / kQuanta;
   };
   const auto h = static_cast<float>(grid_.voxel_size);
   const auto is_off = [&](float tx, float ty, float tz) {
@@ -366,6 +367,19 @@ bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
     return !(std::abs(lerp(low, high, tz) - exact / h) <=
              tolerance_ + kOfDistance * std::abs(exact / h));
   };
+  // Walls thinner than a sample's unit show at the surface alone.
+  const Vec3 corner = job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z};
+  const double half = 0.5 * grid_.voxel_size;
+  for (const std::uint32_t triangle : triangles) {
+    const Vec3 nearest =
+        closest_point_on_triangle(corner + Vec3{half, half, half}, mesh_.corners(triangle));
+    const Vec3 t = (1.0 / grid_.voxel_size) * (nearest - corner);
+    const auto is_within = [](double along) { return along >= 0.0 && along <= 1.0; };
+    if (is_within(t.x) && is_within(t.y) && is_within(t.z) &&
+        is_off(static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z))) {
+      return true;
+    }
+  }
   constexpr std::array kAlong{0.5f, 0.1f, 0.9f};
   for (const float tz : kAlong) {
     for (const float ty : kAlong) {

@@ -126,7 +126,8 @@ Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSetti
 Result<Openings> close_mesh(TriangleMesh& mesh, const ModelSettings& settings) {
   Openings openings = find_openings(mesh);
   const bool decides = settings.open == OpenMesh::kAutomatic &&
-                       settings.sign == SignMethod::kAutomatic && suggest_sheet(openings);
+                       settings.sign == SignMethod::kAutomatic && suggest_sheet(openings) &&
+                       mesh.compute_defects().open_edges > 0;  // none where faces are doubled
   if (openings.loops == 0 || !(decides || settings.open == OpenMesh::kSheet)) return openings;
   const auto thickness = choose_sheet_thickness(mesh, settings);
   if (!thickness) return thickness.error();
