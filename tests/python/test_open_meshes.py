@@ -87,6 +87,14 @@ def test_a_ball_on_a_plate_by_tolerance_is_as_deep_as_it_is():
     assert found.depths.max() == pytest.approx(0.005, 0.1)
 
 
+def test_doubled_faces_are_no_openings():
+    box = trimesh.creation.box((0.1, 0.1, 0.1))
+    doubled = (box.vertices, np.vstack([box.faces, box.faces[:2]]))
+    with pytest.warns(vx.MeshWarning):
+        model = vx.Model.from_mesh(doubled)
+    assert model.field.sample([[0, 0, 0]]) == pytest.approx(-0.05, abs=1e-3)
+
+
 def test_mass_properties_of_a_sheet_are_those_of_its_plate():
     square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     matter = vx.Model.from_mesh(square, open="sheet", sheet_thickness=0.04).mass_properties(12.0)

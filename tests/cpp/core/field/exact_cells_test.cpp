@@ -86,6 +86,18 @@ TEST(ExactCells, HaveTheNormalsOfThinWalls) {
   }
 }
 
+TEST(ExactCells, SeeWallsThinnerThanASamplesUnit) {
+  // Regression: samples are rounded to a 256th of a voxel, which filled in a plate of a 200th.
+  const Vec3 half{0.5, 0.5, 0.0001};
+  const GridField field = build_exact(make_box(half).mesh(), 0.04, 0.00001);
+  Random random(306);
+  for (int i = 0; i < 2'000; ++i) {
+    const double z = random.uniform(-0.0005, 0.0005);
+    const Vec3 p{random.uniform(-0.45, 0.45), random.uniform(-0.45, 0.45), z};
+    ASSERT_NEAR(field.distance(static_cast<Vec3f>(p)), std::abs(z) - half.z, 5e-6);
+  }
+}
+
 TEST(ExactCells, TellInsideFromOutsideAtEdgesAndCorners) {
   const Vec3 half{0.3, 0.2, 0.25};
   const GridField field = build_exact(make_box(half).mesh(), 0.07, 1e-4);
