@@ -20,7 +20,10 @@ def main(mesh: str, resolution: str, places: str) -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            model = vx.Model.from_mesh(Path(mesh), resolution=int(resolution), target_points=500)
+            # As a solid: what becomes of open meshes is for test_open_meshes.py.
+            model = vx.Model.from_mesh(
+                Path(mesh), resolution=int(resolution), target_points=500, open="solid"
+            )
         except vx.VoxshellError as error:
             print(json.dumps({"refused": str(error), "error": type(error).__name__}))
             return
