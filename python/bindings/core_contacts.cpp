@@ -188,6 +188,13 @@ std::tuple<Role, double, double, double, double, double> role_of_pair(const Fiel
   return {pair.role, pair.miss, pair.miss_of_a, pair.miss_of_b, pair.miss_of_both, pair.thickness};
 }
 
+std::tuple<double, double> bounds_of_pair(const Field& field_a, const Model* model_a,
+                                          const Field& field_b, const Model* model_b, Role role) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
+  const PairBounds bounds = bound_pair(bodies.a, bodies.b, role);
+  return {bounds.overlap, bounds.clearance};
+}
+
 template <class Function>
 void def_contacts(nb::module_& module, const char* name, Function function, const char* doc) {
   module.def(name, function, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
@@ -216,6 +223,9 @@ void bind_contacts(nb::module_& module) {
   module.def("role", &role_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"),
              "Role, what it, a, b and both may miss, and the smaller body's thickness, metres.");
+  module.def("pair_bounds", &bounds_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("role"),
+             "Overlap and clearance, metres.");
   module.def("collide", &collide, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"));

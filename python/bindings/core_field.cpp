@@ -100,6 +100,7 @@ void bind_field(nb::module_& module) {
           [](const GridField& f) { return Coordinates{f.origin().x, f.origin().y, f.origin().z}; })
       .def_prop_ro("nbytes", &GridField::nbytes)
       .def_prop_ro("interpolation_error", &GridField::interpolation_error)
+      .def_prop_ro("surface_error", &GridField::surface_error)
       .def_prop_ro("sign_method",
                    [](const GridField& f) {
                      return f.sign_report().method == SignMethod::kClosed ? "closed" : "winding";

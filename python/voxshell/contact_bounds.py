@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from voxshell import _core
 from voxshell._pairs import as_shells, parts_of_pair
 from voxshell.contact_set import ROLES
-from voxshell.field import DistanceField
-from voxshell.model import Model
 
 if TYPE_CHECKING:
     from voxshell._pairs import Collidable, Shell
 
 
 class ContactBounds(NamedTuple):
-    """How the contacts of two bodies relate to the surfaces that they sample; metres.
+    """How the contacts of two bodies relate to their meshes; metres.
 
     Attributes:
-        overlap: Where the surface of the body whose points are tested reaches deeper than this into
-            the other, there is a contact: proved. Of both bodies it is enough that one does.
+        overlap: Where one body is deeper in the other than this, there is a contact. Of uniform models
+            depth is that of the surface of the body whose points are tested.
         clearance: Where the surfaces are farther apart than this, and neither body is inside the
             other, there is none: proved.
         shell: Whose points "auto" tests: "a", "b" or "both".
-        miss: How deep one body may be in the other where a query finds nothing, spikes and edges
-            between the points included: measured when the models were built, not proved.
+        miss: As ``overlap``, but wholly as it was measured when the models were built.
     """
 
     overlap: float
@@ -37,11 +33,10 @@ class ContactBounds(NamedTuple):
 def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> ContactBounds:
     """States what contacts of two bodies say about their meshes, and who is their shell.
 
-    Points lie on the surface, so between them a spike or an edge may enter the other body unseen:
-    no place of the surface is farther than sqrt(3) spacings from a point. And a field on a grid is
-    off the true distance by at most :attr:`DistanceField.interpolation_error`. That is the worst
-    case, and a proof; how much the two models at hand can miss is measured, and decides who is the
-    shell.
+    What the fields add is proved: :attr:`DistanceField.surface_error`. Of uniform models it is also
+    proved that no place of the surface is farther than sqrt(3) spacings from a point of the shell. How
+    far the surface of a model by tolerance stands out above its points and edges was measured at
+    100,000 places when it was built (:attr:`Accuracy.coverage`).
 
     Args:
         a: A :class:`Model`, or an analytic shape.
@@ -69,14 +64,5 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
     _, model_a, _, model_b = bodies = parts_of_pair(a, b, shell)
     role, miss, *_ = _core.role(*bodies, as_shells(shell))
     name = ROLES[role]
-    sides = {"a": (model_a, b), "b": (model_b, a)}
-    overlaps = []
-    errors = []
-    for side in ("a", "b") if name == "both" else (name,):
-        of_shell, other = sides[side]
-        assert of_shell is not None
-        distances = other.field if isinstance(other, Model) else other
-        error = distances.interpolation_error if isinstance(distances, DistanceField) else 0.0
-        overlaps.append(math.sqrt(3.0) * of_shell.shell.spacing + error)
-        errors.append(error)
-    return ContactBounds(min(overlaps), max(errors), name, miss)
+    overlap, clearance = _core.pair_bounds(*bodies, role)
+    return ContactBounds(overlap, clearance, name, miss)

@@ -81,6 +81,8 @@ struct GridFieldData {
   std::vector<std::int16_t> samples;
   std::vector<float> planes;  ///< unit normal and offset of each
   double node_error = 0.0;    ///< metres; see simd::GridView
+  /// Of a field by tolerance, metres; else 0. See GridField::surface_error().
+  double surface_error = 0.0;
   /// Of cells of 2, 4 and 8 voxels; metres; see simd::GridView.
   std::array<double, 3> coarse_floors{};
   SignReport sign;
@@ -157,6 +159,13 @@ class GridField {
   /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
   double interpolation_error() const {
     return std::sqrt(0.75) * data_.voxel_size + data_.node_error + data_.sign.cap_error;
+  }
+
+  /// Where the field and the mesh differ in what is inside, the surface is no farther than this,
+  /// metres: a proof. Fields by tolerance are proved cell by cell when they are built (decision
+  /// 0028); of others, interpolation_error().
+  double surface_error() const {
+    return data_.surface_error > 0.0 ? data_.surface_error : interpolation_error();
   }
 
   const SignReport& sign_report() const { return data_.sign; }

@@ -76,6 +76,22 @@ inline constexpr double kMissedAtMost = 0.02;
 /// Error kInvalidArgument where a body that is chosen, or both of them, have no shell.
 Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellChoice choice);
 
+/// How the contacts of a role relate to the meshes; metres.
+struct PairBounds {
+  /// Where one body is deeper in the other than this, there is a contact.
+  double overlap = 0.0;
+  /// Where the surfaces are farther apart than this, and neither body is inside the other, there is
+  /// none.
+  double clearance = 0.0;
+};
+
+/// What is known of the fields is proved (GridField::surface_error()). Of a uniform shell it is
+/// proved that no surface is farther than sqrt(3) spacings from a point; then depth is that of the
+/// shell's surface. How far the surface of a model by tolerance stands out above the shell's
+/// elements was measured when it was built (Accuracy::coverage). Infinity where a body that is
+/// asked has no shell.
+PairBounds bound_pair(const Participant& a, const Participant& b, Role role);
+
 /// What the elements of `shell` can miss of `field`, metres: how far its surface lies outside of
 /// its elements, the error of the field, and what of the field's body may enter between elements.
 double compute_miss(const Participant& shell, const Participant& field);

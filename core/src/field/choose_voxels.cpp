@@ -49,9 +49,9 @@ struct Trial {
   double blocks = 0.0;     ///< of eight triangles, that are nearest in a cell there, on average
 };
 
-Trial try_voxels(const TriangleMesh& mesh, const std::vector<Vec3>& places, double h,
-                 double tolerance, unsigned threads) {
-  const DistanceTree tree(mesh, mesh.bounds().lower, h, threads);
+/// `unit`: of lengths in the tree, metres.
+Trial try_voxels(const TriangleMesh& mesh, const DistanceTree& tree, double unit,
+                 const std::vector<Vec3>& places, double h, double tolerance) {
   Trial trial;
   std::vector<std::uint32_t> found;
   std::size_t off = 0;
@@ -69,13 +69,13 @@ Trial try_voxels(const TriangleMesh& mesh, const std::vector<Vec3>& places, doub
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 offset{1.0 * (corner & 1), 1.0 * (corner >> 1 & 1), 1.0 * (corner >> 2)};
       const Vec3 p = first + h * offset;
-      nearest = tree.find_nearest((1.0 / h) * (p - mesh.bounds().lower), nearest.guess);
+      nearest = tree.find_nearest((1.0 / unit) * (p - mesh.bounds().lower), nearest.guess);
       const auto corners = mesh.corners(nearest.triangle);
       const Vec3 normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
       const double side = dot(p - closest_point_on_triangle(p, corners), normal);
       double weight = 1.0;
       for (int axis = 0; axis < 3; ++axis) weight *= offset[axis] != 0.0 ? t[axis] : 1.0 - t[axis];
-      value += weight * std::copysign(static_cast<double>(nearest.distance) * h, side);
+      value += weight * std::copysign(static_cast<double>(nearest.distance) * unit, side);
     }
     if (std::abs(value) <= tolerance) continue;
     ++off;
@@ -85,7 +85,8 @@ Trial try_voxels(const TriangleMesh& mesh, const std::vector<Vec3>& places, doub
     constexpr std::size_t kMost = 512;
     const Vec3 centre = first + 0.5 * h * Vec3{1.0, 1.0, 1.0};
     ++counted;
-    blocks += tree.find_within((1.0 / h) * (centre - mesh.bounds().lower), kReach, kMost, found)
+    blocks += tree.find_within((1.0 / unit) * (centre - mesh.bounds().lower), kReach * h / unit,
+                               kMost, found)
                   ? static_cast<double>(found.size()) / 8.0
                   : static_cast<double>(kMost) / 8.0;
   }
@@ -105,10 +106,13 @@ double choose_voxels(const TriangleMesh& mesh, double tolerance, unsigned thread
   constexpr double kDearResolution = 250.0;
   const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
   const std::vector<Vec3> places = spread_places(mesh, kPlaces);
+  const double unit = longest / kResolutions.back();
+  const DistanceTree tree(mesh, mesh.bounds().lower, unit, threads);
   std::array<double, kResolutions.size()> costs{};
   std::size_t tried = 0;
   while (tried < kResolutions.size()) {
-    const Trial trial = try_voxels(mesh, places, longest / kResolutions[tried], tolerance, threads);
+    const Trial trial =
+        try_voxels(mesh, tree, unit, places, longest / kResolutions[tried], tolerance);
     const double fineness = kResolutions[tried] / kDearResolution;
     costs[tried++] =
         1.0 + kExactCost * trial.share_off * (1.0 + trial.blocks) + fineness * fineness;

@@ -12,6 +12,7 @@
 #include "simd/exact_formula.h"
 #include "simd/exact_view.h"
 #include "simd/grid_formula.h"
+#include "simd/mesh_distance.h"
 
 namespace voxshell {
 namespace {
@@ -32,6 +33,17 @@ constexpr float kNormalsAgree = 0.985f;
 constexpr float kOfDistance = 0.05f;
 /// Of the tolerance, as few places of a cell are looked at.
 constexpr double kSafety = 0.7;
+/// A cell whose samples cannot be proved to be this good is exact, tolerances.
+constexpr float kMostProved = 3.0f;
+/// Nor is a cell looked at more closely than this, tolerances.
+constexpr float kEnough = 2.0f;
+/// Where too many triangles may be the nearest, only what holds everywhere is known, voxels.
+constexpr float kUnknown = 1.0f;
+constexpr float kRounding = 0.004f;  // of places and distances, voxels
+/// Normals whose chord is smaller face one way: 60 degrees.
+constexpr float kOneWay = 1.0f;
+/// Those of the two sides of a wall.
+constexpr float kFolded = 1.9f;
 
 /// Of a place in a cube with so many to a side, x fastest.
 std::size_t index_of(int x, int y, int z, int side) {
@@ -170,23 +182,21 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
   return errors;
 }
 
-/// The gradient of trilinear values, whose corners are at(x, y, z).
-template <class At>
-simd::portable::Triple<float> differentiate_cell(const At& at, float tx, float ty, float tz) {
-  simd::portable::GridCell<float> cell{};
-  for (int i = 0; i < 8; ++i) cell.c[i] = at(i & 1, i >> 1 & 1, i >> 2);
-  cell.t = {tx, ty, tz};
-  cell.scale = 1.0f;
-  cell.size = 1.0f;
-  return simd::portable::differentiate(cell, 1.0f);
-}
-
 }  // namespace
 
 struct ExactCellFinder::Job {
   Vec3 origin;  ///< of the brick, metres
   std::span<const float> nodes;
-  std::bitset<kCells> candidates;
+  std::array<float, kCells> estimates;
+  std::bitset<kCells> passed;  ///< by the surface
+  std::bitset<kCells> wanted;  ///< these, and some below it
+  Work& work;
+
+  /// As it is stored.
+  float node(int x, int y, int z) const {
+    constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
+    return std::round(nodes[index_of(x, y, z, kNodes)] * kQuanta) / kQuanta;
+  }
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
@@ -205,52 +215,34 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
   const auto place = grid_.place(index);
   Job job{grid_.node(kBrickCells * place[0], kBrickCells * place[1], kBrickCells * place[2]),
           nodes,
-          {}};
-  const auto errors = estimate_errors(nodes);
-  DistanceTree::Nearest nearest{};
+          estimate_errors(nodes),
+          {},
+          {},
+          work};
   for (std::size_t cell = 0; cell < kCells; ++cell) {
-    if (errors[cell] <= tolerance_) continue;
     const std::size_t x = cell % kBrickCells;
     const std::size_t y = cell / kBrickCells % kBrickCells;
     const std::size_t z = cell / (kBrickCells * kBrickCells);
     float least = std::numeric_limits<float>::infinity();
     float deepest = 0.0f;
-    const auto corner_of = [&](std::size_t corner) {
-      return nodes[x + (corner & 1) + kNodes * (y + (corner >> 1 & 1)) +
-                   std::size_t{kNodes} * kNodes * (z + (corner >> 2))];
-    };
     for (std::size_t corner = 0; corner < 8; ++corner) {
-      const float node = corner_of(corner);
+      const float node = nodes[x + (corner & 1) + kNodes * (y + (corner >> 1 & 1)) +
+                               std::size_t{kNodes} * kNodes * (z + (corner >> 2))];
       least = std::min(least, std::abs(node));
       deepest = std::min(deepest, node);
     }
-    const bool is_near =
-        least < kAtSurface || (deepest < 0.0f && least < kDeep && errors[cell] > kRidge);
-    if (!is_near) continue;
-    // On smooth surfaces the estimate is several times too large. There the middle of a cell is off
-    // by half as much or more as any place.
-    constexpr float kTooLarge = 4.0f;
-    constexpr float kOfMost = 0.4f;
-    if (least < kAtSurface && errors[cell] <= kTooLarge * tolerance_) {
-      float mean = 0.0f;
-      for (std::size_t corner = 0; corner < 8; ++corner) mean += 0.125f * corner_of(corner);
-      const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
-                        static_cast<double>(z) + 0.5};
-      nearest = tree_.find_nearest(
-          centre_of(place) + middle - Vec3{kHalfEdge, kHalfEdge, kHalfEdge}, nearest.guess);
-      const float off = std::abs(std::abs(mean) - nearest.distance);
-      if (off <= kOfMost * (tolerance_ + kOfDistance * nearest.distance)) continue;
-    }
-    job.candidates[cell] = true;
+    job.passed[cell] = least < kAtSurface;
+    job.wanted[cell] = job.passed[cell] || (job.estimates[cell] > std::max(tolerance_, kRidge) &&
+                                            deepest < 0.0f && least < kDeep);
   }
-  if (job.candidates.none()) return brick;
+  if (job.wanted.none()) return brick;
   const Vec3 centre = centre_of(place);
   const double at_centre = std::abs(static_cast<double>(
       nodes[kBrickCells / 2 * (1 + kNodes * (1 + static_cast<std::size_t>(kNodes)))]));
   constexpr std::size_t kMostInBrick = 1 << 16;
-  constexpr double kRounding = 0.01;  // voxels
-  if (!tree_.find_within(centre, at_centre + 2.0 * kHalfDiagonal + kRounding, kMostInBrick,
-                         work.nearby)) {
+  if (!tree_.find_within(centre, at_centre + 2.0 * kHalfDiagonal + static_cast<double>(kRounding),
+                         kMostInBrick, work.nearby)) {
+    if (job.passed.any()) brick.error = kUnknown;
     return brick;
   }
   std::vector<std::uint32_t> triangles = work.nearby;
@@ -263,6 +255,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
   std::ranges::sort(order, {}, [&](std::size_t i) { return brick.cells[i]; });
   Brick sorted;
   sorted.index = index;
+  sorted.error = brick.error;
   for (const std::size_t i : order) {
     sorted.cells.push_back(brick.cells[i]);
     sorted.lists.push_back(std::move(brick.lists[i]));
@@ -272,121 +265,228 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
 
 /// Keeps those triangles that may be the nearest somewhere in the cube, and goes on with its
 /// octants.
-void ExactCellFinder::divide(const Job& job, const Cube& cube,
-                             std::span<const std::uint32_t> triangles, Brick& brick) const {
-  const double h = grid_.voxel_size;
+void ExactCellFinder::divide(Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
+                             Brick& brick) const {
+  const auto h = static_cast<float>(grid_.voxel_size);
   const auto [x, y, z] = cube.first;
-  bool is_candidate = false;
-  for (int k = z; k < z + cube.size && !is_candidate; ++k) {
-    for (int j = y; j < y + cube.size && !is_candidate; ++j) {
-      for (int i = x; i < x + cube.size && !is_candidate; ++i) {
-        is_candidate = job.candidates[index_of(i, j, k, kBrickCells)];
+  bool is_wanted = false;
+  for (int k = z; k < z + cube.size && !is_wanted; ++k) {
+    for (int j = y; j < y + cube.size && !is_wanted; ++j) {
+      for (int i = x; i < x + cube.size && !is_wanted; ++i) {
+        is_wanted = job.wanted[index_of(i, j, k, kBrickCells)];
       }
     }
   }
-  if (!is_candidate) return;
-  const double half = 0.5 * cube.size * h;
-  const Vec3 centre = job.origin + h * Vec3{1.0 * x, 1.0 * y, 1.0 * z} + Vec3{half, half, half};
-  constexpr double kRounding = 1e-3;  // of the cube
-  const double diagonal = std::sqrt(3.0) * half * (1.0 + kRounding);
-  std::vector<double> distances(triangles.size());
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto corners = mesh_.corners(triangles[i]);
-    distances[i] = length(closest_point_on_triangle(centre, corners) - centre);
-    nearest = std::min(nearest, distances[i]);
-  }
-  double most = nearest + 2.0 * diagonal;
-  if (cube.size == 1) {
-    // No place is farther from a triangle than the farthest of the cell's corners.
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (distances[i] > nearest + 0.5 * diagonal) continue;
-      const auto corners = mesh_.corners(triangles[i]);
-      double farthest = 0.0;
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 p =
-            centre + half * Vec3{(corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
-                                 (corner & 4) != 0 ? 1.0 : -1.0};
-        farthest = std::max(farthest, squared_length(closest_point_on_triangle(p, corners) - p));
-      }
-      most = std::min(most, std::sqrt(farthest) + diagonal);
-    }
-    most += kRounding * h;
-  }
+  if (!is_wanted) return;
+  const auto& kernels = simd::mesh_distance_kernels();
+  const float half = 0.5f * static_cast<float>(cube.size) * h;
+  const auto lowest =
+      static_cast<Vec3f>(job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z});
+  const std::array centre{lowest.x + half, lowest.y + half, lowest.z + half};
+  const float diagonal = std::sqrt(3.0f) * half;
+  std::vector<float>& squared = job.work.distances;
+  squared.resize(8 * (triangles.size() + 1));
+  kernels.measure_listed(records_.data(), triangles.data(),
+                         static_cast<std::uint32_t>(triangles.size()), centre.data(),
+                         squared.data());
+  const auto end = squared.begin() + static_cast<std::ptrdiff_t>(triangles.size());
+  const float nearest = std::sqrt(*std::min_element(squared.begin(), end));
   std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (distances[i] <= most) kept.push_back(triangles[i]);
-  }
-  if (cube.size == 1) {
-    std::erase_if(kept, [&](std::uint32_t triangle) {
-      return unit_normal(mesh_, triangle) == Vec3{};  // its edges are those of others
-    });
-    if (kept.empty() || kept.size() > simd::kMostInList) return;
-    if (!is_needed(job, cube, kept)) return;
-    brick.cells.push_back(static_cast<std::uint16_t>(x + kBrickCells * (y + kBrickCells * z)));
-    brick.lists.push_back(std::move(kept));
+  const auto keep = [&] {
+    const float limit = nearest + 2.0f * diagonal + kRounding * h;
+    kept.clear();
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (squared[i] <= limit * limit) kept.push_back(triangles[i]);
+    }
+  };
+  if (cube.size > 1) {
+    keep();
+    const int size = cube.size / 2;
+    for (int octant = 0; octant < 8; ++octant) {
+      divide(
+          job,
+          {{x + size * (octant & 1), y + size * (octant >> 1 & 1), z + size * (octant >> 2)}, size},
+          kept, brick);
+    }
     return;
   }
-  const int size = cube.size / 2;
-  for (int octant = 0; octant < 8; ++octant) {
-    divide(
-        job,
-        {{x + size * (octant & 1), y + size * (octant >> 1 & 1), z + size * (octant >> 2)}, size},
-        kept, brick);
+  // The surface does not pass, and samples can follow it.
+  const std::size_t index = index_of(x, y, z, kBrickCells);
+  if (nearest > diagonal + kRounding * h) {
+    if (job.estimates[index] <= tolerance_) return;
+    job.passed[index] = false;
   }
+  keep();
+  std::erase_if(kept, [&](std::uint32_t triangle) {
+    const float* normal = &records_[simd::kTriangleFloats * std::size_t{triangle}];
+    normal += simd::kRecordNormal;
+    return normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f;  // its edges are others'
+  });
+  decide(job, cube, std::move(kept), brick);
 }
 
-/// Whether samples are off by more than the tolerance at some of a few places in the cell.
-bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
-                                std::span<const std::uint32_t> triangles) const {
+/// What samples are worth in a cell.
+struct ExactCellFinder::Look {
+  float proved = 0.0f;     ///< no place of the cell is off by more, voxels
+  bool is_off = false;     ///< some place that was looked at is, or has another normal
+  bool is_folded = false;  ///< surfaces that face each other, or away, are near
+};
+
+/// Looks at the middles of a cell's parts, so many to a side, and leaves only those triangles that
+/// may be the nearest in one of them.
+///
+/// In a part, the true distance changes along a normal that differs from that of the nearest
+/// triangle by no more than those of all that may be the nearest do, as long as they face one way:
+/// a direction out of an edge or a corner lies between the normals of the faces around. Samples
+/// change by differences of nodes next to each other. So what samples are off in the middle is off
+/// elsewhere by at most the difference of the two, times the way from the middle.
+ExactCellFinder::Look ExactCellFinder::look_at_parts(const Job& job, const Cube& cell, int parts,
+                                                     std::vector<std::uint32_t>& triangles) const {
+  const auto h = static_cast<float>(grid_.voxel_size);
+  const auto [x, y, z] = cell.first;
+  const auto lowest =
+      static_cast<Vec3f>(job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z});
+  simd::portable::GridCell<float> samples{};
+  for (int i = 0; i < 8; ++i) {
+    samples.c[i] = job.node(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
+  }
+  samples.scale = 1.0f;
+  samples.size = 1.0f;
+  std::array<float, 3> least_slope{};
+  std::array<float, 3> most_slope{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const unsigned step = 1u << axis;
+    least_slope[axis] = most_slope[axis] = samples.c[step] - samples.c[0];
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((i & step) != 0) continue;
+      const float slope = samples.c[i | step] - samples.c[i];
+      least_slope[axis] = std::min(least_slope[axis], slope);
+      most_slope[axis] = std::max(most_slope[axis], slope);
+    }
+  }
+
+  const float edge = 1.0f / static_cast<float>(parts);
+  const float radius = 0.5f * std::sqrt(3.0f) * edge;
+  const int count = parts * parts * parts;
+  const auto place_of = [&](int part) {
+    const auto along = [&](int i) { return (static_cast<float>(i) + 0.5f) * edge; };
+    return Vec3f{along(part % parts), along(part / parts % parts), along(part / (parts * parts))};
+  };
+  std::vector<std::uint8_t>& may_be_nearest = job.work.may_be_nearest;
+  may_be_nearest.assign(triangles.size(), 0);
+  job.work.distances.resize(8 * triangles.size());
   const simd::portable::ListedTriangles list{triangles.data(),
                                              static_cast<std::uint32_t>(triangles.size()),
                                              records_.data(), feature_normals_.data()};
-  const auto [x, y, z] = cell.first;
-  const auto at = [&](int i, int j, int k) {
-    constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
-    return std::round(job.nodes[index_of(x + i, y + j, z + k, kNodes)] * kQuanta) / kQuanta;
-  };
-  const auto h = static_cast<float>(grid_.voxel_size);
-  const auto is_off = [&](float tx, float ty, float tz) {
-    using simd::portable::lerp;
-    const float low =
-        lerp(lerp(at(0, 0, 0), at(1, 0, 0), tx), lerp(at(0, 1, 0), at(1, 1, 0), tx), ty);
-    const float high =
-        lerp(lerp(at(0, 0, 1), at(1, 0, 1), tx), lerp(at(0, 1, 1), at(1, 1, 1), tx), ty);
-    const Vec3 p = job.origin + grid_.voxel_size * Vec3{x + static_cast<double>(tx),
-                                                        y + static_cast<double>(ty),
-                                                        z + static_cast<double>(tz)};
-    const auto q = static_cast<Vec3f>(p);
-    const auto [exact, normal] = simd::portable::evaluate_triangles(list, q.x, q.y, q.z);
-    if (exact < -tolerance_ * h) {
-      const auto slope = differentiate_cell(at, tx, ty, tz);
-      const float along = slope.x * normal.x + slope.y * normal.y + slope.z * normal.z;
-      if (along <= kNormalsAgree * simd::portable::length(slope)) return true;
+  Look look;
+  for (int first = 0; first < count; first += simd::kBlockTriangles) {
+    std::array<float, 24> places{};
+    for (int i = 0; i < 8; ++i) {
+      const Vec3f place = lowest + h * place_of(std::min(first + i, count - 1));
+      places[static_cast<std::size_t>(i)] = place.x;
+      places[static_cast<std::size_t>(i) + 8] = place.y;
+      places[static_cast<std::size_t>(i) + 16] = place.z;
     }
-    return !(std::abs(lerp(low, high, tz) - exact / h) <=
-             tolerance_ + kOfDistance * std::abs(exact / h));
-  };
-  // Walls thinner than a sample's unit show at the surface alone.
-  const Vec3 corner = job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z};
-  const double half = 0.5 * grid_.voxel_size;
-  for (const std::uint32_t triangle : triangles) {
-    const Vec3 nearest =
-        closest_point_on_triangle(corner + Vec3{half, half, half}, mesh_.corners(triangle));
-    const Vec3 t = (1.0 / grid_.voxel_size) * (nearest - corner);
-    const auto is_within = [](double along) { return along >= 0.0 && along <= 1.0; };
-    if (is_within(t.x) && is_within(t.y) && is_within(t.z) &&
-        is_off(static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z))) {
-      return true;
+    EightFloats squared{};
+    EightFloats squared_chord{};
+    std::array<std::int32_t, 8> nearest{};
+    simd::mesh_distance_kernels().compare_listed(
+        records_.data(), list.listed, list.count, places.data(), (2.0f * radius + kRounding) * h,
+        job.work.distances.data(), may_be_nearest.data(), squared.data(), nearest.data(),
+        squared_chord.data());
+    for (int i = 0; i < std::min(8, count - first); ++i) {
+      const auto lane = static_cast<std::size_t>(i);
+      const auto found = static_cast<std::uint32_t>(nearest[lane]);
+      const float* record = list.record(found);
+      const float* normal = record + simd::kRecordNormal;
+      const bool is_one_way = squared_chord[lane] < kOneWay * kOneWay;
+      const std::array place{places[lane], places[lane + 8], places[lane + 16]};
+      float distance = 0.0f;
+      if (is_one_way) {
+        float height = 0.0f;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          height += normal[axis] * (place[axis] - record[axis]);
+        }
+        distance = std::copysign(std::sqrt(squared[lane]), height) / h;
+      } else {
+        distance = evaluate_triangle(list, found, place[0], place[1], place[2]).distance / h;
+      }
+      const Vec3f t = place_of(first + i);
+      samples.t = {t.x, t.y, t.z};
+      const float off = std::abs(interpolate(samples) - distance);
+      look.is_off |= !(off <= tolerance_ + kOfDistance * std::abs(distance));
+      if (distance < -tolerance_) {
+        const auto exact = evaluate_triangle(list, found, place[0], place[1], place[2]);
+        const auto slope = differentiate(samples, 1.0f);
+        look.is_off |= dot(slope, exact.gradient) <= kNormalsAgree * simd::portable::length(slope);
+      }
+      look.is_folded |= squared_chord[lane] > kFolded * kFolded;
+      float squared_difference = 0.0f;
+      float squared_slope = 0.0f;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float from = least_slope[axis];
+        const float to = most_slope[axis];
+        const float difference = std::max(normal[axis] - from, to - normal[axis]);
+        squared_difference += difference * difference;
+        squared_slope += std::max(from * from, to * to);
+      }
+      const float change = is_one_way
+                               ? std::sqrt(squared_difference) + std::sqrt(squared_chord[lane])
+                               : std::sqrt(squared_slope) + 1.0f;
+      look.proved = std::max(look.proved, off + radius * change);
     }
   }
-  constexpr std::array kAlong{0.5f, 0.1f, 0.9f};
-  for (const float tz : kAlong) {
-    for (const float ty : kAlong) {
-      for (const float tx : kAlong) {
-        if (is_off(tx, ty, tz)) return true;
-      }
-    }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (may_be_nearest[i] != 0) triangles[kept++] = triangles[i];
+  }
+  triangles.resize(kept);
+  return look;
+}
+
+/// Whether a cell is exact, by the triangles that may be the nearest in it.
+void ExactCellFinder::decide(const Job& job, const Cube& cell, std::vector<std::uint32_t> triangles,
+                             Brick& brick) const {
+  const auto [x, y, z] = cell.first;
+  const std::size_t index = index_of(x, y, z, kBrickCells);
+  const bool is_passed = job.passed[index];
+  if (triangles.empty()) return;
+  Look look = look_at_parts(job, cell, 2, triangles);
+  if (look.proved > kEnough * tolerance_) {
+    const bool was_off = look.is_off;
+    look = look_at_parts(job, cell, 3, triangles);
+    look.is_off |= was_off;
+  }
+  const bool is_exact = triangles.size() <= simd::kMostInList &&
+                        (look.is_off || (is_passed && look.proved > kMostProved * tolerance_) ||
+                         (look.is_folded && is_wall_lost(job, cell, triangles)));
+  if (is_exact) {
+    brick.cells.push_back(static_cast<std::uint16_t>(index));
+    brick.lists.push_back(std::move(triangles));
+  } else if (is_passed) {
+    brick.error = std::max(brick.error, look.proved);
+  }
+}
+
+/// Walls thinner than a sample's unit show at the surface alone.
+bool ExactCellFinder::is_wall_lost(const Job& job, const Cube& cell,
+                                   std::span<const std::uint32_t> triangles) const {
+  const auto [x, y, z] = cell.first;
+  const double h = grid_.voxel_size;
+  const Vec3 corner = job.origin + h * Vec3{1.0 * x, 1.0 * y, 1.0 * z};
+  simd::portable::GridCell<float> samples{};
+  for (int i = 0; i < 8; ++i) {
+    samples.c[i] = job.node(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
+  }
+  samples.scale = 1.0f;
+  for (const std::uint32_t triangle : triangles) {
+    const Vec3 nearest =
+        closest_point_on_triangle(corner + 0.5 * h * Vec3{1.0, 1.0, 1.0}, mesh_.corners(triangle));
+    const auto t = static_cast<Vec3f>((1.0 / h) * (nearest - corner));
+    const auto is_within = [](float along) { return along >= 0.0f && along <= 1.0f; };
+    if (!is_within(t.x) || !is_within(t.y) || !is_within(t.z)) continue;
+    samples.t = {t.x, t.y, t.z};
+    if (!(std::abs(simd::portable::interpolate(samples)) <= tolerance_)) return true;
   }
   return false;
 }

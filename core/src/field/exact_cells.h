@@ -26,11 +26,14 @@ class ExactCellFinder {
     std::size_t index = 0;
     std::vector<std::uint16_t> cells;  ///< x fastest, ascending
     std::vector<std::vector<std::uint32_t>> lists;
+    float error = 0.0f;  ///< proved, of the other cells that the surface passes, voxels
   };
 
   /// What one thread works with.
   struct Work {
     std::vector<std::uint32_t> nearby;
+    std::vector<float> distances;
+    std::vector<std::uint8_t> may_be_nearest;
   };
 
   /// `nodes` are the signed distances of the brick's nodes, voxels, x fastest.
@@ -45,9 +48,15 @@ class ExactCellFinder {
     int size;                  ///< cells
   };
   struct Job;
-  void divide(const Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
+  void divide(Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
               Brick& brick) const;
-  bool is_needed(const Job& job, const Cube& cell, std::span<const std::uint32_t> triangles) const;
+  void decide(const Job& job, const Cube& cell, std::vector<std::uint32_t> triangles,
+              Brick& brick) const;
+  struct Look;
+  Look look_at_parts(const Job& job, const Cube& cell, int parts,
+                     std::vector<std::uint32_t>& triangles) const;
+  bool is_wall_lost(const Job& job, const Cube& cell,
+                    std::span<const std::uint32_t> triangles) const;
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;

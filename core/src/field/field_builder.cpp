@@ -198,6 +198,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     double rounding = 0.0;  ///< largest, of a cell's size
     Floors floors = kNoFloors;
     std::vector<ExactCellFinder::Brick> exact;
+    float proved = 0.0f;  ///< of samples at the surface, voxels
   };
   std::vector<RowResult> results(ny * nz);
   const int exponent_of_corners =
@@ -223,6 +224,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
         sign_fine(place, nodes, result.overlap);
         if (exact_) {
           auto exact = exact_->find(brick, nodes, exact_work);
+          result.proved = std::max(result.proved, exact.error);
           if (!exact.cells.empty()) result.exact.push_back(std::move(exact));
         }
       } else {
@@ -252,19 +254,24 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     return false;
   }
   double rounding = 0.0;
+  float proved = 0.0f;
   Floors floors = kNoFloors;
   std::vector<ExactCellFinder::Brick> exact;
   for (RowResult& result : results) {
     std::ranges::move(result.exact, std::back_inserter(exact));
     overlap_.add(result.overlap);
+    proved = std::max(proved, result.proved);
     rounding = std::max(rounding, result.rounding);
     for (std::size_t i = 0; i < floors.size(); ++i) {
       floors[i] = std::min(floors[i], result.floors[i]);
     }
   }
-  if (exact_) data.exact = exact_->assemble(exact);
   constexpr double kFloatError = 1e-3;  // voxels
   data.node_error = (std::max(rounding, 1.5 * kPlaneTolerance) + kFloatError) * grid_.voxel_size;
+  if (exact_) {
+    data.exact = exact_->assemble(exact);
+    data.surface_error = data.node_error + static_cast<double>(proved) * grid_.voxel_size;
+  }
   // Other bricks at larger scales are far away.
   const double rounding_of_corners = std::ldexp(0.5 / simd::kQuantaPerVoxel, exponent_of_corners);
   for (std::size_t i = 0; i < floors.size(); ++i) {

@@ -36,7 +36,8 @@ Result<std::monostate> check_numbers(const GridFieldData& data) {
       return invalid("its origin or bounds are not finite, or in the wrong order");
     }
   }
-  if (!is_length(data.node_error)) return invalid("its error is below zero or not finite");
+  if (!is_length(data.node_error) || !is_length(data.surface_error))
+    return invalid("its error is below zero or not finite");
   double below = 0.0;
   for (const double floor : data.coarse_floors) {
     const bool is_none = floor == static_cast<double>(simd::kNoCoarseFloor);

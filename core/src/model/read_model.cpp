@@ -185,6 +185,7 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
       .samples = std::move(sections.samples),
       .planes = std::move(sections.planes),
       .node_error = record.grid_node_error,
+      .surface_error = record.grid_surface_error,
       .coarse_floors = record.grid_coarse_floors,
       .sign = {.method = static_cast<SignMethod>(record.sign_method),
                .confidence = record.sign_confidence,

@@ -38,6 +38,7 @@ Record make_record(const Model& model) {
       .grid_surface_lower = grid.surface_bounds.lower,
       .grid_surface_upper = grid.surface_bounds.upper,
       .grid_node_error = grid.node_error,
+      .grid_surface_error = grid.surface_error,
       .grid_coarse_floors = grid.coarse_floors,
       .sign_method = static_cast<std::int64_t>(grid.sign.method),
       .sign_confidence = grid.sign.confidence,

@@ -175,6 +175,40 @@ double compute_miss(const Participant& shell, const Participant& field) {
   return miss_of(describe(shell), describe(field));
 }
 
+PairBounds bound_pair(const Participant& a, const Participant& b, Role role) {
+  const auto describe_proved = [](const Participant& participant) {
+    Body body = describe(participant);
+    if (const auto* grid = std::get_if<GridField>(participant.field)) {
+      body.field_error = grid->surface_error();
+    }
+    return body;
+  };
+  const Body body_a = describe_proved(a);
+  const Body body_b = describe_proved(b);
+  const auto by_spacing = [](const Participant& shell, const Body& field) {
+    return shell.shell == nullptr ? kUnbounded
+                                  : std::sqrt(3.0) * shell.shell->spacing() + field.field_error;
+  };
+  const auto is_by_tolerance = [](const Participant& participant) {
+    const auto* grid = std::get_if<GridField>(participant.field);
+    return participant.accuracy != nullptr && (grid == nullptr || grid->data().surface_error > 0.0);
+  };
+  const bool asks_a = role != Role::kB;
+  const bool asks_b = role != Role::kA;
+  const double miss_of_a = asks_a ? miss_of(body_a, body_b) : kUnbounded;
+  const double miss_of_b = asks_b ? miss_of(body_b, body_a) : kUnbounded;
+  PairBounds bounds;
+  bounds.overlap = std::min(asks_a ? by_spacing(a, body_b) : kUnbounded,
+                            asks_b ? by_spacing(b, body_a) : kUnbounded);
+  if ((!asks_a || is_by_tolerance(a)) && (!asks_b || is_by_tolerance(b))) {
+    const double miss = role == Role::kBoth ? miss_of_both(body_a, body_b, miss_of_a, miss_of_b)
+                                            : std::min(miss_of_a, miss_of_b);
+    bounds.overlap = std::min(bounds.overlap, miss);
+  }
+  bounds.clearance = std::max(asks_a ? body_b.field_error : 0.0, asks_b ? body_a.field_error : 0.0);
+  return bounds;
+}
+
 Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellChoice choice) {
   const bool wants_a = choice == ShellChoice::kA || choice == ShellChoice::kBoth;
   const bool wants_b = choice == ShellChoice::kB || choice == ShellChoice::kBoth;

@@ -94,35 +94,29 @@ struct ListedTriangles {
   }
 };
 
-/// The signed distance to the nearest of a few triangles.
-inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float y, float z) {
-  F8 least = splat<F8>(__builtin_inff());
-  I8 least_index{};
-  const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
-  for (uint32_t first = 0; first < list.count; first += kLanes) {
-    F8 rows[kLanes];
-    F8 others[kLanes];
-    for (uint32_t i = 0; i < kLanes; ++i) {
-      const float* record = list.record(first + i);
-      rows[i] = load<F8>(record);
-      others[i] = load<F8>(record + kLanes);
-    }
-    transpose(rows);
-    transpose(others);
-    const Triple<F8> p = subtract(place, Triple<F8>{rows[0], rows[1], rows[2]});
-    const F8 squared = find_on_triangle(p, Triple<F8>{rows[3], rows[4], rows[5]},
-                                        Triple<F8>{rows[6], rows[7], others[0]},
-                                        Triple<F8>{others[1], others[2], others[3]})
-                           .squared_distance;
-    const I8 is_nearer = squared < least;
-    least = select(is_nearer, squared, least);
-    least_index = select(is_nearer, kLaneIndex + static_cast<int32_t>(first), least_index);
+/// Squared distances of a place to eight of the listed triangles from `first` on; beyond the list's
+/// end the last is repeated.
+VOXSHELL_INLINE F8 measure_eight_triangles(const ListedTriangles& list, uint32_t first,
+                                           const Triple<F8>& place) {
+  F8 rows[kLanes];
+  F8 others[kLanes];
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    const float* record = list.record(first + i);
+    rows[i] = load<F8>(record);
+    others[i] = load<F8>(record + kLanes);
   }
-  int lane = 0;
-  for (int other = 1; other < kLanes; ++other) {
-    if (least[other] < least[lane]) lane = other;
-  }
-  const auto found = static_cast<uint32_t>(least_index[lane]);
+  transpose(rows);
+  transpose(others);
+  const Triple<F8> p = subtract(place, Triple<F8>{rows[0], rows[1], rows[2]});
+  return find_on_triangle(p, Triple<F8>{rows[3], rows[4], rows[5]},
+                          Triple<F8>{rows[6], rows[7], others[0]},
+                          Triple<F8>{others[1], others[2], others[3]})
+      .squared_distance;
+}
+
+/// The signed distance where the triangle at `found` of the list is the nearest.
+inline ExactValue evaluate_triangle(const ListedTriangles& list, uint32_t found, float x, float y,
+                                    float z) {
   const float* record = list.record(found);
   const auto pick = [&](int i) { return Triple<float>{record[i], record[i + 1], record[i + 2]}; };
   const Triple<float> normal = pick(9);
@@ -142,6 +136,24 @@ inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float
   if (length <= kNear * size) return {sign * length, normalized(outward)};
   const float scale = sign / length;
   return {sign * length, {scale * offset.x, scale * offset.y, scale * offset.z}};
+}
+
+/// The signed distance to the nearest of a few triangles.
+inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float y, float z) {
+  F8 least = splat<F8>(__builtin_inff());
+  I8 least_index{};
+  const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
+  for (uint32_t first = 0; first < list.count; first += kLanes) {
+    const F8 squared = measure_eight_triangles(list, first, place);
+    const I8 is_nearer = squared < least;
+    least = select(is_nearer, squared, least);
+    least_index = select(is_nearer, kLaneIndex + static_cast<int32_t>(first), least_index);
+  }
+  int lane = 0;
+  for (int other = 1; other < kLanes; ++other) {
+    if (least[other] < least[lane]) lane = other;
+  }
+  return evaluate_triangle(list, static_cast<uint32_t>(least_index[lane]), x, y, z);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

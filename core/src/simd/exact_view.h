@@ -7,6 +7,7 @@ namespace voxshell::simd {
 /// Numbers that one triangle is described by: a corner a, b - a, c - a and the unit normal, filled
 /// up to a cache line.
 inline constexpr int kTriangleFloats = 16;
+inline constexpr int kRecordNormal = 9;
 
 /// The outward normals of a triangle's features, three floats each: face, edges ab, bc, ca, corners
 /// a, b, c. Those of edges and corners are angle-weighted means (Baerentzen and Aanaes 2005), which

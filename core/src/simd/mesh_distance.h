@@ -74,6 +74,19 @@ struct MeshDistanceKernels {
   /// nearest.
   bool (*measure_brick)(const MeshTreeView& tree, const double* centre, float at_centre,
                         const BrickScratch& scratch, float* distances);
+
+  /// Squared distances of p from listed triangles, and of some more to fill up eight. `records` as
+  /// in simd/exact_view.h.
+  void (*measure_listed)(const float* records, const uint32_t* listed, uint32_t count,
+                         const float* p, float* squared);
+
+  /// Of eight places (all x, all y, all z) the nearest of listed triangles, as an index of the
+  /// list. Those that are farther by at most `reach` get a 1 in `may_be_nearest`; the others keep
+  /// what stands there. And the chord between the normals of the nearest and of that one of these
+  /// which differs most. `work` has room for eight numbers a triangle.
+  void (*compare_listed)(const float* records, const uint32_t* listed, uint32_t count,
+                         const float* places, float reach, float* work, uint8_t* may_be_nearest,
+                         float* squared, int32_t* nearest, float* squared_chord);
 };
 
 /// For the active instruction set; all give the same bits.

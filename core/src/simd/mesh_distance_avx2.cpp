@@ -4,6 +4,7 @@
 namespace voxshell::simd {
 
 const MeshDistanceKernels kAvx2MeshDistance{avx2::find_nearest, avx2::find_blocks,
-                                            avx2::measure_brick};
+                                            avx2::measure_brick, avx2::measure_listed,
+                                            avx2::compare_listed};
 
 }  // namespace voxshell::simd

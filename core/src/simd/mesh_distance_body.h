@@ -1,5 +1,6 @@
 #pragma once
 
+#include "simd/exact_formula.h"
 #include "simd/mesh_distance.h"
 #include "simd/wide.h"
 
@@ -333,6 +334,57 @@ inline bool measure_brick(const MeshTreeView& tree, const double* centre, float 
     }
   }
   return true;
+}
+
+inline void measure_listed(const float* records, const uint32_t* listed, uint32_t count,
+                           const float* p, float* squared) {
+  const Triple<F8> place{splat<F8>(p[0]), splat<F8>(p[1]), splat<F8>(p[2])};
+  const ListedTriangles list{listed, count, records, nullptr};
+  for (uint32_t first = 0; first < count; first += kLanes) {
+    store(squared + first, measure_eight_triangles(list, first, place));
+  }
+}
+
+inline void compare_listed(const float* records, const uint32_t* listed, uint32_t count,
+                           const float* places, float reach, float* work, uint8_t* may_be_nearest,
+                           float* squared, int32_t* nearest, float* squared_chord) {
+  const Triple<F8> all{load<F8>(places), load<F8>(places + 8), load<F8>(places + 16)};
+  const auto row = [&](uint32_t i, int k) {
+    const float* record = records + uint64_t{listed[i]} * kTriangleFloats + k;
+    return Triple<F8>{splat<F8>(record[0]), splat<F8>(record[1]), splat<F8>(record[2])};
+  };
+  F8 least = splat<F8>(__builtin_inff());
+  I8 at_least{};
+  for (uint32_t i = 0; i < count; ++i) {
+    const F8 d =
+        find_on_triangle(subtract(all, row(i, 0)), row(i, 3), row(i, 6), row(i, kRecordNormal))
+            .squared_distance;
+    const I8 is_nearer = d < least;
+    least = select(is_nearer, d, least);
+    at_least = select(is_nearer, I8{} + static_cast<int32_t>(i), at_least);
+    store(work + 8 * uint64_t{i}, d);
+  }
+  Triple<F8> normal{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto triangle = uint64_t{listed[at_least[lane]]};
+    const float* record = records + triangle * kTriangleFloats + kRecordNormal;
+    normal.x[lane] = record[0];
+    normal.y[lane] = record[1];
+    normal.z[lane] = record[2];
+  }
+  const F8 farthest = square_root(least) + reach;
+  const F8 limit = farthest * farthest;
+  F8 chord{};
+  for (uint32_t i = 0; i < count; ++i) {
+    const I8 is_near = load<F8>(work + 8 * uint64_t{i}) <= limit;
+    if (bits(is_near) == 0) continue;
+    may_be_nearest[i] = 1;
+    const Triple<F8> between = subtract(row(i, kRecordNormal), normal);
+    chord = maximum(chord, select(is_near, dot(between, between), F8{}));
+  }
+  store(squared, least);
+  memcpy(nearest, &at_least, sizeof at_least);
+  store(squared_chord, chord);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -4,6 +4,7 @@
 namespace voxshell::simd {
 
 const MeshDistanceKernels kPortableMeshDistance{portable::find_nearest, portable::find_blocks,
-                                                portable::measure_brick};
+                                                portable::measure_brick, portable::measure_listed,
+                                                portable::compare_listed};
 
 }  // namespace voxshell::simd

@@ -73,8 +73,8 @@ def list_accuracy(model: Model) -> dict[str, Any]:
 
 
 def field_bound(model: Model) -> float:
-    """No distance near the surface is proved to be off by more than this, metres."""
-    return model.field.interpolation_error
+    """The field and the mesh differ in what is inside no farther than this from the surface: proved, metres."""
+    return model.field.surface_error
 
 
 def shell_bound(model: Model) -> float:
