@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "field/brick_plan.h"
+#include "mesh/angle_normals.h"
 #include "mesh/closest_point.h"
 #include "simd/exact_formula.h"
 #include "simd/exact_view.h"
@@ -49,47 +50,6 @@ Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
 /// by machine, in what is stored: only weights depend on it.
 double angle_between(const Vec3& u, const Vec3& v) {
   return std::atan2(length(cross(u, v)), dot(u, v));
-}
-
-/// See simd/exact_view.h.
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
-  const auto triangles = mesh.triangles();
-  std::vector<Vec3> of_vertices(mesh.vertices().size());
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const Vec3 normal = unit_normal(mesh, i);
-    const auto corners = mesh.corners(i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double angle =
-          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
-      of_vertices[triangles[i][k]] += angle * normal;
-      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
-      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
-    }
-  }
-  std::ranges::sort(edges);
-  std::vector<Vec3> edge_normals(3 * triangles.size());
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin;
-    Vec3 sum{};
-    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
-      sum += unit_normal(mesh, edges[end].second / 3);
-    }
-    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
-  }
-  std::vector<float> normals;
-  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const auto append = [&](const Vec3& normal) {
-      const auto n = static_cast<Vec3f>(normal);
-      normals.insert(normals.end(), {n.x, n.y, n.z});
-    };
-    append(unit_normal(mesh, i));
-    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
-    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
-  }
-  return normals;
 }
 
 /// See simd/exact_view.h.
@@ -183,6 +143,84 @@ simd::portable::Triple<float> differentiate_cell(const At& at, float tx, float t
 
 }  // namespace
 
+std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
+  const auto triangles = mesh.triangles();
+  std::vector<Vec3> of_vertices(mesh.vertices().size());
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Vec3 normal = unit_normal(mesh, i);
+    const auto corners = mesh.corners(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle =
+          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+      of_vertices[triangles[i][k]] += angle * normal;
+      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
+      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
+    }
+  }
+  std::ranges::sort(edges);
+  std::vector<Vec3> edge_normals(3 * triangles.size());
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin;
+    Vec3 sum{};
+    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
+      sum += unit_normal(mesh, edges[end].second / 3);
+    }
+    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
+  }
+  std::vector<float> normals;
+  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const auto append = [&](const Vec3& normal) {
+      const auto n = static_cast<Vec3f>(normal);
+      normals.insert(normals.end(), {n.x, n.y, n.z});
+    };
+    append(unit_normal(mesh, i));
+    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
+    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
+  }
+  return normals;
+}
+
+std::vector<float> compute_feature_normals(const TriangleMesh& mesh,
+                                           const VisibleSurface& visible) {
+  const std::vector<float> of_mesh = compute_feature_normals(mesh);
+  // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
+  std::vector<bool> is_whole(mesh.triangles().size(), false);
+  for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
+  std::vector<bool> is_cut_at(mesh.vertices().size(), false);
+  for (std::size_t i = 0; i < is_whole.size(); ++i) {
+    for (const std::uint32_t vertex : mesh.triangles()[i]) {
+      if (!is_whole[i]) is_cut_at[vertex] = true;
+    }
+  }
+  const AngleNormals around(visible.mesh, visible.cutter->rounding());
+  std::vector<float> normals;
+  normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
+  for (std::size_t i = 0; i < visible.triangles.size(); ++i) {
+    const VisibleTriangle& of = visible.triangles[i];
+    const Triangle& t = mesh.triangles()[of.triangle];
+    if (of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]]) {
+      const auto from = of_mesh.begin() +
+                        static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
+      normals.insert(normals.end(), from, from + simd::kFeatureNormalFloats);
+      continue;
+    }
+    const auto append = [&](const Vec3& normal) {
+      const auto n = static_cast<Vec3f>(normal);
+      normals.insert(normals.end(), {n.x, n.y, n.z});
+    };
+    const auto corners = visible.mesh.corners(i);
+    append(unit_normal(mesh, of.triangle));
+    for (std::size_t k = 0; k < 3; ++k) {
+      append(around.compute(0.5 * (corners[k] + corners[(k + 1) % 3])));
+    }
+    for (const Vec3& corner : corners) append(around.compute(corner));
+  }
+  return normals;
+}
+
 struct ExactCellFinder::Job {
   Vec3 origin;  ///< of the brick, metres
   std::span<const float> nodes;
@@ -190,13 +228,14 @@ struct ExactCellFinder::Job {
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
-                                 const DistanceTree& tree, double tolerance)
+                                 const DistanceTree& tree, double tolerance,
+                                 std::vector<float> feature_normals)
     : mesh_(mesh),
       grid_(grid),
       tree_(tree),
       tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
       records_(make_records(mesh)),
-      feature_normals_(compute_feature_normals(mesh)) {}
+      feature_normals_(std::move(feature_normals)) {}
 
 ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const float> nodes,
                                              Work& work) const {

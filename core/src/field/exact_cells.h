@@ -8,18 +8,25 @@
 
 #include "field/brick_grid.h"
 #include "mesh/distance_tree.h"
+#include "mesh/surface_cutter.h"
 #include "voxshell/grid_field.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
 
+/// The normals of the features of a mesh's triangles, see simd/exact_view.h: of a closed mesh they
+/// tell inside from outside.
+std::vector<float> compute_feature_normals(const TriangleMesh& mesh);
+
+/// Those of what is visible of a closed mesh.
+std::vector<float> compute_feature_normals(const TriangleMesh& mesh, const VisibleSurface& visible);
+
 /// Finds the fine cells that samples cannot follow, and the triangles that are nearest in them.
-/// Of closed meshes: the normals of triangles, edges and corners tell inside from outside.
 class ExactCellFinder {
  public:
-  /// `tolerance` in metres; all three outlive this.
+  /// `tolerance` in metres, `feature_normals` of the mesh; the first three outlive this.
   ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
-                  double tolerance);
+                  double tolerance, std::vector<float> feature_normals);
 
   /// The exact cells of one brick and their lists of triangles, ascending.
   struct Brick {
