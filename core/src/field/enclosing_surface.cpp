@@ -24,8 +24,8 @@ constexpr double kSpeck = 1e-3;
 
 /// What is known of a triangle.
 struct Look {
-  SurfaceSides sides;  ///< at its middle
-  bool is_hidden = false;  ///< as a whole
+  SurfaceSides sides;                       ///< at its middle
+  bool is_hidden = false;                   ///< as a whole
   std::vector<std::array<Vec3, 3>> pieces;  ///< what is visible of it, where that is a part
 
   /// Of neither side is it in doubt whether it is inside.
@@ -132,12 +132,10 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
 
 }  // namespace
 
-std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
-                                                       const std::shared_ptr<const SurfaceCutter>& cutter,
-                                                       const BrickGrid& grid,
-                                                       const InsideByWindingNumbers& inside,
-                                                       double least_confidence, unsigned threads,
-                                                       const Progress& progress) {
+std::optional<EnclosingSurface> find_enclosing_surface(
+    const TriangleMesh& mesh, const std::shared_ptr<const SurfaceCutter>& cutter,
+    const BrickGrid& grid, const InsideByWindingNumbers& inside, double least_confidence,
+    unsigned threads, const Progress& progress) {
   const double h = grid.voxel_size;
   const std::size_t count = mesh.triangles().size();
   std::vector<Look> looks(count);

@@ -25,11 +25,9 @@ struct EnclosingSurface {
 
 /// Without a value where progress asked to stop, or where nothing is inside. Where the confidence
 /// is below `least_confidence`, that is all there is. `cutter` is that of the mesh.
-std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
-                                                       const std::shared_ptr<const SurfaceCutter>& cutter,
-                                                       const BrickGrid& grid,
-                                                       const InsideByWindingNumbers& inside,
-                                                       double least_confidence, unsigned threads,
-                                                       const Progress& progress);
+std::optional<EnclosingSurface> find_enclosing_surface(
+    const TriangleMesh& mesh, const std::shared_ptr<const SurfaceCutter>& cutter,
+    const BrickGrid& grid, const InsideByWindingNumbers& inside, double least_confidence,
+    unsigned threads, const Progress& progress);
 
 }  // namespace voxshell

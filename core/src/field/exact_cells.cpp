@@ -143,7 +143,7 @@ simd::portable::Triple<float> differentiate_cell(const At& at, float tx, float t
 
 }  // namespace
 
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
+Features compute_features(const TriangleMesh& mesh) {
   const auto triangles = mesh.triangles();
   std::vector<Vec3> of_vertices(mesh.vertices().size());
   std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
@@ -180,12 +180,23 @@ std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
     for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
   }
-  return normals;
+  return {.normals = std::move(normals)};
 }
 
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh,
-                                           const VisibleSurface& visible) {
-  const std::vector<float> of_mesh = compute_feature_normals(mesh);
+/// The outward normal of a side of a piece, between two corners. What meets the piece there may
+/// change along it: that which bends most tells the sides of all.
+Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
+                         const Vec3& to) {
+  Vec3 normal = face;
+  for (const double share : {0.5, 0.1, 0.3, 0.7, 0.9}) {
+    const Vec3 here = normalized(around.compute(from + share * (to - from)));
+    if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
+  }
+  return normal;
+}
+
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible) {
+  const Features of_mesh = compute_features(mesh);
   // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
   std::vector<bool> is_whole(mesh.triangles().size(), false);
   for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
@@ -196,29 +207,32 @@ std::vector<float> compute_feature_normals(const TriangleMesh& mesh,
     }
   }
   const AngleNormals around(visible.mesh, visible.cutter->rounding());
-  std::vector<float> normals;
-  normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
+  Features features;
+  features.normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
+  const auto append = [&](const Vec3& normal) {
+    const auto n = static_cast<Vec3f>(normal);
+    features.normals.insert(features.normals.end(), {n.x, n.y, n.z});
+  };
   for (std::size_t i = 0; i < visible.triangles.size(); ++i) {
     const VisibleTriangle& of = visible.triangles[i];
     const Triangle& t = mesh.triangles()[of.triangle];
-    if (of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]]) {
-      const auto from = of_mesh.begin() +
+    const bool is_clear = of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]];
+    features.is_in_doubt.push_back(!is_clear);
+    if (is_clear) {
+      const auto from = of_mesh.normals.begin() +
                         static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
-      normals.insert(normals.end(), from, from + simd::kFeatureNormalFloats);
+      features.normals.insert(features.normals.end(), from, from + simd::kFeatureNormalFloats);
       continue;
     }
-    const auto append = [&](const Vec3& normal) {
-      const auto n = static_cast<Vec3f>(normal);
-      normals.insert(normals.end(), {n.x, n.y, n.z});
-    };
     const auto corners = visible.mesh.corners(i);
-    append(unit_normal(mesh, of.triangle));
+    const Vec3 face = unit_normal(mesh, of.triangle);
+    append(face);
     for (std::size_t k = 0; k < 3; ++k) {
-      append(around.compute(0.5 * (corners[k] + corners[(k + 1) % 3])));
+      append(compute_side_normal(around, face, corners[k], corners[(k + 1) % 3]));
     }
     for (const Vec3& corner : corners) append(around.compute(corner));
   }
-  return normals;
+  return features;
 }
 
 struct ExactCellFinder::Job {
@@ -228,14 +242,13 @@ struct ExactCellFinder::Job {
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
-                                 const DistanceTree& tree, double tolerance,
-                                 std::vector<float> feature_normals)
+                                 const DistanceTree& tree, double tolerance, Features features)
     : mesh_(mesh),
       grid_(grid),
       tree_(tree),
       tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
       records_(make_records(mesh)),
-      feature_normals_(std::move(feature_normals)) {}
+      features_(std::move(features)) {}
 
 ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const float> nodes,
                                              Work& work) const {
@@ -361,7 +374,7 @@ void ExactCellFinder::divide(const Job& job, const Cube& cube,
       return unit_normal(mesh_, triangle) == Vec3{};  // its edges are those of others
     });
     if (kept.empty() || kept.size() > simd::kMostInList) return;
-    if (!is_needed(job, cube, kept)) return;
+    if (!is_needed(job, cube, kept) || !is_continuous(job, cube, kept)) return;
     brick.cells.push_back(static_cast<std::uint16_t>(x + kBrickCells * (y + kBrickCells * z)));
     brick.lists.push_back(std::move(kept));
     return;
@@ -375,12 +388,54 @@ void ExactCellFinder::divide(const Job& job, const Cube& cube,
   }
 }
 
+/// Whether distances whose signs are in doubt change no faster than places do, and agree with the
+/// samples at the corners of the cell. Looked at on a lattice.
+bool ExactCellFinder::is_continuous(const Job& job, const Cube& cell,
+                                    std::span<const std::uint32_t> triangles) const {
+  if (features_.is_in_doubt.empty() ||
+      std::ranges::none_of(triangles, [&](auto i) { return features_.is_in_doubt[i]; })) {
+    return true;
+  }
+  const simd::portable::ListedTriangles list{triangles.data(),
+                                             static_cast<std::uint32_t>(triangles.size()),
+                                             records_.data(), features_.normals.data()};
+  constexpr int kSteps = 4;
+  constexpr int kPlaces = kSteps + 1;
+  constexpr float kRounding = 0.02f;  // voxels
+  std::array<float, cube(kPlaces)> distances{};
+  for (int z = 0; z < kPlaces; ++z) {
+    for (int y = 0; y < kPlaces; ++y) {
+      for (int x = 0; x < kPlaces; ++x) {
+        const Vec3 offset{1.0 * x / kSteps, 1.0 * y / kSteps, 1.0 * z / kSteps};
+        const Vec3 first{1.0 * cell.first[0], 1.0 * cell.first[1], 1.0 * cell.first[2]};
+        const auto p = static_cast<Vec3f>(job.origin + grid_.voxel_size * (first + offset));
+        const float distance = simd::portable::evaluate_triangles(list, p.x, p.y, p.z).distance /
+                               static_cast<float>(grid_.voxel_size);
+        distances[index_of(x, y, z, kPlaces)] = distance;
+        const auto jumps = [&](float before, float apart) {
+          return std::abs(distance - before) > apart + kRounding;
+        };
+        constexpr float kApart = 1.0f / kSteps;
+        if (x > 0 && jumps(distances[index_of(x - 1, y, z, kPlaces)], kApart)) return false;
+        if (y > 0 && jumps(distances[index_of(x, y - 1, z, kPlaces)], kApart)) return false;
+        if (z > 0 && jumps(distances[index_of(x, y, z - 1, kPlaces)], kApart)) return false;
+        if (x % kSteps + y % kSteps + z % kSteps > 0) continue;
+        const float node =
+            job.nodes[index_of(cell.first[0] + x / kSteps, cell.first[1] + y / kSteps,
+                               cell.first[2] + z / kSteps, kNodes)];
+        if (jumps(node, 0.0f)) return false;
+      }
+    }
+  }
+  return true;
+}
+
 /// Whether samples are off by more than the tolerance at some of a few places in the cell.
 bool ExactCellFinder::is_needed(const Job& job, const Cube& cell,
                                 std::span<const std::uint32_t> triangles) const {
   const simd::portable::ListedTriangles list{triangles.data(),
                                              static_cast<std::uint32_t>(triangles.size()),
-                                             records_.data(), feature_normals_.data()};
+                                             records_.data(), features_.normals.data()};
   const auto [x, y, z] = cell.first;
   const auto at = [&](int i, int j, int k) {
     constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
@@ -465,7 +520,7 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
     }
   };
   copy(records_, simd::kTriangleFloats, exact.triangles);
-  copy(feature_normals_, simd::kFeatureNormalFloats, exact.feature_normals);
+  copy(features_.normals, simd::kFeatureNormalFloats, exact.feature_normals);
   for (std::uint32_t& triangle : exact.listed) {
     triangle = static_cast<std::uint32_t>(std::ranges::lower_bound(used, triangle) - used.begin());
   }

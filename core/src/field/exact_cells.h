@@ -14,19 +14,26 @@
 
 namespace voxshell {
 
-/// The normals of the features of a mesh's triangles, see simd/exact_view.h: of a closed mesh they
-/// tell inside from outside.
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh);
+/// What tells inside from outside where a triangle is nearest.
+struct Features {
+  std::vector<float> normals;  ///< of the triangles' features, see simd/exact_view.h
+  /// Of what is visible of a mesh: triangles that were cut, or have such beside them, whose normals
+  /// are found by place, and may be wrong where several parts meet. Empty: there are none.
+  std::vector<bool> is_in_doubt = {};
+};
 
-/// Those of what is visible of a closed mesh.
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh, const VisibleSurface& visible);
+/// Of a closed mesh.
+Features compute_features(const TriangleMesh& mesh);
+
+/// Of what is visible of a closed mesh.
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible);
 
 /// Finds the fine cells that samples cannot follow, and the triangles that are nearest in them.
 class ExactCellFinder {
  public:
-  /// `tolerance` in metres, `feature_normals` of the mesh; the first three outlive this.
+  /// `tolerance` in metres, `features` of the mesh; the first three outlive this.
   ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
-                  double tolerance, std::vector<float> feature_normals);
+                  double tolerance, Features features);
 
   /// The exact cells of one brick and their lists of triangles, ascending.
   struct Brick {
@@ -54,6 +61,8 @@ class ExactCellFinder {
   struct Job;
   void divide(const Job& job, const Cube& cube, std::span<const std::uint32_t> triangles,
               Brick& brick) const;
+  bool is_continuous(const Job& job, const Cube& cell,
+                     std::span<const std::uint32_t> triangles) const;
   bool is_needed(const Job& job, const Cube& cell, std::span<const std::uint32_t> triangles) const;
 
   const TriangleMesh& mesh_;
@@ -61,7 +70,7 @@ class ExactCellFinder {
   const DistanceTree& tree_;
   float tolerance_;             ///< voxels
   std::vector<float> records_;  ///< of triangles; see simd/exact_view.h
-  std::vector<float> feature_normals_;
+  Features features_;
 };
 
 }  // namespace voxshell

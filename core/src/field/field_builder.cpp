@@ -70,7 +70,7 @@ double find_least_magnitude(std::span<const float> nodes, double size) {
 
 FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
                            const GridFieldSettings& settings, const Inside& inside,
-                           const Progress& progress, std::vector<float> feature_normals)
+                           const Progress& progress, Features features)
     : mesh_(mesh),
       grid_(plan.grid),
       least_cells_(plan.least_cells),
@@ -80,7 +80,7 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
       flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
       tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {
   if (settings.tolerance > 0.0) {
-    exact_.emplace(mesh, plan.grid, tree_, settings.tolerance, std::move(feature_normals));
+    exact_.emplace(mesh, plan.grid, tree_, settings.tolerance, std::move(features));
   }
 }
 

@@ -47,9 +47,8 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
                                                 .rows_z = kBrickCells * grid.bricks[2] + 1});
   if (!winding) return winding.error();
   const InsideByRows inside(grid, *winding);
-  FieldBuilder builder(
-      mesh, plan, settings, inside, progress,
-      settings.tolerance > 0.0 ? compute_feature_normals(mesh) : std::vector<float>{});
+  FieldBuilder builder(mesh, plan, settings, inside, progress,
+                       settings.tolerance > 0.0 ? compute_features(mesh) : Features{});
   GridFieldData data = begin_data(mesh, grid);
   if (auto stopped = builder.build(data)) {
     report.overlaps = builder.overlap().places;
@@ -64,9 +63,8 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
 /// says that the mesh has no openings.
 Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balanced,
                                        const std::shared_ptr<const SurfaceCutter>& cutter,
-                                       const BrickGridPlan& plan,
-                                       const GridFieldSettings& settings, SignReport& report,
-                                       std::optional<VisibleSurface>& visible,
+                                       const BrickGridPlan& plan, const GridFieldSettings& settings,
+                                       SignReport& report, std::optional<VisibleSurface>& visible,
                                        const Progress& progress) {
   const Error no_volume{
       ErrorCode::kInvalidMesh,
@@ -84,9 +82,8 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balance
     was_stopped = was_stopped || (progress && !progress(stage, 0.0));
     return !was_stopped;
   };
-  auto surface =
-      find_enclosing_surface(mesh, cutter, grid, inside, kLeastConfidence, settings.threads,
-                             watched);
+  auto surface = find_enclosing_surface(mesh, cutter, grid, inside, kLeastConfidence,
+                                        settings.threads, watched);
   if (!surface) return was_stopped ? cancelled : no_volume;
   report.confidence = surface->confidence;
   if (report.confidence < kLeastConfidence) {
@@ -106,13 +103,12 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balance
   // Only of closed surfaces do the normals of edges and corners tell inside from outside.
   GridFieldSettings of_field = settings;
   if (!is_balanced || surface->caps > 0) of_field.tolerance = 0.0;
-  std::vector<float> feature_normals;
+  Features features;
   if (of_field.tolerance > 0.0) {
-    feature_normals = surface->visible ? compute_feature_normals(mesh, *surface->visible)
-                                       : compute_feature_normals(mesh);
+    features =
+        surface->visible ? compute_features(mesh, *surface->visible) : compute_features(mesh);
   }
-  FieldBuilder builder(surface->mesh, of_surface, of_field, inside, progress,
-                       std::move(feature_normals));
+  FieldBuilder builder(surface->mesh, of_surface, of_field, inside, progress, std::move(features));
   GridFieldData data = begin_data(mesh, grid);
   data.sign = report;
   if (auto stopped = builder.build(data)) return *std::move(stopped);

@@ -10,8 +10,8 @@ namespace voxshell {
 
 /// The normals of places of a surface, which tell its inside from its outside: the means of the
 /// normals of the triangles there, weighted by their angles (Baerentzen and Aanaes 2005). Triangles
-/// are found by place, so that the corner of one may lie amid the side of another. The mesh outlives
-/// this.
+/// are found by place, so that the corner of one may lie amid the side of another. The mesh
+/// outlives this.
 class AngleNormals {
  public:
   /// `rounding`: triangles this near to a place, metres, meet there.

@@ -84,7 +84,8 @@ class BoxFinder {
 inline std::vector<Bounds> bound_triangles(const TriangleMesh& mesh) {
   std::vector<Bounds> boxes;
   boxes.reserve(mesh.triangles().size());
-  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) boxes.push_back(bound_triangle(mesh.corners(i)));
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i)
+    boxes.push_back(bound_triangle(mesh.corners(i)));
   return boxes;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -144,14 +145,15 @@ std::vector<bool> find_wrongly_turned(const TriangleMesh& mesh) {
   return is_wrong;
 }
 
-bool is_balanced(const TriangleMesh& mesh) {
+/// By how many triangles more run one way along edges than the other, over all edges.
+std::size_t count_unbalanced(std::span<const Triangle> triangles) {
   struct Side {
     std::uint32_t low, high;
     int way;
   };
   std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles().size());
-  for (const Triangle& t : mesh.triangles()) {
+  sides.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       const std::uint32_t from = t[i];
       const std::uint32_t to = t[(i + 1) % t.size()];
@@ -161,6 +163,7 @@ bool is_balanced(const TriangleMesh& mesh) {
   std::ranges::sort(sides, [](const Side& a, const Side& b) {
     return a.low != b.low ? a.low < b.low : a.high < b.high;
   });
+  std::size_t count = 0;
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     int sum = 0;
     for (; end < sides.size() && sides[end].low == sides[begin].low &&
@@ -168,9 +171,9 @@ bool is_balanced(const TriangleMesh& mesh) {
          ++end) {
       sum += sides[end].way;
     }
-    if (sum != 0) return false;
+    count += static_cast<std::size_t>(std::abs(sum));
   }
-  return true;
+  return count;
 }
 
 }  // namespace
@@ -179,17 +182,21 @@ RepairedMesh take_as_it_is(TriangleMesh mesh) {
   RepairedMesh repaired{.mesh = std::move(mesh), .found = {}};
   repaired.found = repaired.mesh.compute_defects();
   repaired.is_closed = repaired.found.is_closed();
-  repaired.is_balanced = repaired.is_closed || is_balanced(repaired.mesh);
+  repaired.is_balanced = repaired.is_closed || count_unbalanced(repaired.mesh.triangles()) == 0;
   return repaired;
 }
 
 RepairedMesh repair_mesh(const TriangleMesh& mesh) {
   RepairedMesh repaired = take_as_it_is(mesh);
   if (repaired.is_closed) return repaired;
-  const std::vector<Triangle> distinct = drop_copies(mesh.triangles());
+  std::vector<Triangle> distinct = drop_copies(mesh.triangles());
+  // Parts that lie side by side may share such a triangle, and would be open without it.
+  if (count_unbalanced(distinct) > count_unbalanced(mesh.triangles())) {
+    distinct.assign(mesh.triangles().begin(), mesh.triangles().end());
+  }
   // Vertices of copies are those of the first: none is left without a triangle.
-  auto changed = TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()},
-                                          distinct);
+  auto changed =
+      TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()}, distinct);
   if (!changed) return repaired;
   std::vector<Triangle> triangles = distinct;
   const std::vector<bool> is_wrong = find_wrongly_turned(*changed);

@@ -161,14 +161,19 @@ class SurfaceCutter::Division {
     return Cut{cut.from + begin * way, cut.from + end * way};
   }
 
-  /// The part of the polygon that lies above a line in its plane.
-  static Polygon keep_above(const Polygon& polygon, const Vec3& origin, const Vec3& up) {
+  /// The part of the polygon that lies above a line in its plane. Corners on the line stay what
+  /// they are, so that no two corners are at the same place.
+  Polygon keep_above(const Polygon& polygon, const Vec3& origin, const Vec3& up) const {
+    const auto height_of = [&](const Vec3& p) {
+      const double height = dot(p - origin, up);
+      return std::abs(height) <= 0.5 * cutter_.rounding_ ? 0.0 : height;
+    };
     Polygon kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Vec3& a = polygon[i];
       const Vec3& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
-      const double above = dot(a - origin, up);
-      const double then = dot(b - origin, up);
+      const double above = height_of(a);
+      const double then = height_of(b);
       if (above >= 0.0) kept.push_back(a);
       if (above * then < 0.0) kept.push_back(a + above / (above - then) * (b - a));
     }

@@ -72,7 +72,7 @@ class SurfaceCutter {
   std::vector<Cut> find_cuts(std::uint32_t triangle) const;
 
   double rounding_;
-  double aside_;     ///< how far off the surface its sides are looked at
+  double aside_;  ///< how far off the surface its sides are looked at
   WindingNumberTree winding_;
   std::vector<Triangle> triangles_;
   std::vector<std::array<Vec3, 3>> corners_;  ///< of the triangles

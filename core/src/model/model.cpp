@@ -192,8 +192,8 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
 
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh given, const ModelSettings& settings,
                                                   const Progress& progress) {
-  RepairedMesh repaired = settings.sign == SignMethod::kClosed ? take_as_it_is(std::move(given))
-                                                               : repair_mesh(given);
+  RepairedMesh repaired =
+      settings.sign == SignMethod::kClosed ? take_as_it_is(std::move(given)) : repair_mesh(given);
   const auto opened = close_mesh(repaired, settings);
   if (!opened) return opened.error();
   TriangleMesh& mesh = repaired.mesh;

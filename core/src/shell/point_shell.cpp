@@ -410,13 +410,12 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const VisibleSurf
   double spacing = density.coarsest;
   for (int step = 0; step <= finest; ++step, spacing = Density::refine(spacing)) {
     stage.set_part(static_cast<double>(step) / (finest + 1), (step + 1.0) / (finest + 1));
-    const auto part =
-        visible != nullptr
-            ? extract(visible->mesh,
-                      [&](std::size_t i) {
-                        return density.steps[visible->triangles[i].triangle] == step;
-                      })
-            : extract(mesh, [&](std::size_t i) { return density.steps[i] == step; });
+    const auto part = visible != nullptr
+                          ? extract(visible->mesh,
+                                    [&](std::size_t i) {
+                                      return density.steps[visible->triangles[i].triangle] == step;
+                                    })
+                          : extract(mesh, [&](std::size_t i) { return density.steps[i] == step; });
     if (!part) continue;
     const std::size_t limit = std::min(settings.point_limit, PointShellSettings::kMostPoints);
     const double expected = compute_passed_area(*part, {}) / (spacing * spacing);

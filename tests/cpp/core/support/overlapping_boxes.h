@@ -28,8 +28,8 @@ struct BoxUnion {
   Soup soup() const {
     Soup all;
     for (const Box& box : boxes) {
-      all = together(all, moved(make_box(0.5 * (box.upper - box.lower)),
-                                0.5 * (box.lower + box.upper)));
+      all = together(all,
+                     moved(make_box(0.5 * (box.upper - box.lower)), 0.5 * (box.lower + box.upper)));
     }
     return all;
   }
@@ -114,12 +114,13 @@ inline BoxUnion make_two_boxes() {
 /// A rod pierces a cube: its long sides are hidden in their middle alone, and it passes through the
 /// middles of the cube's.
 inline BoxUnion make_pierced_box() {
-  return {{{{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}},
-           {{-0.14, 0.009, 0.004}, {0.16, 0.017, 0.01}}}};
+  return {
+      {{{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}}, {{-0.14, 0.009, 0.004}, {0.16, 0.017, 0.01}}}};
 }
 /// The side of a small box lies on that of a large one.
 inline BoxUnion make_touching_boxes() {
-  return {{{{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}}, {{0.05, -0.015, -0.02}, {0.09, 0.03, 0.03}}}};
+  return {
+      {{{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}}, {{0.05, -0.015, -0.02}, {0.09, 0.03, 0.03}}}};
 }
 /// Side by side, and deeper in one another by half a millimeter than beside one another.
 inline BoxUnion make_shallow_boxes() {
