@@ -399,16 +399,24 @@ def _warn_of_faults(core: CoreModel, open_as: str) -> None:
     if grid.was_turned:
         warnings.warn("mesh is inside out as a whole; it was turned", MeshWarning, stacklevel=3)
     openings = _describe_openings(core, open_as)
+    open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
+    place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
     if grid.sign_method == "closed":
         if openings:
             warnings.warn(f"mesh is open: {openings}", MeshWarning, stacklevel=3)
+        elif flipped or non_manifold:
+            warnings.warn(
+                f"mesh has {flipped} wrongly oriented and {non_manifold} non-manifold edges (first near "
+                f"[{place}] metres); its triangles were turned to face outwards, and repeated ones left "
+                "out; the model's mesh is closed",
+                MeshWarning,
+                stacklevel=3,
+            )
         return
-    open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
-    place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
     warnings.warn(
         f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
         f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
-        f"{hidden} triangles inside others (first near [{place}] metres); winding numbers tell what "
+        f"{hidden} triangles wholly or partly inside others (first near [{place}] metres); winding numbers tell what "
         f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
         f"sign='winding' to take it as it is{openings and '; '}{openings}",
         MeshWarning,

@@ -15,6 +15,8 @@
 
 namespace voxshell {
 
+struct VisibleSurface;
+
 struct PointShellSettings {
   static constexpr std::size_t kMostPoints = std::size_t{1} << 28;
 
@@ -53,6 +55,9 @@ class PointShell {
   /// Errors: kInvalidArgument, kTooLarge, kCancelled.
   static Result<PointShell> build(const TriangleMesh& mesh, const PointShellSettings& settings,
                                   const Progress& progress = {});
+  /// Only of what is visible of the mesh; null: of all.
+  static Result<PointShell> build(const TriangleMesh& mesh, const VisibleSurface* visible,
+                                  const PointShellSettings& settings, const Progress& progress);
 
   /// What the functions below return.
   struct Parts {

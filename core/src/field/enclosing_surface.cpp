@@ -19,38 +19,31 @@ using simd::kBrickCells;
 
 constexpr std::string_view kStage = "distance field";
 constexpr std::size_t kNodes = kBrickCells + 1;
-/// How far from a triangle its sides are looked at, of the mesh's longest side.
-constexpr double kAside = 1e-5;
 /// How large the specks are, voxels.
 constexpr double kSpeck = 1e-3;
 
-/// What lies on the two sides of a triangle.
-struct Sides {
-  bool is_hidden = false;  ///< inside on both
-  bool is_clear = true;    ///< of neither is it in doubt whether it is inside
-};
+/// What is known of a triangle.
+struct Look {
+  SurfaceSides sides;                       ///< at its middle
+  bool is_hidden = false;                   ///< as a whole
+  std::vector<std::array<Vec3, 3>> pieces;  ///< what is visible of it, where that is a part
 
-Sides look_at_sides(const std::array<Vec3, 3>& corners, const InsideByWindingNumbers& inside,
-                    double aside) {
-  const auto& [a, b, c] = corners;
-  const Vec3 normal = normalized(cross(b - a, c - a));
-  const Vec3 centre = (a + b + c) / 3.0;
-  const double front = inside.compute_number(centre + aside * normal);
-  const double back = inside.compute_number(centre - aside * normal);
-  return {front > 0.5 && back > 0.5,
-          std::abs(front - 0.5) >= kUnsure && std::abs(back - 0.5) >= kUnsure};
-}
+  /// Of neither side is it in doubt whether it is inside.
+  bool is_clear() const {
+    return std::abs(sides.front - 0.5) >= kUnsure && std::abs(sides.back - 0.5) >= kUnsure;
+  }
+};
 
 /// The winding number jumps by one across the surface: from about 0 to 1 where it encloses
 /// something, from -1/2 to 1/2 where it is a sheet.
-double measure_confidence(const TriangleMesh& mesh, const std::vector<Sides>& sides) {
+double measure_confidence(const TriangleMesh& mesh, const std::vector<Look>& looks) {
   double clear = 0.0;
   double all = 0.0;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
+  for (std::size_t i = 0; i < looks.size(); ++i) {
     const auto [a, b, c] = mesh.corners(i);
     const double area = length(cross(b - a, c - a));
     all += area;
-    if (sides[i].is_clear) clear += area;
+    if (looks[i].is_clear()) clear += area;
   }
   return all > 0.0 ? clear / all : 0.0;
 }
@@ -139,40 +132,65 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
 
 }  // namespace
 
-std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
-                                                       const BrickGrid& grid,
-                                                       const InsideByWindingNumbers& inside,
-                                                       double least_confidence, unsigned threads,
-                                                       const Progress& progress) {
+std::optional<EnclosingSurface> find_enclosing_surface(
+    const TriangleMesh& mesh, const std::shared_ptr<const SurfaceCutter>& cutter,
+    const BrickGrid& grid, const InsideByWindingNumbers& inside, double least_confidence,
+    unsigned threads, const Progress& progress) {
   const double h = grid.voxel_size;
   const std::size_t count = mesh.triangles().size();
-  std::vector<Sides> sides(count);
-  const double aside = kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()];
-  constexpr std::size_t kChunk = 64;
-  const auto look = [&](std::size_t chunk) {
-    for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-      sides[i] = look_at_sides(mesh.corners(i), inside, aside);
-    }
+  std::vector<Look> looks(count);
+  const auto for_triangles = [&](const auto& visit) {
+    constexpr std::size_t kChunk = 64;
+    return parallel_for((count + kChunk - 1) / kChunk, threads, kStage, progress,
+                        [&](std::size_t chunk) {
+                          const std::size_t end = std::min(count, (chunk + 1) * kChunk);
+                          for (std::size_t i = chunk * kChunk; i < end; ++i) {
+                            visit(static_cast<std::uint32_t>(i));
+                          }
+                        });
   };
-  if (!parallel_for((count + kChunk - 1) / kChunk, threads, kStage, progress, look)) {
+  if (!for_triangles([&](std::uint32_t i) { looks[i].sides = cutter->look_at(i); })) {
     return std::nullopt;
   }
   EnclosingSurface surface;
-  surface.confidence = measure_confidence(mesh, sides);
+  surface.confidence = measure_confidence(mesh, looks);
   if (surface.confidence < least_confidence) return surface;
+  const auto cut = [&](std::uint32_t i) {
+    Look& look = looks[i];
+    look.is_hidden = look.sides.is_hidden();
+    if (!look.sides.is_surely_hidden_or_not() || cutter->is_crossed(i)) {
+      look.pieces = cutter->cut(i, h, look.is_hidden);
+    }
+  };
+  if (!for_triangles(cut)) return std::nullopt;
   std::vector<Vec3> vertices(mesh.vertices().begin(), mesh.vertices().end());
   std::vector<Triangle> triangles;
+  std::vector<VisibleTriangle> visible;
   std::vector<std::array<Vec3, 3>> open = find_faulty_edges(mesh);
   for (std::size_t i = 0; i < count; ++i) {
-    if (!sides[i].is_clear) open.push_back(mesh.corners(i));
-    if (sides[i].is_hidden) {
-      ++surface.hidden_triangles;
-    } else {
-      triangles.push_back(mesh.triangles()[i]);
+    const auto corners = mesh.corners(i);
+    if (!looks[i].is_clear()) open.push_back(corners);
+    if (looks[i].is_hidden || !looks[i].pieces.empty()) {
+      if (surface.hidden_triangles++ == 0) {
+        surface.first_hidden = (corners[0] + corners[1] + corners[2]) / 3.0;
+      }
     }
+    for (const auto& piece : looks[i].pieces) {
+      const auto first = static_cast<std::uint32_t>(vertices.size());
+      vertices.insert(vertices.end(), piece.begin(), piece.end());
+      triangles.push_back({first, first + 1, first + 2});
+      visible.push_back({static_cast<std::uint32_t>(i), false});
+    }
+    if (looks[i].is_hidden || !looks[i].pieces.empty()) continue;
+    triangles.push_back(mesh.triangles()[i]);
+    visible.push_back({static_cast<std::uint32_t>(i), true});
   }
   auto kept = TriangleMesh::create(vertices, triangles);
   if (!kept) return std::nullopt;
+  if (surface.hidden_triangles > 0) {
+    if (kept->triangles().size() != visible.size()) return std::nullopt;  // none lost a corner
+    surface.visible = VisibleSurface{*kept, std::move(visible), cutter};
+  }
 
   const DistanceTree tree(*kept, grid.origin, h, threads);
   // The limit leaves the mesh at such places; from there it is followed from brick to brick.

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 
 #include "field/brick_grid.h"
 #include "field/inside.h"
+#include "mesh/surface_cutter.h"
 #include "voxshell/progress.h"
 #include "voxshell/triangle_mesh.h"
 
@@ -12,18 +14,20 @@ namespace voxshell {
 
 /// The boundary of what a mesh has inside by its winding numbers.
 struct EnclosingSurface {
-  TriangleMesh mesh;  ///< the mesh's own triangles that bound it, and specks where holes are closed
-  std::size_t hidden_triangles = 0;  ///< left out: inside on both sides
+  TriangleMesh mesh;  ///< what of the mesh bounds it, and specks where holes are closed
+  /// What of the mesh bounds it, where that is not all of the mesh.
+  std::optional<VisibleSurface> visible;
+  std::size_t hidden_triangles = 0;  ///< inside on both sides, wholly or in part
+  Vec3 first_hidden{};               ///< the middle of the first of them, metres
   std::size_t caps = 0;              ///< specks, about one a voxel of the surface across holes
   double confidence = 0.0;  ///< share of the mesh's area that has no doubtful place on either side
 };
 
 /// Without a value where progress asked to stop, or where nothing is inside. Where the confidence
-/// is below `least_confidence`, that is all there is.
-std::optional<EnclosingSurface> find_enclosing_surface(const TriangleMesh& mesh,
-                                                       const BrickGrid& grid,
-                                                       const InsideByWindingNumbers& inside,
-                                                       double least_confidence, unsigned threads,
-                                                       const Progress& progress);
+/// is below `least_confidence`, that is all there is. `cutter` is that of the mesh.
+std::optional<EnclosingSurface> find_enclosing_surface(
+    const TriangleMesh& mesh, const std::shared_ptr<const SurfaceCutter>& cutter,
+    const BrickGrid& grid, const InsideByWindingNumbers& inside, double least_confidence,
+    unsigned threads, const Progress& progress);
 
 }  // namespace voxshell

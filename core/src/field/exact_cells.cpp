@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "field/brick_plan.h"
+#include "mesh/angle_normals.h"
 #include "mesh/closest_point.h"
 #include "simd/exact_formula.h"
 #include "simd/exact_view.h"
@@ -61,47 +62,6 @@ Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
 /// by machine, in what is stored: only weights depend on it.
 double angle_between(const Vec3& u, const Vec3& v) {
   return std::atan2(length(cross(u, v)), dot(u, v));
-}
-
-/// See simd/exact_view.h.
-std::vector<float> compute_feature_normals(const TriangleMesh& mesh) {
-  const auto triangles = mesh.triangles();
-  std::vector<Vec3> of_vertices(mesh.vertices().size());
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const Vec3 normal = unit_normal(mesh, i);
-    const auto corners = mesh.corners(i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double angle =
-          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
-      of_vertices[triangles[i][k]] += angle * normal;
-      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
-      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
-    }
-  }
-  std::ranges::sort(edges);
-  std::vector<Vec3> edge_normals(3 * triangles.size());
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin;
-    Vec3 sum{};
-    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
-      sum += unit_normal(mesh, edges[end].second / 3);
-    }
-    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
-  }
-  std::vector<float> normals;
-  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const auto append = [&](const Vec3& normal) {
-      const auto n = static_cast<Vec3f>(normal);
-      normals.insert(normals.end(), {n.x, n.y, n.z});
-    };
-    append(unit_normal(mesh, i));
-    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
-    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
-  }
-  return normals;
 }
 
 /// See simd/exact_view.h.
@@ -184,6 +144,98 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
 
 }  // namespace
 
+Features compute_features(const TriangleMesh& mesh) {
+  const auto triangles = mesh.triangles();
+  std::vector<Vec3> of_vertices(mesh.vertices().size());
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Vec3 normal = unit_normal(mesh, i);
+    const auto corners = mesh.corners(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle =
+          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+      of_vertices[triangles[i][k]] += angle * normal;
+      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
+      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
+    }
+  }
+  std::ranges::sort(edges);
+  std::vector<Vec3> edge_normals(3 * triangles.size());
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin;
+    Vec3 sum{};
+    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
+      sum += unit_normal(mesh, edges[end].second / 3);
+    }
+    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
+  }
+  std::vector<float> normals;
+  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const auto append = [&](const Vec3& normal) {
+      const auto n = static_cast<Vec3f>(normal);
+      normals.insert(normals.end(), {n.x, n.y, n.z});
+    };
+    append(unit_normal(mesh, i));
+    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
+    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
+  }
+  return {.normals = std::move(normals)};
+}
+
+/// The outward normal of a side of a piece, between two corners. What meets the piece there may
+/// change along it: that which bends most tells the sides of all.
+Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
+                         const Vec3& to) {
+  Vec3 normal = face;
+  for (const double share : {0.5, 0.1, 0.3, 0.7, 0.9}) {
+    const Vec3 here = normalized(around.compute(from + share * (to - from)));
+    if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
+  }
+  return normal;
+}
+
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible) {
+  const Features of_mesh = compute_features(mesh);
+  // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
+  std::vector<bool> is_whole(mesh.triangles().size(), false);
+  for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
+  std::vector<bool> is_cut_at(mesh.vertices().size(), false);
+  for (std::size_t i = 0; i < is_whole.size(); ++i) {
+    for (const std::uint32_t vertex : mesh.triangles()[i]) {
+      if (!is_whole[i]) is_cut_at[vertex] = true;
+    }
+  }
+  const AngleNormals around(visible.mesh, visible.cutter->rounding());
+  Features features;
+  features.normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
+  const auto append = [&](const Vec3& normal) {
+    const auto n = static_cast<Vec3f>(normal);
+    features.normals.insert(features.normals.end(), {n.x, n.y, n.z});
+  };
+  for (std::size_t i = 0; i < visible.triangles.size(); ++i) {
+    const VisibleTriangle& of = visible.triangles[i];
+    const Triangle& t = mesh.triangles()[of.triangle];
+    const bool is_clear = of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]];
+    features.is_in_doubt.push_back(!is_clear);
+    if (is_clear) {
+      const auto from = of_mesh.normals.begin() +
+                        static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
+      features.normals.insert(features.normals.end(), from, from + simd::kFeatureNormalFloats);
+      continue;
+    }
+    const auto corners = visible.mesh.corners(i);
+    const Vec3 face = unit_normal(mesh, of.triangle);
+    append(face);
+    for (std::size_t k = 0; k < 3; ++k) {
+      append(compute_side_normal(around, face, corners[k], corners[(k + 1) % 3]));
+    }
+    for (const Vec3& corner : corners) append(around.compute(corner));
+  }
+  return features;
+}
+
 struct ExactCellFinder::Job {
   Vec3 origin;  ///< of the brick, metres
   std::span<const float> nodes;
@@ -200,13 +252,13 @@ struct ExactCellFinder::Job {
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
-                                 const DistanceTree& tree, double tolerance)
+                                 const DistanceTree& tree, double tolerance, Features features)
     : mesh_(mesh),
       grid_(grid),
       tree_(tree),
       tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
       records_(make_records(mesh)),
-      feature_normals_(compute_feature_normals(mesh)) {}
+      features_(std::move(features)) {}
 
 ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const float> nodes,
                                              Work& work) const {
@@ -325,6 +377,48 @@ void ExactCellFinder::divide(Job& job, const Cube& cube, std::span<const std::ui
   decide(job, cube, std::move(kept), brick);
 }
 
+/// Whether distances whose signs are in doubt change no faster than places do, and agree with the
+/// samples at the corners of the cell. Looked at on a lattice.
+bool ExactCellFinder::is_continuous(const Job& job, const Cube& cell,
+                                    std::span<const std::uint32_t> triangles) const {
+  if (features_.is_in_doubt.empty() ||
+      std::ranges::none_of(triangles, [&](auto i) { return features_.is_in_doubt[i]; })) {
+    return true;
+  }
+  const simd::portable::ListedTriangles list{triangles.data(),
+                                             static_cast<std::uint32_t>(triangles.size()),
+                                             records_.data(), features_.normals.data()};
+  constexpr int kSteps = 4;
+  constexpr int kPlaces = kSteps + 1;
+  constexpr float kJump = 0.02f;  // voxels
+  std::array<float, cube(kPlaces)> distances{};
+  for (int z = 0; z < kPlaces; ++z) {
+    for (int y = 0; y < kPlaces; ++y) {
+      for (int x = 0; x < kPlaces; ++x) {
+        const Vec3 offset{1.0 * x / kSteps, 1.0 * y / kSteps, 1.0 * z / kSteps};
+        const Vec3 first{1.0 * cell.first[0], 1.0 * cell.first[1], 1.0 * cell.first[2]};
+        const auto p = static_cast<Vec3f>(job.origin + grid_.voxel_size * (first + offset));
+        const float distance = simd::portable::evaluate_triangles(list, p.x, p.y, p.z).distance /
+                               static_cast<float>(grid_.voxel_size);
+        distances[index_of(x, y, z, kPlaces)] = distance;
+        const auto jumps = [&](float before, float apart) {
+          return std::abs(distance - before) > apart + kJump;
+        };
+        constexpr float kApart = 1.0f / kSteps;
+        if (x > 0 && jumps(distances[index_of(x - 1, y, z, kPlaces)], kApart)) return false;
+        if (y > 0 && jumps(distances[index_of(x, y - 1, z, kPlaces)], kApart)) return false;
+        if (z > 0 && jumps(distances[index_of(x, y, z - 1, kPlaces)], kApart)) return false;
+        if (x % kSteps + y % kSteps + z % kSteps > 0) continue;
+        const float node =
+            job.nodes[index_of(cell.first[0] + x / kSteps, cell.first[1] + y / kSteps,
+                               cell.first[2] + z / kSteps, kNodes)];
+        if (jumps(node, 0.0f)) return false;
+      }
+    }
+  }
+  return true;
+}
+
 /// What samples are worth in a cell.
 struct ExactCellFinder::Look {
   float proved = 0.0f;     ///< no place of the cell is off by more, voxels
@@ -377,7 +471,7 @@ ExactCellFinder::Look ExactCellFinder::look_at_parts(const Job& job, const Cube&
   job.work.distances.resize(8 * triangles.size());
   const simd::portable::ListedTriangles list{triangles.data(),
                                              static_cast<std::uint32_t>(triangles.size()),
-                                             records_.data(), feature_normals_.data()};
+                                             records_.data(), features_.normals.data()};
   Look look;
   for (int first = 0; first < count; first += simd::kBlockTriangles) {
     std::array<float, 24> places{};
@@ -457,14 +551,15 @@ void ExactCellFinder::decide(const Job& job, const Cube& cell, std::vector<std::
     look = look_at_parts(job, cell, 3, triangles);
     look.is_off |= was_off;
   }
-  const bool is_exact = triangles.size() <= simd::kMostInList &&
-                        (look.is_off || (is_passed && look.proved > kMostProved * tolerance_) ||
-                         (look.is_folded && is_wall_lost(job, cell, triangles)));
-  if (is_exact) {
+  const bool should_be_exact = look.is_off ||
+                               (is_passed && look.proved > kMostProved * tolerance_) ||
+                               (look.is_folded && is_wall_lost(job, cell, triangles));
+  const bool has_signs = is_continuous(job, cell, triangles);
+  if (should_be_exact && has_signs && triangles.size() <= simd::kMostInList) {
     brick.cells.push_back(static_cast<std::uint16_t>(index));
     brick.lists.push_back(std::move(triangles));
   } else if (is_passed) {
-    brick.error = std::max(brick.error, look.proved);
+    brick.error = std::max(brick.error, has_signs ? look.proved : kUnknown);
   }
 }
 
@@ -526,7 +621,7 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
     }
   };
   copy(records_, simd::kTriangleFloats, exact.triangles);
-  copy(feature_normals_, simd::kFeatureNormalFloats, exact.feature_normals);
+  copy(features_.normals, simd::kFeatureNormalFloats, exact.feature_normals);
   for (std::uint32_t& triangle : exact.listed) {
     triangle = static_cast<std::uint32_t>(std::ranges::lower_bound(used, triangle) - used.begin());
   }

@@ -8,18 +8,32 @@
 
 #include "field/brick_grid.h"
 #include "mesh/distance_tree.h"
+#include "mesh/surface_cutter.h"
 #include "voxshell/grid_field.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
 
+/// What tells inside from outside where a triangle is nearest.
+struct Features {
+  std::vector<float> normals;  ///< of the triangles' features, see simd/exact_view.h
+  /// Of what is visible of a mesh: triangles that were cut, or have such beside them, whose normals
+  /// are found by place, and may be wrong where several parts meet. Empty: there are none.
+  std::vector<bool> is_in_doubt = {};
+};
+
+/// Of a closed mesh.
+Features compute_features(const TriangleMesh& mesh);
+
+/// Of what is visible of a closed mesh.
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible);
+
 /// Finds the fine cells that samples cannot follow, and the triangles that are nearest in them.
-/// Of closed meshes: the normals of triangles, edges and corners tell inside from outside.
 class ExactCellFinder {
  public:
-  /// `tolerance` in metres; all three outlive this.
+  /// `tolerance` in metres, `features` of the mesh; the first three outlive this.
   ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
-                  double tolerance);
+                  double tolerance, Features features);
 
   /// The exact cells of one brick and their lists of triangles, ascending.
   struct Brick {
@@ -57,13 +71,15 @@ class ExactCellFinder {
                      std::vector<std::uint32_t>& triangles) const;
   bool is_wall_lost(const Job& job, const Cube& cell,
                     std::span<const std::uint32_t> triangles) const;
+  bool is_continuous(const Job& job, const Cube& cell,
+                     std::span<const std::uint32_t> triangles) const;
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;
   const DistanceTree& tree_;
   float tolerance_;             ///< voxels
   std::vector<float> records_;  ///< of triangles; see simd/exact_view.h
-  std::vector<float> feature_normals_;
+  Features features_;
 };
 
 }  // namespace voxshell

@@ -70,7 +70,7 @@ double find_least_magnitude(std::span<const float> nodes, double size) {
 
 FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
                            const GridFieldSettings& settings, const Inside& inside,
-                           const Progress& progress)
+                           const Progress& progress, Features features)
     : mesh_(mesh),
       grid_(plan.grid),
       least_cells_(plan.least_cells),
@@ -79,7 +79,9 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
       progress_(progress),
       flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
       tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {
-  if (settings.tolerance > 0.0) exact_.emplace(mesh, plan.grid, tree_, settings.tolerance);
+  if (settings.tolerance > 0.0) {
+    exact_.emplace(mesh, plan.grid, tree_, settings.tolerance, std::move(features));
+  }
 }
 
 std::optional<Error> FieldBuilder::build(GridFieldData& data) {

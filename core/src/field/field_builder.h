@@ -37,8 +37,10 @@ struct OverlapCount {
 /// Fills the bricks of a field with the distances to a mesh, signed as `inside` says.
 class FieldBuilder {
  public:
+  /// `features` of the mesh are needed where a tolerance is given.
   FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
-               const GridFieldSettings& settings, const Inside& inside, const Progress& progress);
+               const GridFieldSettings& settings, const Inside& inside, const Progress& progress,
+               Features features);
 
   /// What stopped it, if anything did: kCancelled, kTooLarge, and kInvalidMesh where overlap() is
   /// not empty, which is seen as early as can be.

@@ -1,11 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/text.h"
 #include "field/brick_grid.h"
+#include "field/build_grid_field.h"
 #include "field/enclosing_surface.h"
 #include "field/field_builder.h"
 #include "field/inside.h"
@@ -42,7 +47,8 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
                                                 .rows_z = kBrickCells * grid.bricks[2] + 1});
   if (!winding) return winding.error();
   const InsideByRows inside(grid, *winding);
-  FieldBuilder builder(mesh, plan, settings, inside, progress);
+  FieldBuilder builder(mesh, plan, settings, inside, progress,
+                       settings.tolerance > 0.0 ? compute_features(mesh) : Features{});
   GridFieldData data = begin_data(mesh, grid);
   if (auto stopped = builder.build(data)) {
     report.overlaps = builder.overlap().places;
@@ -53,8 +59,12 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
   return data;
 }
 
-Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGridPlan& plan,
-                                       const GridFieldSettings& settings, SignReport& report,
+/// `visible` becomes what of the mesh bounds the body, where that is not all of it. `is_balanced`
+/// says that the mesh has no openings.
+Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balanced,
+                                       const std::shared_ptr<const SurfaceCutter>& cutter,
+                                       const BrickGridPlan& plan, const GridFieldSettings& settings,
+                                       SignReport& report, std::optional<VisibleSurface>& visible,
                                        const Progress& progress) {
   const Error no_volume{
       ErrorCode::kInvalidMesh,
@@ -66,15 +76,14 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGrid
                   format_point(report.defects.first_location).c_str())};
   const Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
   const BrickGrid& grid = plan.grid;
-  const WindingNumberTree winding(mesh);
-  const InsideByWindingNumbers inside(grid, mesh.bounds(), winding, report.was_turned ? -1.0 : 1.0);
+  const InsideByWindingNumbers inside(grid, mesh.bounds(), *cutter);
   bool was_stopped = false;
   const Progress watched = [&](std::string_view stage, double /*fraction*/) {
     was_stopped = was_stopped || (progress && !progress(stage, 0.0));
     return !was_stopped;
   };
-  auto surface =
-      find_enclosing_surface(mesh, grid, inside, kLeastConfidence, settings.threads, watched);
+  auto surface = find_enclosing_surface(mesh, cutter, grid, inside, kLeastConfidence,
+                                        settings.threads, watched);
   if (!surface) return was_stopped ? cancelled : no_volume;
   report.confidence = surface->confidence;
   if (report.confidence < kLeastConfidence) {
@@ -91,24 +100,33 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, const BrickGrid
   // In a cell that the limit of the inside cuts it crosses an edge.
   report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
   const BrickGridPlan of_surface{grid, find_least_cells(surface->mesh, grid)};
-  // Only of closed meshes do the normals of edges and corners tell inside from outside.
-  GridFieldSettings samples_alone = settings;
-  samples_alone.tolerance = 0.0;
-  FieldBuilder builder(surface->mesh, of_surface, samples_alone, inside, progress);
+  // Only of closed surfaces do the normals of edges and corners tell inside from outside.
+  GridFieldSettings of_field = settings;
+  if (!is_balanced || surface->caps > 0) of_field.tolerance = 0.0;
+  Features features;
+  if (of_field.tolerance > 0.0) {
+    features =
+        surface->visible ? compute_features(mesh, *surface->visible) : compute_features(mesh);
+  }
+  FieldBuilder builder(surface->mesh, of_surface, of_field, inside, progress, std::move(features));
   GridFieldData data = begin_data(mesh, grid);
   data.sign = report;
   if (auto stopped = builder.build(data)) return *std::move(stopped);
   if (builder.overlap().inside == 0) return no_volume;
   report.method = SignMethod::kWinding;
   report.hidden_triangles = surface->hidden_triangles;
+  if (report.overlaps == 0 && report.defects.is_closed()) {
+    report.first_location = surface->first_hidden;
+  }
+  visible = std::move(surface->visible);
   return data;
 }
 
 }  // namespace
 
-Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,
-                                   const Progress& whole_progress) {
-  const auto plan = plan_brick_grid(mesh, settings);
+Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFieldSettings& settings,
+                                    const Progress& whole_progress) {
+  const auto plan = plan_brick_grid(repaired.mesh, settings);
   if (!plan) return plan.error();
   // Where a mesh turns out not to be what it was taken for, the work begins again.
   double reported = 0.0;
@@ -120,23 +138,45 @@ Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSett
     };
   }
   SignReport report;
-  const auto finish = [&](Result<GridFieldData> data) -> Result<GridField> {
+  std::shared_ptr<const SurfaceCutter> cutter;
+  std::optional<VisibleSurface> visible;
+  const auto finish = [&](Result<GridFieldData> data) -> Result<BuiltField> {
     if (!data) return data.error();
     data->sign = report;
-    return GridField(*std::move(data));
+    return BuiltField{GridField(*std::move(data)), std::move(visible)};
   };
   if (settings.sign == SignMethod::kClosed) {
-    return finish(build_closed(mesh, *plan, settings, report, progress));
+    return finish(build_closed(repaired.mesh, *plan, settings, report, progress));
   }
-  report.defects = mesh.compute_defects();
+  report.defects = repaired.found;
   report.first_location = report.defects.first_location;
-  report.was_turned = mesh.compute_volume() < 0.0;
-  if (settings.sign == SignMethod::kAutomatic && report.defects.is_closed()) {
-    auto data =
-        build_closed(report.was_turned ? mesh.turned() : mesh, *plan, settings, report, progress);
-    if (data || data.error().code != ErrorCode::kInvalidMesh) return finish(std::move(data));
+  report.was_turned = repaired.mesh.compute_volume() < 0.0;
+  const std::optional<TriangleMesh> turned =
+      report.was_turned ? std::optional(repaired.mesh.turned()) : std::nullopt;
+  const TriangleMesh& mesh = turned ? *turned : repaired.mesh;
+  if (settings.sign == SignMethod::kAutomatic && repaired.is_closed) {
+    auto closed = build_closed(mesh, *plan, settings, report, progress);
+    if (!closed && closed.error().code != ErrorCode::kInvalidMesh) return closed.error();
+    if (closed) {
+      // Parts may touch, or overlap by less than nodes show.
+      const std::vector<std::uint32_t> suspects = find_suspects(mesh);
+      if (suspects.empty()) return finish(std::move(closed));
+      cutter = std::make_shared<const SurfaceCutter>(mesh);
+      if (!cutter->hides_any(suspects, settings.threads)) return finish(std::move(closed));
+    }
   }
-  return finish(build_by_winding(mesh, *plan, settings, report, progress));
+  if (!cutter) cutter = std::make_shared<const SurfaceCutter>(mesh);
+  return finish(build_by_winding(mesh, repaired.is_balanced, cutter, *plan, settings, report,
+                                 visible, progress));
+}
+
+Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,
+                                   const Progress& progress) {
+  auto built = build_grid_field(
+      settings.sign == SignMethod::kClosed ? take_as_it_is(mesh) : repair_mesh(mesh), settings,
+      progress);
+  if (!built) return built.error();
+  return std::move(built->field);
 }
 
 }  // namespace voxshell

@@ -39,7 +39,7 @@ void InsideByRows::find_nodes(const std::array<std::size_t, 3>& brick,
 double InsideByWindingNumbers::compute(const Vec3& p) const {
   // From outside its bounds a mesh covers no more than half of all directions.
   if (squared_distance(bounds_, p) > 0.0) return 0.0;
-  return compute_number(p);
+  return surface_.compute_number(p);
 }
 
 void InsideByWindingNumbers::find_corners(std::size_t brick_y, std::size_t brick_z,

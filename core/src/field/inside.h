@@ -6,12 +6,9 @@
 
 #include "field/brick_grid.h"
 #include "mesh/row_winding.h"
-#include "mesh/winding_number.h"
+#include "mesh/surface_cutter.h"
 
 namespace voxshell {
-
-/// Winding numbers this near to a half leave in doubt what is inside.
-inline constexpr double kUnsure = 0.25;
 
 /// Says which nodes of a grid are inside a mesh, as the number of layers that enclose them.
 class Inside {
@@ -45,14 +42,10 @@ class InsideByRows : public Inside {
 /// nearer to one another than to the surface lie on one side of it, so that few need their own.
 class InsideByWindingNumbers : public Inside {
  public:
-  InsideByWindingNumbers(const BrickGrid& grid, const Bounds& bounds,
-                         const WindingNumberTree& winding, double orientation)
-      : grid_(grid), bounds_(bounds), winding_(winding), orientation_(orientation) {}
+  InsideByWindingNumbers(const BrickGrid& grid, const Bounds& bounds, const SurfaceCutter& surface)
+      : grid_(grid), bounds_(bounds), surface_(surface) {}
 
-  /// The winding number at a place, metres; of a mesh that is inside out, turned.
-  double compute_number(const Vec3& p) const { return orientation_ * winding_.compute(p); }
-
-  /// The same where it may be above a half, and 0 elsewhere.
+  /// The winding number at a place, metres, where it may be above a half, and 0 elsewhere.
   double compute(const Vec3& p) const;
 
   void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;
@@ -62,8 +55,7 @@ class InsideByWindingNumbers : public Inside {
  private:
   const BrickGrid& grid_;
   Bounds bounds_;
-  const WindingNumberTree& winding_;
-  double orientation_;
+  const SurfaceCutter& surface_;
 };
 
 }  // namespace voxshell

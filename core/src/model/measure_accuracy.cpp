@@ -147,9 +147,9 @@ struct Place {
 
 class Measurement {
  public:
-  Measurement(const TriangleMesh& mesh, const GridField& field, const PointShell& shell,
-              double thickness)
-      : around_(mesh), field_(field), elements_(list_elements(shell)) {
+  Measurement(const TriangleMesh& mesh, const SurfaceCutter* cutter, const GridField& field,
+              const PointShell& shell, double thickness)
+      : around_(mesh), cutter_(cutter), field_(field), elements_(list_elements(shell)) {
     const Bounds& bounds = mesh.bounds();
     double farthest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -157,9 +157,7 @@ class Measurement {
     }
     least_push_ = kLeastPush * farthest;
     most_push_ = std::min(kPushedCells * field.voxel_size(), kPushedThickness * thickness);
-    const SignReport& sign = field.sign_report();
-    may_be_hidden_ = sign.hidden_triangles > 0;
-    may_be_flipped_ = sign.method != SignMethod::kClosed;
+    may_be_flipped_ = field.sign_report().method != SignMethod::kClosed;
     choose_places();
   }
 
@@ -227,7 +225,7 @@ class Measurement {
     const std::size_t vertices = mesh.vertices().size();
     vertices_ =
         share_out(vertices, std::min(vertices, kMostVertices), [](std::size_t) { return 1.0; });
-    const std::size_t more = may_be_hidden_ ? kPlacesForHidden : 0;
+    const std::size_t more = cutter_ != nullptr ? kPlacesForHidden : 0;
     faces_ = spread_over_faces(mesh, kLeastPlaces + more - edges_.size() - vertices_.size());
   }
 
@@ -311,10 +309,7 @@ class Measurement {
 
   /// The surface there lies inside the body: meshes that overlap themselves have such parts.
   bool is_hidden(const Place& place) const {
-    if (!may_be_hidden_) return false;
-    const Vec3 off = field_.voxel_size() * place.normal;
-    return field_.distance(static_cast<Vec3f>(place.point + off)) < 0.0f &&
-           field_.distance(static_cast<Vec3f>(place.point - off)) < 0.0f;
+    return cutter_ != nullptr && cutter_->look_at(place.point, place.normal).is_hidden();
   }
 
   void measure_field(std::size_t begin, std::size_t end) {
@@ -412,11 +407,11 @@ class Measurement {
   static constexpr double kClose = 2.2;
 
   Surroundings around_;
+  const SurfaceCutter* cutter_;
   const GridField& field_;
   ShellElements elements_;
   double least_push_ = 0.0;
   double most_push_ = 0.0;
-  bool may_be_hidden_ = false;
   bool may_be_flipped_ = false;
   bool is_sharp_ = false;
   double curvature_ = 0.0;
@@ -435,8 +430,8 @@ class Measurement {
 }  // namespace
 
 Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, const PointShell& shell,
-                          double thickness, unsigned threads) {
-  return Measurement(mesh, field, shell, thickness).run(threads);
+                          double thickness, unsigned threads, const SurfaceCutter* cutter) {
+  return Measurement(mesh, cutter, field, shell, thickness).run(threads);
 }
 
 }  // namespace voxshell

@@ -6,8 +6,10 @@
 
 #include "base/text.h"
 #include "field/brick_grid.h"
+#include "field/build_grid_field.h"
 #include "field/choose_voxels.h"
 #include "mesh/openings.h"
+#include "mesh/repair.h"
 #include "mesh/thicken.h"
 #include "mesh/thickness.h"
 #include "model/measure_accuracy.h"
@@ -123,7 +125,8 @@ Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSetti
 }
 
 /// Makes a sheet of the mesh where it is to be one.
-Result<Openings> close_mesh(TriangleMesh& mesh, const ModelSettings& settings) {
+Result<Openings> close_mesh(RepairedMesh& repaired, const ModelSettings& settings) {
+  const TriangleMesh& mesh = repaired.mesh;
   Openings openings = find_openings(mesh);
   const bool decides = settings.open == OpenMesh::kAutomatic &&
                        settings.sign == SignMethod::kAutomatic && suggest_sheet(openings) &&
@@ -133,7 +136,7 @@ Result<Openings> close_mesh(TriangleMesh& mesh, const ModelSettings& settings) {
   if (!thickness) return thickness.error();
   auto solid = thicken(mesh, *thickness);
   if (!solid) return solid.error();
-  mesh = *std::move(solid);
+  repaired = take_as_it_is(*std::move(solid));
   openings.sheet_thickness = *thickness;
   return openings;
 }
@@ -187,10 +190,13 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
       thickness_(thickness),
       openings_(openings) {}
 
-Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
+Result<std::shared_ptr<const Model>> Model::build(TriangleMesh given, const ModelSettings& settings,
                                                   const Progress& progress) {
-  const auto opened = close_mesh(mesh, settings);
+  RepairedMesh repaired =
+      settings.sign == SignMethod::kClosed ? take_as_it_is(std::move(given)) : repair_mesh(given);
+  const auto opened = close_mesh(repaired, settings);
   if (!opened) return opened.error();
+  TriangleMesh& mesh = repaired.mesh;
   const Openings openings = *opened;
   const double thickness = compute_thickness(mesh);
   const auto tolerance = choose_tolerance(mesh, settings, thickness);
@@ -228,16 +234,19 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
     if (as_voxels) error.message += " (it is the voxel size where none is given)";
     return error;
   }
-  auto field = GridField::build(mesh, field_settings, progress);
-  if (!field) return field.error();
-  if (field->sign_report().was_turned) mesh = mesh.turned();
-  auto shell = PointShell::build(mesh, shell_settings, progress);
+  auto built = build_grid_field(repaired, field_settings, progress);
+  if (!built) return built.error();
+  if (built->field.sign_report().was_turned) mesh = mesh.turned();
+  const VisibleSurface* visible = built->visible ? &*built->visible : nullptr;
+  auto shell = PointShell::build(mesh, visible, shell_settings, progress);
   if (!shell) return shell.error();
 
-  const Accuracy accuracy = measure_accuracy(mesh, *field, *shell, thickness, settings.threads);
+  const Accuracy accuracy =
+      measure_accuracy(mesh, built->field, *shell, thickness, settings.threads,
+                       visible != nullptr ? visible->cutter.get() : nullptr);
   ModelSettings chosen = settings;
   chosen.tolerance = *tolerance;
-  return std::shared_ptr<const Model>(new Model(std::move(mesh), *std::move(field),
+  return std::shared_ptr<const Model>(new Model(std::move(mesh), std::move(built->field),
                                                 *std::move(shell), chosen, accuracy, thickness,
                                                 openings));
 }

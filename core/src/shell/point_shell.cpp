@@ -12,6 +12,7 @@
 #include "base/stage.h"
 #include "base/text.h"
 #include "mesh/creases.h"
+#include "mesh/surface_cutter.h"
 #include "shell/surface_voxels.h"
 
 namespace voxshell {
@@ -388,14 +389,19 @@ void drop_crowded(Sampling& sampling, std::span<const double> spacings) {
   sampling.normals.resize(count);
 }
 
-/// Samples a mesh as densely as its curvature asks for, and adds corners and edges.
-Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellSettings& settings,
-                                     Stage& stage) {
+/// Samples a mesh as densely as its curvature asks for, and adds corners and edges: what is visible
+/// of it, or all where that is null.
+Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const VisibleSurface* visible,
+                                     const PointShellSettings& settings, Stage& stage) {
   const double tolerance = settings.tolerance;
   const Creases creases = find_creases(mesh, tolerance);
   const Density density = choose_density(mesh, creases.spacings, tolerance, settings.most_points);
   Sampling sampling;
   for (const Corner& corner : creases.corners) {
+    if (visible != nullptr &&
+        visible->cutter->look_at(mesh.vertices()[corner.vertex], corner.normal).is_hidden()) {
+      continue;
+    }
     sampling.points.push_back({static_cast<Vec3f>(mesh.vertices()[corner.vertex]), 0, 0.0});
     sampling.normals.push_back(static_cast<Vec3f>(corner.normal));
   }
@@ -404,7 +410,12 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
   double spacing = density.coarsest;
   for (int step = 0; step <= finest; ++step, spacing = Density::refine(spacing)) {
     stage.set_part(static_cast<double>(step) / (finest + 1), (step + 1.0) / (finest + 1));
-    const auto part = extract(mesh, [&](std::size_t i) { return density.steps[i] == step; });
+    const auto part = visible != nullptr
+                          ? extract(visible->mesh,
+                                    [&](std::size_t i) {
+                                      return density.steps[visible->triangles[i].triangle] == step;
+                                    })
+                          : extract(mesh, [&](std::size_t i) { return density.steps[i] == step; });
     if (!part) continue;
     const std::size_t limit = std::min(settings.point_limit, PointShellSettings::kMostPoints);
     const double expected = compute_passed_area(*part, {}) / (spacing * spacing);
@@ -449,8 +460,16 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const PointShellS
   edges.reserve(creases.sharp_edges.size());
   for (std::size_t i = 0; i < creases.sharp_edges.size(); ++i) {
     const BentEdge& edge = creases.sharp_edges[i];
-    edges.push_back(
-        {mesh.vertices()[edge.from], mesh.vertices()[edge.to], creases.edge_normals[i]});
+    const Vec3& from = mesh.vertices()[edge.from];
+    const Vec3& to = mesh.vertices()[edge.to];
+    if (visible == nullptr) {
+      edges.push_back({from, to, creases.edge_normals[i]});
+      continue;
+    }
+    for (const auto& [begin, end] : visible->cutter->cut_line(from, to, creases.edge_normals[i])) {
+      const Vec3 way = to - from;
+      edges.push_back({from + begin * way, from + end * way, creases.edge_normals[i]});
+    }
   }
   if (!edges.empty()) sampling.edges = EdgeSegments::build(edges, tolerance, settings.threads);
   return sampling;
@@ -500,12 +519,20 @@ Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
 
 Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellSettings& settings,
                                      const Progress& progress) {
+  return build(mesh, nullptr, settings, progress);
+}
+
+Result<PointShell> PointShell::build(const TriangleMesh& whole, const VisibleSurface* visible,
+                                     const PointShellSettings& settings, const Progress& progress) {
+  // Creases are those of the whole mesh, whose triangles know their neighbors.
+  const bool by_tolerance = settings.tolerance != 0.0;
+  const TriangleMesh& mesh = visible != nullptr && !by_tolerance ? visible->mesh : whole;
   if (auto checked = check(mesh, settings); !checked) return checked.error();
 
   Stage stage(progress, "point shell");
   Sampling sampling;
-  if (settings.tolerance != 0.0) {
-    auto sampled = sample_by_tolerance(mesh, settings, stage);
+  if (by_tolerance) {
+    auto sampled = sample_by_tolerance(mesh, visible, settings, stage);
     if (!sampled) return sampled.error();
     sampling = *std::move(sampled);
   } else if (settings.target_points == 0) {

@@ -1,0 +1,49 @@
+#include "mesh/angle_normals.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+namespace voxshell {
+namespace {
+
+constexpr std::size_t kCorners = 3;
+std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }
+
+/// How much of the directions around a place of its plane a triangle takes up; 0 where it does not
+/// reach the place.
+double measure_angle(const std::array<Vec3, 3>& corners, const Vec3& normal, const Vec3& place,
+                     double rounding) {
+  if (std::abs(dot(place - corners[0], normal)) > rounding) return 0.0;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    if (squared_length(place - corners[i]) > rounding * rounding) continue;
+    const Vec3 u = corners[next(i)] - corners[i];
+    const Vec3 v = corners[next(next(i))] - corners[i];
+    return std::atan2(length(cross(u, v)), dot(u, v));
+  }
+  double angle = 2.0 * std::numbers::pi;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    const Vec3 inward = normalized(cross(normal, corners[next(i)] - corners[i]));
+    const double height = dot(place - corners[i], inward);
+    if (height < -rounding) return 0.0;
+    if (height <= rounding) angle = std::numbers::pi;
+  }
+  return angle;
+}
+
+}  // namespace
+
+Vec3 AngleNormals::compute(const Vec3& place) const {
+  Bounds box;
+  box.extend(place);
+  Vec3 sum{};
+  finder_.visit(widen(box, rounding_), [&](std::uint32_t triangle) {
+    const std::array<Vec3, 3> corners = mesh_.corners(triangle);
+    const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    sum += measure_angle(corners, normal, place, rounding_) * normal;
+  });
+  return sum;
+}
+
+}  // namespace voxshell

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// A mesh without what only its bookkeeping has wrong.
+struct RepairedMesh {
+  TriangleMesh mesh;
+  MeshDefects found;         ///< in the mesh as it was given
+  bool is_closed = false;    ///< now
+  bool is_balanced = false;  ///< now: at each edge as many triangles run one way as the other
+};
+
+/// Drops triangles that others repeat, facing the same way, unless that would open it, and turns
+/// triangles so that neighbors agree: of what hangs together by edges of two triangles, those of
+/// the smaller area. What cannot be oriented, as a Moebius strip, stays as it is, and so does what
+/// is inside out as a whole. A closed mesh is returned as it was given.
+RepairedMesh repair_mesh(const TriangleMesh& mesh);
+
+/// Only measures.
+RepairedMesh take_as_it_is(TriangleMesh mesh);
+
+}  // namespace voxshell

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mesh/box_finder.h"
+#include "mesh/winding_number.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// Winding numbers this near to a half leave in doubt what is inside.
+inline constexpr double kUnsure = 0.25;
+
+/// Winding numbers on the two sides of a place of the surface.
+struct SurfaceSides {
+  double front = 0.0;
+  double back = 0.0;
+
+  /// The body is on both sides: the place does not bound it.
+  bool is_hidden() const { return front > 0.5 && back > 0.5; }
+  bool is_surely_hidden_or_not() const;
+};
+
+/// A triangle of what is visible of a mesh.
+struct VisibleTriangle {
+  std::uint32_t triangle;  ///< of the mesh, that it is a piece of
+  bool is_whole;           ///< it is all of that one
+};
+
+/// Tells which parts of a mesh's surface lie inside other parts of it, and cuts these off. A
+/// triangle is cut along the triangles that cross or touch it, so that no piece is hidden in part.
+/// Keeps no reference to the mesh. Metres.
+class SurfaceCutter {
+ public:
+  explicit SurfaceCutter(const TriangleMesh& mesh);
+
+  /// What lies nearer together counts as touching, metres.
+  double rounding() const { return rounding_; }
+
+  double compute_number(const Vec3& p) const { return winding_.compute(p); }
+
+  /// Just off a place of the surface that faces along `normal`, unit length.
+  SurfaceSides look_at(const Vec3& place, const Vec3& normal) const;
+  /// At the middle of a triangle.
+  SurfaceSides look_at(std::uint32_t triangle) const;
+
+  /// Whether other triangles cross a triangle, or touch it along a line.
+  bool is_crossed(std::uint32_t triangle) const;
+
+  /// Whether any of these triangles is hidden, wholly or in part.
+  bool hides_any(std::span<const std::uint32_t> triangles, unsigned threads) const;
+
+  /// The visible pieces of a triangle, or none where it is visible or hidden as a whole, which
+  /// `is_hidden` then says. Where an opening of the mesh leaves it in doubt what is inside, pieces
+  /// become no smaller than `finest`, and their middles decide.
+  std::vector<std::array<Vec3, 3>> cut(std::uint32_t triangle, double finest,
+                                       bool& is_hidden) const;
+
+  /// The visible parts of a straight line along the surface, whose places face along `normal`:
+  /// where they begin and end, as shares of its length.
+  std::vector<std::array<double, 2>> cut_line(const Vec3& from, const Vec3& to,
+                                              const Vec3& normal) const;
+
+ private:
+  struct Cut;
+  class Division;
+
+  std::vector<Cut> find_cuts(std::uint32_t triangle) const;
+
+  double rounding_;
+  double aside_;  ///< how far off the surface its sides are looked at
+  WindingNumberTree winding_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::array<Vec3, 3>> corners_;  ///< of the triangles
+  std::vector<Vec3> normals_;                 ///< of the triangles; 0 where they have no area
+  BoxFinder finder_;                          ///< of the triangles
+};
+
+/// What bounds the body of a mesh that overlaps itself: triangles that are visible as a whole, and
+/// the visible pieces of others.
+struct VisibleSurface {
+  TriangleMesh mesh;
+  std::vector<VisibleTriangle> triangles;  ///< one a triangle of `mesh`
+  std::shared_ptr<const SurfaceCutter> cutter;
+};
+
+/// The triangles that come near the bounds of another part of the mesh, ascending: of a closed mesh
+/// no others can be inside another part. A part is what hangs together.
+std::vector<std::uint32_t> find_suspects(const TriangleMesh& mesh);
+
+}  // namespace voxshell

@@ -1,0 +1,137 @@
+#include "mesh/surface_cutter.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/brute_force.h"
+#include "support/meshes.h"
+#include "support/overlapping_boxes.h"
+#include "support/random.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+constexpr double kFinest = 1e-3;
+
+double area_of(const std::array<Vec3, 3>& t) {
+  return 0.5 * length(cross(t[1] - t[0], t[2] - t[0]));
+}
+
+/// All that is visible of a mesh.
+std::vector<std::array<Vec3, 3>> cut_all(const TriangleMesh& mesh) {
+  const SurfaceCutter cutter(mesh);
+  std::vector<std::array<Vec3, 3>> visible;
+  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
+    bool is_hidden = false;
+    const auto pieces = cutter.cut(i, kFinest, is_hidden);
+    visible.insert(visible.end(), pieces.begin(), pieces.end());
+    if (pieces.empty() && !is_hidden) visible.push_back(mesh.corners(i));
+  }
+  return visible;
+}
+
+TEST(SurfaceCutter, LeavesWhatBoundsTheUnionOfBoxes) {
+  for (const BoxUnion& boxes :
+       {make_two_boxes(), make_pierced_box(), make_touching_boxes(), make_shallow_boxes()}) {
+    const auto faces = boxes.find_faces();
+    double area = 0.0;
+    for (const auto& piece : cut_all(boxes.soup().mesh())) {
+      area += area_of(piece);
+      const Vec3 middle = (piece[0] + piece[1] + piece[2]) / 3.0;
+      EXPECT_NEAR(boxes.distance(faces, middle), 0.0, 1e-6);
+    }
+    EXPECT_NEAR(area / BoxUnion::area(faces), 1.0, 1e-4);
+  }
+}
+
+TEST(SurfaceCutter, ManyBoxesInOneAnotherLeaveTheirUnion) {
+  Random random(502);
+  BoxUnion boxes;
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 middle = random.in_cube(0.05);
+    const Vec3 half = random.in_box({0.01, 0.01, 0.01}, {0.03, 0.03, 0.03});
+    boxes.boxes.push_back({middle - half, middle + half});
+  }
+  double area = 0.0;
+  for (const auto& piece : cut_all(boxes.soup().mesh())) area += area_of(piece);
+  EXPECT_NEAR(area / BoxUnion::area(boxes.find_faces()), 1.0, 1e-4);
+}
+
+TEST(SurfaceCutter, SidesAndCornersThatCoincideAreCutAsOthers) {
+  for (const std::uint64_t seed : {1u, 12u, 39u}) {
+    Random random(seed);
+    const auto round = [](const Vec3& v) {
+      return Vec3{0.005 * std::round(200.0 * v.x), 0.005 * std::round(200.0 * v.y),
+                  0.005 * std::round(200.0 * v.z)};
+    };
+    BoxUnion boxes;
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 middle = round(random.in_cube(0.05));
+      const Vec3 half = round(random.in_box({0.01, 0.01, 0.01}, {0.03, 0.03, 0.03}));
+      boxes.boxes.push_back({round(middle - half), round(middle + half)});
+    }
+    const auto faces = boxes.find_faces();
+    double area = 0.0;
+    for (const auto& piece : cut_all(boxes.soup().mesh())) {
+      area += area_of(piece);
+      EXPECT_NEAR(boxes.distance(faces, (piece[0] + piece[1] + piece[2]) / 3.0), 0.0, 1e-6);
+    }
+    EXPECT_NEAR(area / BoxUnion::area(faces), 1.0, 1e-4);
+  }
+}
+
+TEST(SurfaceCutter, AFineMeshIsCutOutOfALargeTriangle) {
+  // A ball amid the side of a box: half of it, and the side less a disk.
+  const Soup ball = make_icosphere(0.3, 4);
+  const Soup both = together(make_box({0.5, 0.6, 0.7}), moved(ball, {0.5, 0.02, 0.03}));
+  double flat = 0.0;
+  double round = 0.0;
+  for (const auto& piece : cut_all(both.mesh())) {
+    const bool is_flat = piece[0].x <= 0.5 && piece[1].x <= 0.5 && piece[2].x <= 0.5;
+    (is_flat ? flat : round) += area_of(piece);
+  }
+  constexpr double kPi = 3.14159265;
+  const double sides = 8.0 * (0.5 * 0.6 + 0.6 * 0.7 + 0.7 * 0.5);
+  EXPECT_NEAR(flat, sides - kPi * 0.09, 0.01 * kPi * 0.09);
+  EXPECT_NEAR(round, 2.0 * kPi * 0.09, 0.01 * kPi * 0.09);
+}
+
+TEST(SurfaceCutter, LinesEndWhereTheyEnterOtherParts) {
+  const TriangleMesh mesh = make_pierced_box().soup().mesh();
+  const SurfaceCutter cutter(mesh);
+  // An edge of the rod.
+  const Vec3 from{-0.14, 0.017, 0.01};
+  const Vec3 to{0.16, 0.017, 0.01};
+  const auto parts = cutter.cut_line(from, to, normalized(Vec3{0.0, 1.0, 1.0}));
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_NEAR(parts[0][0], 0.0, 1e-9);
+  EXPECT_NEAR(parts[0][1], 0.3, 1e-9);
+  EXPECT_NEAR(parts[1][0], 190.0 / 300.0, 1e-9);
+  EXPECT_NEAR(parts[1][1], 1.0, 1e-9);
+}
+
+TEST(SurfaceCutter, CavitiesAreNoneOfItsBusiness) {
+  const Soup cavity = together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.2, 0.2, 0.2})));
+  const TriangleMesh mesh = cavity.mesh();
+  EXPECT_EQ(find_suspects(mesh).size(), 12u);
+  EXPECT_FALSE(SurfaceCutter(mesh).hides_any(find_suspects(mesh), 1));
+  EXPECT_EQ(cut_all(mesh).size(), 24u);
+  EXPECT_TRUE(find_suspects(make_blob(0.5, 3).mesh()).empty());
+}
+
+TEST(SurfaceCutter, TellsShallowOverlapsAndSidesThatTouch) {
+  for (const BoxUnion& boxes : {make_touching_boxes(), make_shallow_boxes()}) {
+    const TriangleMesh mesh = boxes.soup().mesh();
+    EXPECT_TRUE(SurfaceCutter(mesh).hides_any(find_suspects(mesh), 1));
+  }
+}
+
+}  // namespace
+}  // namespace voxshell
