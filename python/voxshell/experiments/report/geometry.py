@@ -9,12 +9,8 @@ import numpy as np
 
 from voxshell.experiments import geometry
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.geometry import (
-    RETRIANGULATED,
-    GeometrySettings,
-    name_pair,
-    name_scene,
-)
+from voxshell.experiments.geometry import GeometrySettings, name_pair, name_scene
+from voxshell.experiments.geometry_models import RETRIANGULATED
 from voxshell.experiments.report.figures import FAINT, OURS, PEERS, open_figure
 from voxshell.experiments.verdict import Row, at_most, format_value
 from voxshell.scenes.geometry import (
