@@ -17,7 +17,7 @@ import numpy as np
 from voxshell._arguments import as_integer
 from voxshell.errors import SettingsError
 from voxshell.experiments.first_touch import find_first_touch
-from voxshell.experiments.geometry_contacts import judge_contacts
+from voxshell.experiments.geometry_contacts import JUDGED, judge_contacts, measure_contacts
 from voxshell.experiments.geometry_costs import compare_costs, time_builds
 from voxshell.experiments.geometry_models import (
     ORDERS,
@@ -35,6 +35,7 @@ from voxshell.scenes.geometry import (
     COINCIDENT,
     PAIRS,
     SCENES,
+    THIN,
     GeometryScene,
     random_rotation,
 )
@@ -71,6 +72,7 @@ class GeometrySettings:
         retriangulated: Copies with other triangles on the same surfaces: 1 or 0.
         copied_poses: Of each copy.
         judged: Contacts of a query whose normals and places are judged, at most.
+        judged_pairs: Poses in which thin bodies meet each of two others, for the same; 0 for none.
         pairs: How many pairs of mixed size, in any pose, the first of the list.
         pair_poses: Of all pairs together.
         optimized: Poses that are tried to make the worst one of a pair worse.
@@ -87,6 +89,7 @@ class GeometrySettings:
     retriangulated: int = 1
     copied_poses: int = 2
     judged: int = 24
+    judged_pairs: int = 40
     pairs: int = len(PAIRS)
     pair_poses: int = 10_000
     optimized: int = 60
@@ -102,6 +105,7 @@ class GeometrySettings:
             ("retriangulated", 0, 1),
             ("copied_poses", 1, 1_000_000),
             ("judged", 1, 1_000_000),
+            ("judged_pairs", 0, 1_000_000),
             ("pairs", 0, len(PAIRS)),
             ("pair_poses", 1, 100_000_000),
             ("optimized", 0, 1_000_000),
@@ -122,7 +126,7 @@ class GeometrySettings:
 
 
 def plan(settings: GeometrySettings) -> list[Part]:
-    """A part a scene and a pair, one for bodies in one pose, and two for what models cost, which are timed."""
+    """A part a scene, a pair and a thin body, one for bodies in one pose, and two of costs, which are timed."""
     cost = 1.0 + 0.3 * settings.poses + settings.rotations + settings.retriangulated
     parts = [
         Part(name_scene(name), measure_scene, {"settings": settings, "name": name}, cost=cost)
@@ -137,6 +141,16 @@ def plan(settings: GeometrySettings) -> list[Part]:
         )
         for index in range(settings.pairs)
     ]
+    if settings.judged_pairs > 0:
+        parts += [
+            Part(
+                name_contacts(body),
+                measure_contacts,
+                {"settings": settings, "body": body},
+                cost=5.0,
+            )
+            for body in THIN
+        ]
     parts.append(Part("coincident", measure_coincident, {"settings": settings}, cost=2.0))
     for name, function, cost in (
         ("builds", time_builds, 1.5 * settings.builds),
@@ -160,6 +174,11 @@ def name_scene(name: str) -> str:
 def name_pair(index: int) -> str:
     """The name of a pair's part."""
     return f"pair-{index + 1}"
+
+
+def name_contacts(body: str) -> str:
+    """The name of the part in which a thin body's contacts are judged."""
+    return "contacts-" + body.replace(" ", "-")
 
 
 # ---- scenes --------------------------------------------------------------------------------------
@@ -223,7 +242,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
             "distance",
             "gap",
         ),
-        "contacts": (*key, "depth", "angle", "a_off", "b_off", "voxel", "ambiguous"),
+        "contacts": (*key, "depth", *JUDGED),
     }
     return {table: as_columns(names[table], rows) for table, rows in tables.items()}
 

@@ -6,15 +6,36 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from voxshell.experiments.geometry_models import carry, find_surface, invert
+from voxshell.experiments.geometry_models import (
+    ORDERS,
+    Pair,
+    carry,
+    find_surface,
+    invert,
+    move,
+)
+from voxshell.experiments.geometry_pairs import meet
+from voxshell.experiments.part import as_columns
 from voxshell.experiments.surface_truth import measure_angle
+from voxshell.queries import contacts
+from voxshell.scenes.geometry_bodies import make_body
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.contact_set import Contacts
-    from voxshell.experiments.geometry_models import Pair
+    from voxshell.experiments.geometry import GeometrySettings
+    from voxshell.experiments.part import Tables
     from voxshell.experiments.surface_truth import Surface
+
+JUDGED = ("angle", "a_off", "b_off", "voxel", "ambiguous")
+"""What is known of a contact that is judged."""
+
+MET = ("cube 50 mm", "ball 30 mm")
+"""Bodies that thin ones meet in any pose."""
+
+MET_DEPTH = 1e-3
+"""Metres beyond the first touch, where they are asked about."""
 
 _SURELY_RIGHT = np.radians(2.0)
 """Off the nearest surface, below which no other surface is looked for that the point came through."""
@@ -26,6 +47,29 @@ class _Placed(NamedTuple):
     surface: Surface
     pose: NDArray[np.float64]
     local: NDArray[np.float64]
+
+
+def measure_contacts(settings: GeometrySettings, body: str) -> Tables:
+    """Judges contacts of a thin body with those of :data:`MET`, in any pose, :data:`MET_DEPTH` deep.
+
+    Returns:
+        "contacts", a row for each that is judged: as :func:`judge_contacts` says.
+    """
+    rng = np.random.default_rng((settings.seed, len(body)))
+    rows: list[tuple[float, ...]] = []
+    for other in MET:
+        pair = Pair(other, body)
+        meetings = [
+            meet(make_body(other), make_body(body), rng) for _ in range(settings.judged_pairs)
+        ]
+        for meeting in meetings:
+            if meeting is None:
+                continue
+            pose = move(meeting.pose, meeting.direction, MET_DEPTH)
+            for order in ORDERS:
+                found = pair.ask(contacts, pose, order)
+                rows += judge_contacts(pair, pose, found, order, settings.judged)
+    return {"contacts": as_columns(JUDGED, rows)}
 
 
 def judge_contacts(
@@ -41,7 +85,7 @@ def judge_contacts(
         most: How many are looked at.
 
     Returns:
-        For each the angle of its normal, radians, how far its places are off the first body and the
+        As :data:`JUDGED` has them, for each the angle of its normal, radians, how far its places are off the first body and the
         second, the voxel size of the field, metres, and whether it says that its depth is ambiguous.
     """
     if len(found) == 0:

@@ -117,7 +117,7 @@ class Surface:
             # The face whose box begins nearest is a bound on how far the nearest one can be.
             closest = find_closest(some, self._corners[bound.argmin(axis=1)])
             reach = np.linalg.norm(closest - some, axis=1)
-            reach += slack + TIE_SHARE * reach
+            reach += slack + TIE_SHARE * reach + _SAME_PLACE
             which, faces = np.nonzero(bound <= reach[:, None] ** 2)
             closest = find_closest(some[which], self._corners[faces])
             distances = np.linalg.norm(closest - some[which], axis=1)

@@ -19,6 +19,7 @@ class Row:
         bar: What ours should be, in words; "" where nothing is demanded.
         holds: Whether it is; None where nothing is demanded.
         note: What explains the figure or a shortfall.
+        group: Heading of the rows that it is among, in long tables; "" for none.
     """
 
     quantity: str
@@ -29,6 +30,7 @@ class Row:
     bar: str = ""
     holds: bool | None = None
     note: str = ""
+    group: str = ""
 
     @property
     def verdict(self) -> str:

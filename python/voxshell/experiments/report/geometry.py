@@ -9,7 +9,9 @@ import numpy as np
 
 from voxshell.experiments import geometry
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.geometry import GeometrySettings, name_pair, name_scene
+from voxshell.experiments.geometry import GeometrySettings, name_contacts, name_pair, name_scene
+from voxshell.experiments.geometry_contacts import MET, MET_DEPTH
+from voxshell.experiments.geometry_costs import ASKED, COMPARED, KINDS
 from voxshell.experiments.geometry_models import RETRIANGULATED
 from voxshell.experiments.report.figures import FAINT, OURS, PEERS, open_figure
 from voxshell.experiments.verdict import Row, at_most, format_value
@@ -20,6 +22,7 @@ from voxshell.scenes.geometry import (
     PAIRS,
     SCENES,
     SHARE_OF_OBJECT,
+    THIN,
     GeometryScene,
 )
 from voxshell.scenes.geometry_bodies import make_body
@@ -35,6 +38,9 @@ if TYPE_CHECKING:
 NORMAL_BAR = 10.0
 """Degrees."""
 
+SHARE_BAR = 99.0
+"""Percent of contacts that have to be right."""
+
 VOXEL_SHARE_BAR = 0.25
 """How far places on b may be off b, in voxels of the field."""
 
@@ -45,6 +51,9 @@ SHARPNESS_BAR = 3.0
 """Stated bound over the worst overlap that is found to be denied."""
 
 SECONDS_BAR, BYTES_BAR = 3.0, 64e6
+
+QUERY_BAR, MEMORY_BAR, BUILD_BAR = 1.3, 1.0, 1.5
+"""Of a model to a tolerance, over a uniform one that is as exact."""
 
 _ROUNDING = 1e-6
 _GROUNDS = ("slab", "table", "stairs", "terrain")
@@ -69,7 +78,8 @@ def describe(settings: GeometrySettings) -> str:
         "touch of their triangles along the approach, the shortest separating translation, and the "
         f"faces nearest to each contact. {settings.pairs} pairs of mixed size meet in "
         f"{settings.pair_poses:,} poses, the worst of which {settings.optimized} steps of a search make "
-        "worse."
+        f"worse. Two of {COMPARED}, 1 mm deep in each other, are asked about in {settings.compared_poses} poses: "
+        "models that are uniform, to a tolerance that makes them as exact, and default ones take turns."
     )
 
 
@@ -79,23 +89,50 @@ def describe(settings: GeometrySettings) -> str:
 def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
     """The verdicts."""
     chosen = [SCENES[name] for name in settings.chosen]
-    rows = [_judge_answers(group, chosen, results) for group in _GROUPS]
-    rows += [_judge_onset(scene, results[name_scene(scene.name)]["approaches"]) for scene in chosen]
-    rows += [
-        _judge_depth(scene, results[name_scene(scene.name)]["depths"])
-        for scene in chosen
-        if scene.group == "rest" and scene.b.startswith(_GROUNDS)
+    groups: dict[str, list[Row | None]] = {
+        "Yes or no, at least the bar off the first touch": [
+            _judge_answers(group, chosen, results) for group in _GROUPS
+        ],
+        "First contact beyond the first touch": [
+            _judge_onset(scene, results[name_scene(scene.name)]["approaches"]) for scene in chosen
+        ],
+        "Deepest contact off the true depth, bodies at rest": [
+            _judge_depth(scene, results[name_scene(scene.name)]["depths"])
+            for scene in chosen
+            if scene.group == "rest" and scene.b.startswith(_GROUNDS)
+        ],
+        "Normals and places": [
+            *(
+                row
+                for body in THIN
+                if settings.judged_pairs
+                for row in _judge_thin(body, results[name_contacts(body)]["contacts"])
+            ),
+            *(
+                row
+                for scene in chosen
+                if scene.judge_normals
+                for row in _judge_normals(scene, results[name_scene(scene.name)]["contacts"])
+            ),
+            *(_tell_normals(group, chosen, results) for group in _GROUPS),
+        ],
+        "Bodies in the same pose": [_judge_coincident(results["coincident"]["bodies"])],
+        "Stated bounds, pairs of mixed size in any pose": [
+            row
+            for index in range(settings.pairs)
+            for row in _judge_pair(settings, index, results[name_pair(index)])
+        ],
+        "Default builds": _judge_builds(results["builds"]["builds"]) if settings.builds else [],
+        "Costs beside a uniform model that is as exact": (
+            _judge_costs(settings, results["costs"]) if settings.compared_poses else []
+        ),
+    }
+    return [
+        replace(row, group=group)
+        for group, rows in groups.items()
+        for row in rows
+        if row is not None
     ]
-    for scene in chosen:
-        if scene.judge_normals:
-            rows += _judge_normals(scene, results[name_scene(scene.name)]["contacts"])
-    rows += [_tell_normals(group, chosen, results) for group in _GROUPS]
-    rows.append(_judge_coincident(results["coincident"]["bodies"]))
-    for index in range(settings.pairs):
-        rows += _judge_pair(settings, index, results[name_pair(index)])
-    if settings.builds:
-        rows += _judge_builds(results["builds"]["builds"])
-    return [row for row in rows if row is not None]
 
 
 def _mark(scene: GeometryScene) -> str:
@@ -215,6 +252,36 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
     ]
 
 
+def _judge_thin(body: str, table: Columns) -> list[Row]:
+    """Shares of the contacts of a thin body, in any pose, that are right."""
+    angles = np.degrees(table["angle"])
+    shares = table["b_off"] / table["voxel"]
+    others = " or ".join(MET)
+    return [
+        Row(
+            f"{name}, {body}, {MET_DEPTH * 1e3:g} mm deep in any pose",
+            None,
+            100.0 * float((values <= bar).mean()) if len(values) else np.nan,
+            "%",
+            bar=f">= {SHARE_BAR:g}",
+            holds=len(values) > 0 and float((values <= bar).mean()) >= 0.01 * SHARE_BAR,
+            note=f"{len(values):,} contacts with the {others}; median {format_value(float(np.median(values)))}, "
+            f"worst {format_value(float(values.max()))} {unit}"
+            if len(values)
+            else "",
+        )
+        for name, values, bar, unit in (
+            (
+                "normals within 10 degrees of the nearest surface's cone",
+                angles,
+                NORMAL_BAR,
+                "degrees",
+            ),
+            ("points_b within a quarter voxel of b", shares, VOXEL_SHARE_BAR, "voxels"),
+        )
+    ]
+
+
 def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
     """Normals of all contacts of a group, for information."""
     tables = [results[name_scene(s.name)]["contacts"] for s in chosen if s.group == group]
@@ -276,6 +343,13 @@ def _judge_pair(settings: GeometrySettings, index: int, tables: Tables) -> list[
             note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
         ),
         Row(
+            f"worst overlap that is denied, {name}",
+            None,
+            deepest * 1e3,
+            "mm",
+            note=f"{format_value(float(worst['random'].max()) * 1e3)} by chance",
+        ),
+        Row(
             f"stated bounds at most, {name}",
             None,
             bound * 1e3,
@@ -291,8 +365,6 @@ def _judge_pair(settings: GeometrySettings, index: int, tables: Tables) -> list[
             # Chance alone does not find the worst.
             bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
             holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
-            note=f"worst {format_value(float(worst['random'].max()) * 1e3)} mm by chance, "
-            f"{format_value(deepest * 1e3)} mm after a search",
         ),
     ]
 
@@ -327,6 +399,67 @@ def _judge_builds(table: Columns) -> list[Row]:
             note=BUILT[largest],
         ),
     ]
+
+
+def _judge_costs(settings: GeometrySettings, tables: Tables) -> list[Row]:
+    """A model to a tolerance over a uniform one whose field is no more exact."""
+    builds, queries = tables["builds"], tables["queries"]
+    seconds, size, points, segments, tolerance, field, shell = (
+        [float(np.median(builds[column][builds["kind"] == kind])) for kind in range(len(KINDS))]
+        for column in ("seconds", "bytes", "points", "segments", "tolerance", "field", "shell")
+    )
+    rows = [
+        Row(
+            "memory of field and shell",
+            None,
+            size[1] / size[0],
+            "times",
+            bar=f"<= {MEMORY_BAR:g}",
+            holds=at_most(size[1], MEMORY_BAR * size[0]),
+            note=f"{COMPARED} to {format_value(tolerance[1] * 1e3)} mm, {size[1] / 1e6:.1f} MB, and of "
+            f"{settings.compared_resolution} uniform voxels, {size[0] / 1e6:.1f} MB: {points[1]:,.0f} points "
+            f"and {segments[1]:,.0f} segments instead of {points[0]:,.0f} points; 99 % of the field within "
+            f"{format_value(field[1] * 1e3)} and {format_value(field[0] * 1e3)} mm, of the shell within "
+            f"{format_value(shell[1] * 1e3)} and {format_value(shell[0] * 1e3)} mm",
+        ),
+        Row(
+            "time to build",
+            None,
+            seconds[1] / seconds[0],
+            "times",
+            bar=f"<= {BUILD_BAR:g}",
+            holds=at_most(seconds[1], BUILD_BAR * seconds[0]),
+            note=f"{seconds[1]:.1f} and {seconds[0]:.1f} s",
+        ),
+    ]
+    for asked, words in (("a", "one shell"), ("both", "both shells")):
+        for name, share in (("median", 50), ("99 %", 99)):
+            uniform, ours = (
+                float(np.percentile(queries[f"{kind}_{asked}"], share)) * 1e6 for kind in KINDS[:2]
+            )
+            rows.append(
+                Row(
+                    f"time of contacts, {words}, {name} of poses",
+                    None,
+                    ours / uniform,
+                    "times",
+                    bar=f"<= {QUERY_BAR:g}",
+                    holds=at_most(ours, QUERY_BAR * uniform),
+                    note=f"{ours:.1f} and {uniform:.1f} \N{MICRO SIGN}s",
+                )
+            )
+    for kind in KINDS:
+        one, both = (float(np.median(queries[f"{kind}_{asked}"])) for asked in ASKED)
+        rows.append(
+            Row(
+                f"time of contacts, both shells over one, {kind} model",
+                None,
+                both / one,
+                "times",
+                note=f"{both * 1e6:.1f} and {one * 1e6:.1f} \N{MICRO SIGN}s",
+            )
+        )
+    return rows
 
 
 # ---- figures -------------------------------------------------------------------------------------
@@ -383,9 +516,12 @@ GEOMETRY = Experiment(
         rotations=0,
         retriangulated=0,
         judged=8,
+        judged_pairs=4,
         pairs=4,
         pair_poses=400,
         optimized=0,
+        compared_poses=20,
+        compared_resolution=60,
     ),
     plan=geometry.plan,
     reduce=reduce,
