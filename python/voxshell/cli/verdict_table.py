@@ -35,7 +35,8 @@ def make_table(title: str, rows: Iterable[Row]) -> Table:
         good = row.reproduced is not False and row.holds is not False
         said = row.reproduced is not None or row.holds is not None
         color = "" if not said else "green" if good else "red"
-        quantity = f"{row.quantity}, {row.unit}" if row.unit else row.quantity
+        words = row.below_heading
+        quantity = f"{words}, {row.unit}" if row.unit else words
         verdict = row.verdict.replace(", ", ",\n").replace("for information", "-")
         table.add_row(
             *map(escape, (quantity, format_value(row.published), format_value(row.here), row.bar)),

@@ -33,6 +33,16 @@ class Row:
     group: str = ""
 
     @property
+    def below_heading(self) -> str:
+        """The quantity as it reads below its group's heading, which it may begin with.
+
+        Example:
+            >>> Row("first contact, crossed knives", None, 0.1, "mm", group="First contact").below_heading
+            'crossed knives'
+        """
+        return self.quantity.removeprefix(f"{self.group[:1].lower()}{self.group[1:]}, ")
+
+    @property
     def verdict(self) -> str:
         """In a few words, for tables.
 

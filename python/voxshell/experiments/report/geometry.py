@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from voxshell.scenes.geometry import (
 from voxshell.scenes.geometry_bodies import make_body
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -70,6 +71,10 @@ _SHOWN_LEAST = 1e-6
 def describe(settings: GeometrySettings) -> str:
     """The set-up in words."""
     held_out = sum(SCENES[name].held_out for name in settings.chosen)
+    compared = (
+        f" Two of {COMPARED}, 1 mm deep in each other, are asked about in {settings.compared_poses} poses: "
+        "uniform models, models to a tolerance that makes them as exact, and default ones take turns."
+    )
     return (
         f"{len(settings.chosen)} scenes of two meshes that come nearer to each other, {held_out} of them "
         f"chosen by someone who did not write the code, in {settings.poses} poses each, in both orders "
@@ -78,8 +83,7 @@ def describe(settings: GeometrySettings) -> str:
         "touch of their triangles along the approach, the shortest separating translation, and the "
         f"faces nearest to each contact. {settings.pairs} pairs of mixed size meet in "
         f"{settings.pair_poses:,} poses, the worst of which {settings.optimized} steps of a search make "
-        f"worse. Two of {COMPARED}, 1 mm deep in each other, are asked about in {settings.compared_poses} poses: "
-        "models that are uniform, to a tolerance that makes them as exact, and default ones take turns."
+        "worse." + (compared if settings.compared_poses else "")
     )
 
 
@@ -89,19 +93,29 @@ def describe(settings: GeometrySettings) -> str:
 def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
     """The verdicts."""
     chosen = [SCENES[name] for name in settings.chosen]
-    groups: dict[str, list[Row | None]] = {
-        "Yes or no, at least the bar off the first touch": [
+    scenes = {scene.name: results[name_scene(scene.name)] for scene in chosen}
+    pairs = {
+        " and ".join(PAIRS[index]): results[name_pair(index)]
+        for index in range(settings.pairs)
+        if len(results[name_pair(index)]["poses"]["offset"])
+    }
+    # Titles are what quantities below them begin with.
+    groups: dict[str, Sequence[Row | None]] = {
+        "Wrong answers at least the bar off the first touch": [
             _judge_answers(group, chosen, results) for group in _GROUPS
         ],
-        "First contact beyond the first touch": [
-            _judge_onset(scene, results[name_scene(scene.name)]["approaches"]) for scene in chosen
+        "Approaches with an overlap that is denied": [
+            _judge_unseen(group, chosen, results) for group in _GROUPS
         ],
-        "Deepest contact off the true depth, bodies at rest": [
-            _judge_depth(scene, results[name_scene(scene.name)]["depths"])
+        "First contact beyond the first touch": [
+            _judge_onset(scene, scenes[scene.name]["approaches"]) for scene in chosen
+        ],
+        "Deepest contact off the true depth at most": [
+            _judge_depth(scene, scenes[scene.name]["depths"])
             for scene in chosen
             if scene.group == "rest" and scene.b.startswith(_GROUNDS)
         ],
-        "Normals and places": [
+        "Normals and places of contacts": [
             *(
                 row
                 for body in THIN
@@ -112,15 +126,22 @@ def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
                 row
                 for scene in chosen
                 if scene.judge_normals
-                for row in _judge_normals(scene, results[name_scene(scene.name)]["contacts"])
+                for row in _judge_normals(scene, scenes[scene.name]["contacts"])
             ),
             *(_tell_normals(group, chosen, results) for group in _GROUPS),
         ],
         "Bodies in the same pose": [_judge_coincident(results["coincident"]["bodies"])],
-        "Stated bounds, pairs of mixed size in any pose": [
-            row
-            for index in range(settings.pairs)
-            for row in _judge_pair(settings, index, results[name_pair(index)])
+        "Answers wrong beyond the stated bounds": [
+            _judge_violations(name, tables) for name, tables in pairs.items()
+        ],
+        "Worst overlap that is denied": [
+            _tell_worst(name, tables["worst"]) for name, tables in pairs.items()
+        ],
+        "Stated bounds at most": [
+            _judge_bounds(name, tables["poses"]) for name, tables in pairs.items()
+        ],
+        "Stated bound over the worst overlap that is denied": [
+            _judge_sharpness(settings, name, tables) for name, tables in pairs.items()
         ],
         "Default builds": _judge_builds(results["builds"]["builds"]) if settings.builds else [],
         "Costs beside a uniform model that is as exact": (
@@ -133,6 +154,11 @@ def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
         for row in rows
         if row is not None
     ]
+
+
+def _in_mm(length: float | np.floating[Any]) -> str:
+    """Metres in words; what is below a micrometre is no more than how finely onsets are bracketed."""
+    return "< 0.001 mm" if 0.0 < length < 1e-6 else f"{format_value(float(length) * 1e3)} mm"
 
 
 def _mark(scene: GeometryScene) -> str:
@@ -164,6 +190,34 @@ def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) ->
     )
 
 
+def _judge_unseen(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
+    """Approaches on which ``collide`` denies an overlap, wherever on the way it is."""
+    unseen = asked = 0
+    worst, where = 0.0, ""
+    for scene in chosen:
+        if scene.group != group:
+            continue
+        table = results[name_scene(scene.name)]["approaches"]
+        asked += len(table["unseen"])
+        unseen += int((table["unseen"] * table["slope"] > scene.onset_bar).sum())
+        deepest = float(table["unseen"].max(initial=0.0))
+        if deepest > worst:
+            worst, where = deepest, scene.name
+    if asked == 0:
+        return None
+    return Row(
+        f"approaches with an overlap that is denied, {_GROUPS[group]}",
+        None,
+        unseen,
+        f"of {asked}",
+        bar="0",
+        holds=unseen == 0,
+        note=f"at most {format_value(worst * 1e3)} mm beyond the first touch, {where}"
+        if where
+        else "",
+    )
+
+
 def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
     """How far off the true first touch the first contact is."""
     onset = _correct(table)
@@ -178,10 +232,8 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
         ("other triangles", table["copy"] == RETRIANGULATED),
     ):
         if of_kind.any():
-            notes.append(f"{name} {format_value(float(np.abs(onset[of_kind]).max()) * 1e3)}")
-    notes.append(
-        f"deepest overlap denied {format_value(float(table['unseen'].max(initial=0.0)) * 1e3)}"
-    )
+            notes.append(f"{name} {_in_mm(np.abs(onset[of_kind]).max())}")
+    notes.append(f"deepest overlap denied {_in_mm(table['unseen'].max(initial=0.0))}")
     return Row(
         f"first contact beyond the first touch, {_mark(scene)}",
         None,
@@ -210,8 +262,7 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
         "mm",
         bar=f"<= {format_value(bar * 1e3)}",
         holds=at_most(worst, bar),
-        note=f"median {format_value(float(np.median(off)) * 1e3)}, at depths up to "
-        f"{format_value(float(table['way_out'].max()) * 1e3)}"
+        note=f"median {_in_mm(np.median(off))}, at depths up to {_in_mm(table['way_out'].max())}"
         if len(off)
         else "",
     )
@@ -247,7 +298,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
             "voxels",
             bar=f"<= {VOXEL_SHARE_BAR:g}",
             holds=at_most(share, VOXEL_SHARE_BAR),
-            note=f"{format_value(float(table['b_off'].max()) * 1e3)} mm",
+            note=_in_mm(table["b_off"].max()),
         ),
     ]
 
@@ -295,7 +346,7 @@ def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> 
         float(np.percentile(angles, 99)),
         "degrees",
         note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}; points_b off b "
-        f"by up to {format_value(float(off.max()) * 1e3)} mm",
+        f"by up to {_in_mm(off.max())}",
     )
 
 
@@ -313,60 +364,65 @@ def _judge_coincident(table: Columns) -> Row:
     )
 
 
-def _judge_pair(settings: GeometrySettings, index: int, tables: Tables) -> list[Row]:
-    """Whether stated bounds hold, how wide they are, and how near the worst pose comes to them."""
+def _judge_violations(name: str, tables: Tables) -> Row:
+    """Whether stated bounds hold."""
     poses, worst = tables["poses"], tables["worst"]
-    a, b = PAIRS[index]
-    name = f"{a} and {b}"
-    if len(poses["offset"]) == 0:
-        return []
     inside = poses["offset"] > 0.0
     stated = np.where(inside, poses["overlap"], poses["clearance"])
     violated = int((poses["proven"] > stated + _ROUNDING).sum())
-    deepest = float(worst["optimized"].max())
-    overlap = float(poses["overlap"].max())
-    violated += int(deepest > overlap + _ROUNDING)
+    violated += int(worst["optimized"].max() > poses["overlap"].max() + _ROUNDING)
     denied = inside & (poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)
     early = ~inside & (poses["yes"] == 1.0)
-    size = max(float(np.ptp(make_body(body).vertices, axis=0).max()) for body in (a, b))
+    return Row(
+        f"answers wrong beyond the stated bounds, {name}",
+        None,
+        violated,
+        f"of {len(stated):,}",
+        bar="0",
+        holds=violated == 0,
+        note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
+    )
+
+
+def _tell_worst(name: str, worst: Columns) -> Row:
+    """How deep the surface of the shell is in the other body where the answer is no."""
+    return Row(
+        f"worst overlap that is denied, {name}",
+        None,
+        float(worst["optimized"].max()) * 1e3,
+        "mm",
+        note=f"{_in_mm(worst['random'].max())} by chance",
+    )
+
+
+def _judge_bounds(name: str, poses: Columns) -> Row:
+    """How wide the stated bounds are."""
+    size = max(float(np.ptp(make_body(b).vertices, axis=0).max()) for b in name.split(" and "))
     most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
     bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
-    sharpness = overlap / deepest if deepest > 0.0 else np.inf
-    return [
-        Row(
-            f"answers wrong beyond the stated bounds, {name}",
-            None,
-            violated,
-            f"of {len(stated):,}",
-            bar="0",
-            holds=violated == 0,
-            note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
-        ),
-        Row(
-            f"worst overlap that is denied, {name}",
-            None,
-            deepest * 1e3,
-            "mm",
-            note=f"{format_value(float(worst['random'].max()) * 1e3)} by chance",
-        ),
-        Row(
-            f"stated bounds at most, {name}",
-            None,
-            bound * 1e3,
-            "mm",
-            bar=f"<= {format_value(most * 1e3)}",
-            holds=at_most(bound, most),
-        ),
-        Row(
-            f"stated bound over the worst overlap that is denied, {name}",
-            None,
-            sharpness,
-            "",
-            # Chance alone does not find the worst.
-            bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
-            holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
-        ),
-    ]
+    return Row(
+        f"stated bounds at most, {name}",
+        None,
+        bound * 1e3,
+        "mm",
+        bar=f"<= {format_value(most * 1e3)}",
+        holds=at_most(bound, most),
+        note=f"overlap {_in_mm(poses['overlap'].max())}, clearance {_in_mm(poses['clearance'].max())}",
+    )
+
+
+def _judge_sharpness(settings: GeometrySettings, name: str, tables: Tables) -> Row:
+    """How near the worst pose comes to the stated bounds; chance alone does not find it."""
+    deepest = float(tables["worst"]["optimized"].max())
+    sharpness = float(tables["poses"]["overlap"].max()) / deepest if deepest > 0.0 else np.inf
+    return Row(
+        f"stated bound over the worst overlap that is denied, {name}",
+        None,
+        sharpness,
+        "",
+        bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
+        holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
+    )
 
 
 def _judge_builds(table: Columns) -> list[Row]:

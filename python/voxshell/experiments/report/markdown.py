@@ -53,7 +53,7 @@ def _make_tables(rows: list[Row]) -> list[str]:
 
 def _make_line(row: Row) -> str:
     cells = (
-        *(row.quantity, format_value(row.published), format_value(row.here), row.unit),
+        *(row.below_heading, format_value(row.published), format_value(row.here), row.unit),
         *(row.bar, row.verdict, row.note),
     )
     return "| " + " | ".join(cell.replace("|", "/") for cell in cells) + " |"

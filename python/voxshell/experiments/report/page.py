@@ -199,7 +199,7 @@ def _make_line(row: Row) -> str:
     kind = ("good" if good else "bad") if said else "faint"
     note = f'<br><span class="note">{escape(row.note)}</span>' if row.note else ""
     return (
-        f'<tr><td>{escape(row.quantity)}{note}</td><td class="number">'
+        f'<tr><td>{escape(row.below_heading)}{note}</td><td class="number">'
         f'{escape(format_value(row.published))}</td><td class="number">{format_value(row.here)}</td>'
         f"<td>{escape(row.unit)}</td><td>{escape(row.bar)}</td>"
         f'<td class="verdict {kind}">{row.verdict}</td></tr>'
