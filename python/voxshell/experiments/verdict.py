@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -84,3 +88,13 @@ def format_value(value: float | str | None) -> str:
     rounded = round(value, 2 - math.floor(math.log10(abs(value))))
     text = f"{rounded:.{digits}f}" if abs(rounded) >= 1e-4 else f"{value:.2e}"
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
+def in_mm(length: float | np.floating[Any]) -> str:
+    """Metres in words: what is below a micrometre is not told apart.
+
+    Example:
+        >>> in_mm(0.00125), in_mm(2e-8), in_mm(0.0)
+        ('1.25 mm', '< 0.001 mm', '0 mm')
+    """
+    return "< 0.001 mm" if 0.0 < length < 1e-6 else f"{format_value(float(length) * 1e3)} mm"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,12 +11,18 @@ from voxshell.experiments import geometry
 from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.geometry import GeometrySettings, name_contacts, name_pair, name_scene
 from voxshell.experiments.geometry_contacts import MET, MET_DEPTH
-from voxshell.experiments.geometry_costs import ASKED, COMPARED, KINDS
+from voxshell.experiments.geometry_costs import COMPARED
 from voxshell.experiments.geometry_models import RETRIANGULATED
 from voxshell.experiments.report.figures import FAINT, OURS, PEERS, open_figure
-from voxshell.experiments.verdict import Row, at_most, format_value
+from voxshell.experiments.report.geometry_costs import judge_builds, judge_costs
+from voxshell.experiments.report.geometry_pairs import (
+    judge_bounds,
+    judge_sharpness,
+    judge_violations,
+    tell_worst,
+)
+from voxshell.experiments.verdict import Row, at_most, format_value, in_mm
 from voxshell.scenes.geometry import (
-    BUILT,
     COINCIDENT,
     LEAST_BAR,
     PAIRS,
@@ -25,7 +31,6 @@ from voxshell.scenes.geometry import (
     THIN,
     GeometryScene,
 )
-from voxshell.scenes.geometry_bodies import make_body
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,7 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.experiments.experiment import Results
-    from voxshell.experiments.part import Columns, Tables
+    from voxshell.experiments.part import Columns
 
 NORMAL_BAR = 10.0
 """Degrees."""
@@ -45,18 +50,6 @@ SHARE_BAR = 99.0
 VOXEL_SHARE_BAR = 0.25
 """How far places on b may be off b, in voxels of the field."""
 
-LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
-"""Stated bounds: metres, or this share of the larger body."""
-
-SHARPNESS_BAR = 3.0
-"""Stated bound over the worst overlap that is found to be denied."""
-
-SECONDS_BAR, BYTES_BAR = 3.0, 64e6
-
-QUERY_BAR, MEMORY_BAR, BUILD_BAR = 1.3, 1.0, 1.5
-"""Of a model to a tolerance, over a uniform one that is as exact."""
-
-_ROUNDING = 1e-6
 _GROUNDS = ("slab", "table", "stairs", "terrain")
 _GROUPS = {
     "rest": "bodies at rest",
@@ -132,20 +125,20 @@ def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
         ],
         "Bodies in the same pose": [_judge_coincident(results["coincident"]["bodies"])],
         "Answers wrong beyond the stated bounds": [
-            _judge_violations(name, tables) for name, tables in pairs.items()
+            judge_violations(name, tables) for name, tables in pairs.items()
         ],
         "Worst overlap that is denied": [
-            _tell_worst(name, tables["worst"]) for name, tables in pairs.items()
+            tell_worst(name, tables["worst"]) for name, tables in pairs.items()
         ],
         "Stated bounds at most": [
-            _judge_bounds(name, tables["poses"]) for name, tables in pairs.items()
+            judge_bounds(name, tables["poses"]) for name, tables in pairs.items()
         ],
         "Stated bound over the worst overlap that is denied": [
-            _judge_sharpness(settings, name, tables) for name, tables in pairs.items()
+            judge_sharpness(settings, name, tables) for name, tables in pairs.items()
         ],
-        "Default builds": _judge_builds(results["builds"]["builds"]) if settings.builds else [],
+        "Default builds": judge_builds(results["builds"]["builds"]) if settings.builds else [],
         "Costs beside a uniform model that is as exact": (
-            _judge_costs(settings, results["costs"]) if settings.compared_poses else []
+            judge_costs(settings, results["costs"]) if settings.compared_poses else []
         ),
     }
     return [
@@ -154,11 +147,6 @@ def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
         for row in rows
         if row is not None
     ]
-
-
-def _in_mm(length: float | np.floating[Any]) -> str:
-    """Metres in words; what is below a micrometre is no more than how finely onsets are bracketed."""
-    return "< 0.001 mm" if 0.0 < length < 1e-6 else f"{format_value(float(length) * 1e3)} mm"
 
 
 def _mark(scene: GeometryScene) -> str:
@@ -232,8 +220,8 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
         ("other triangles", table["copy"] == RETRIANGULATED),
     ):
         if of_kind.any():
-            notes.append(f"{name} {_in_mm(np.abs(onset[of_kind]).max())}")
-    notes.append(f"deepest overlap denied {_in_mm(table['unseen'].max(initial=0.0))}")
+            notes.append(f"{name} {in_mm(np.abs(onset[of_kind]).max())}")
+    notes.append(f"deepest overlap denied {in_mm(table['unseen'].max(initial=0.0))}")
     return Row(
         f"first contact beyond the first touch, {_mark(scene)}",
         None,
@@ -262,7 +250,7 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
         "mm",
         bar=f"<= {format_value(bar * 1e3)}",
         holds=at_most(worst, bar),
-        note=f"median {_in_mm(np.median(off))}, at depths up to {_in_mm(table['way_out'].max())}"
+        note=f"median {in_mm(np.median(off))}, at depths up to {in_mm(table['way_out'].max())}"
         if len(off)
         else "",
     )
@@ -298,7 +286,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
             "voxels",
             bar=f"<= {VOXEL_SHARE_BAR:g}",
             holds=at_most(share, VOXEL_SHARE_BAR),
-            note=_in_mm(table["b_off"].max()),
+            note=in_mm(table["b_off"].max()),
         ),
     ]
 
@@ -346,7 +334,7 @@ def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> 
         float(np.percentile(angles, 99)),
         "degrees",
         note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}; points_b off b "
-        f"by up to {_in_mm(off.max())}",
+        f"by up to {in_mm(off.max())}",
     )
 
 
@@ -362,160 +350,6 @@ def _judge_coincident(table: Columns) -> Row:
         holds=not unseen,
         note=", ".join(unseen),
     )
-
-
-def _judge_violations(name: str, tables: Tables) -> Row:
-    """Whether stated bounds hold."""
-    poses, worst = tables["poses"], tables["worst"]
-    inside = poses["offset"] > 0.0
-    stated = np.where(inside, poses["overlap"], poses["clearance"])
-    violated = int((poses["proven"] > stated + _ROUNDING).sum())
-    violated += int(worst["optimized"].max() > poses["overlap"].max() + _ROUNDING)
-    denied = inside & (poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)
-    early = ~inside & (poses["yes"] == 1.0)
-    return Row(
-        f"answers wrong beyond the stated bounds, {name}",
-        None,
-        violated,
-        f"of {len(stated):,}",
-        bar="0",
-        holds=violated == 0,
-        note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
-    )
-
-
-def _tell_worst(name: str, worst: Columns) -> Row:
-    """How deep the surface of the shell is in the other body where the answer is no."""
-    return Row(
-        f"worst overlap that is denied, {name}",
-        None,
-        float(worst["optimized"].max()) * 1e3,
-        "mm",
-        note=f"{_in_mm(worst['random'].max())} by chance",
-    )
-
-
-def _judge_bounds(name: str, poses: Columns) -> Row:
-    """How wide the stated bounds are."""
-    size = max(float(np.ptp(make_body(b).vertices, axis=0).max()) for b in name.split(" and "))
-    most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
-    bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
-    return Row(
-        f"stated bounds at most, {name}",
-        None,
-        bound * 1e3,
-        "mm",
-        bar=f"<= {format_value(most * 1e3)}",
-        holds=at_most(bound, most),
-        note=f"overlap {_in_mm(poses['overlap'].max())}, clearance {_in_mm(poses['clearance'].max())}",
-    )
-
-
-def _judge_sharpness(settings: GeometrySettings, name: str, tables: Tables) -> Row:
-    """How near the worst pose comes to the stated bounds; chance alone does not find it."""
-    deepest = float(tables["worst"]["optimized"].max())
-    sharpness = float(tables["poses"]["overlap"].max()) / deepest if deepest > 0.0 else np.inf
-    return Row(
-        f"stated bound over the worst overlap that is denied, {name}",
-        None,
-        sharpness,
-        "",
-        bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
-        holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
-    )
-
-
-def _judge_builds(table: Columns) -> list[Row]:
-    within = (table["seconds"] <= SECONDS_BAR) & (table["bytes"] <= BYTES_BAR)
-    broken = ~within & (table["warnings"] == 0.0)
-    names = [body for body, fails in zip(BUILT, broken, strict=False) if fails]
-    slowest, largest = int(np.argmax(table["seconds"])), int(np.argmax(table["bytes"]))
-    return [
-        Row(
-            "default builds beyond 3 s or 64 MB without a warning",
-            None,
-            len(names),
-            f"of {len(broken)}",
-            bar="0",
-            holds=not names,
-            note=", ".join(names),
-        ),
-        Row(
-            "slowest default build",
-            None,
-            float(table["seconds"][slowest]),
-            "s",
-            note=BUILT[slowest],
-        ),
-        Row(
-            "largest default model",
-            None,
-            float(table["bytes"][largest]) / 1e6,
-            "MB",
-            note=BUILT[largest],
-        ),
-    ]
-
-
-def _judge_costs(settings: GeometrySettings, tables: Tables) -> list[Row]:
-    """A model to a tolerance over a uniform one whose field is no more exact."""
-    builds, queries = tables["builds"], tables["queries"]
-    seconds, size, points, segments, tolerance, field, shell = (
-        [float(np.median(builds[column][builds["kind"] == kind])) for kind in range(len(KINDS))]
-        for column in ("seconds", "bytes", "points", "segments", "tolerance", "field", "shell")
-    )
-    rows = [
-        Row(
-            "memory of field and shell",
-            None,
-            size[1] / size[0],
-            "times",
-            bar=f"<= {MEMORY_BAR:g}",
-            holds=at_most(size[1], MEMORY_BAR * size[0]),
-            note=f"{COMPARED} to {format_value(tolerance[1] * 1e3)} mm, {size[1] / 1e6:.1f} MB, and of "
-            f"{settings.compared_resolution} uniform voxels, {size[0] / 1e6:.1f} MB: {points[1]:,.0f} points "
-            f"and {segments[1]:,.0f} segments instead of {points[0]:,.0f} points; 99 % of the field within "
-            f"{format_value(field[1] * 1e3)} and {format_value(field[0] * 1e3)} mm, of the shell within "
-            f"{format_value(shell[1] * 1e3)} and {format_value(shell[0] * 1e3)} mm",
-        ),
-        Row(
-            "time to build",
-            None,
-            seconds[1] / seconds[0],
-            "times",
-            bar=f"<= {BUILD_BAR:g}",
-            holds=at_most(seconds[1], BUILD_BAR * seconds[0]),
-            note=f"{seconds[1]:.1f} and {seconds[0]:.1f} s",
-        ),
-    ]
-    for asked, words in (("a", "one shell"), ("both", "both shells")):
-        for name, share in (("median", 50), ("99 %", 99)):
-            uniform, ours = (
-                float(np.percentile(queries[f"{kind}_{asked}"], share)) * 1e6 for kind in KINDS[:2]
-            )
-            rows.append(
-                Row(
-                    f"time of contacts, {words}, {name} of poses",
-                    None,
-                    ours / uniform,
-                    "times",
-                    bar=f"<= {QUERY_BAR:g}",
-                    holds=at_most(ours, QUERY_BAR * uniform),
-                    note=f"{ours:.1f} and {uniform:.1f} \N{MICRO SIGN}s",
-                )
-            )
-    for kind in KINDS:
-        one, both = (float(np.median(queries[f"{kind}_{asked}"])) for asked in ASKED)
-        rows.append(
-            Row(
-                f"time of contacts, both shells over one, {kind} model",
-                None,
-                both / one,
-                "times",
-                note=f"{both * 1e6:.1f} and {one * 1e6:.1f} \N{MICRO SIGN}s",
-            )
-        )
-    return rows
 
 
 # ---- figures -------------------------------------------------------------------------------------
