@@ -24,6 +24,7 @@ from voxshell.experiments.geometry_models import (
     RETRIANGULATED,
     Pair,
     build_copy,
+    measure_reach,
     move,
     overlap,
 )
@@ -56,6 +57,9 @@ _SCANNED = 48
 
 _FACES = 3
 """Largest faces of an overlap along whose normals a shorter way out is looked for."""
+
+_REACH_PLACES = 300
+"""Of the surface of an overlap at which its depth is measured."""
 
 _EXACT = 1e-7
 """Metres to which the first yes is bracketed."""
@@ -196,7 +200,8 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
         approach, ``collide`` first says yes (infinite: never), and "unseen", how far beyond it the last
         overlap is to which it says no, metres; "slope", by which both become lengths of the shortest
         separating translation, as an approach may graze. "depths", a row a depth along the approach as well: the
-        true depth ("way_out", the shortest separating translation), whether ``collide`` says yes so deep
+        true depth ("way_out", the shortest separating translation, and "reach", how deep either surface
+        is in the other body at least, which is less where edges cross), whether ``collide`` says yes so deep
         and so far apart (-1: not asked), how many contacts there are, the deepest of them, and what
         ``distance`` says so deep and so far apart, metres. "contacts", a row for each that is
         judged: the angle of its normal, radians, how far its places are off their bodies, metres, and
@@ -205,7 +210,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
     scene = SCENES[name]
     touches = [_touch(scene, index) for index in range(settings.poses)]
     tables: dict[str, list[tuple[float, ...]]] = {"approaches": [], "depths": [], "contacts": []}
-    ways = [
+    truths = [
         [_measure_depth(scene, index, touch, depth) for depth in scene.looked_at]
         for index, touch in enumerate(touches)
     ]
@@ -224,9 +229,9 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
                 tables["approaches"].append(
                     (*key, touch, slopes[index], *_approach(scene, pair, pose, touch, order))
                 )
-                for depth, way in zip(scene.looked_at, ways[index], strict=True):
+                for depth, truth in zip(scene.looked_at, truths[index], strict=True):
                     row, judged = _look(settings, scene, pair, pose, touch, depth, order)
-                    tables["depths"].append((*key, depth, way, *row))
+                    tables["depths"].append((*key, depth, *truth, *row))
                     tables["contacts"] += [(*key, depth, *each) for each in judged]
     key = ("copy", "pose", "order")
     names = {
@@ -235,6 +240,7 @@ def measure_scene(settings: GeometrySettings, name: str) -> Tables:
             *key,
             "depth",
             "way_out",
+            "reach",
             "yes",
             "apart_yes",
             "count",
@@ -257,14 +263,22 @@ def _touch(scene: GeometryScene, index: int) -> float:
     )
 
 
-def _measure_depth(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
-    """The shortest separating translation of bodies at rest, and the way back of others, metres.
+def _measure_depth(
+    scene: GeometryScene, index: int, touch: float, depth: float
+) -> tuple[float, float]:
+    """The shortest separating translation, and how deep a surface reaches into the other body, metres.
 
-    NaN where the bodies never touch.
+    Only of bodies at rest: else both are the way back. NaN where the bodies never touch.
     """
     if not np.isfinite(touch):
-        return np.nan
-    return depth if scene.group != "rest" else _find_way_out(scene, index, touch, depth)
+        return np.nan, np.nan
+    if scene.group != "rest":
+        return depth, depth
+    pose = move(scene.place(index), scene.direction, touch + depth)
+    return (
+        _find_way_out(scene, index, touch, depth),
+        max(measure_reach(scene.a, scene.b, pose, _REACH_PLACES)),
+    )
 
 
 def _measure_slope(scene: GeometryScene, index: int, touch: float) -> float:

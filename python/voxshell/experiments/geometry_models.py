@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from voxshell.experiments.surface_truth import Surface
 from voxshell.model import Model
 from voxshell.scenes.geometry import random_rotation
 from voxshell.scenes.geometry_bodies import BODIES, make_body, retriangulate, turn_mesh
-from voxshell.scenes.solids import import_manifold
+from voxshell.scenes.solids import as_mesh, import_manifold
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ class _Copy(NamedTuple):
     rotation: NDArray[np.float64]
 
 
-@cache
+@lru_cache(maxsize=64)  # models of many scenes would fill the memory
 def build_copy(body: str, copy: int) -> _Copy:
     """The default model of a body, as it is, with other triangles, or rotated by chance.
 
@@ -130,6 +130,30 @@ def _as_solid(body: str) -> Any:
 def overlap(a: str, b: str, b_from_a: NDArray[np.float64]) -> Any:
     """What two bodies have in common, exactly, as a ``manifold3d.Manifold`` in b's frame."""
     return _as_solid(a).transform(b_from_a[:3]) ^ _as_solid(b)
+
+
+def measure_reach(
+    a: str, b: str, b_from_a: NDArray[np.float64], places: int
+) -> tuple[float, float]:
+    """How deep a's surface certainly reaches into b, and b's into a, metres; 0 where they are apart.
+
+    Args:
+        a: A key of ``BODIES``.
+        b: Likewise.
+        b_from_a: Their pose.
+        places: How many of the surface of what they have in common are looked at, at most.
+    """
+    common = overlap(a, b, b_from_a)
+    if common.is_empty():
+        return 0.0, 0.0
+    mesh = as_mesh(common)
+    looked_at = np.concatenate([mesh.vertices, mesh.vertices[mesh.faces].mean(axis=1)])
+    looked_at = looked_at[:: -(-len(looked_at) // places)]
+    # On the surface of what they have in common and deep in one body: on the other one's surface.
+    return (
+        float(find_surface(b).measure_distances(looked_at).max()),
+        float(find_surface(a).measure_distances(carry(invert(b_from_a), looked_at)).max()),
+    )
 
 
 def measure_gap(a: str, b: str, b_from_a: NDArray[np.float64], most: float) -> float:

@@ -10,10 +10,8 @@ from voxshell.experiments.first_touch import find_first_touch
 from voxshell.experiments.geometry_models import (
     ORDERS,
     Pair,
-    carry,
-    find_surface,
-    invert,
     measure_gap,
+    measure_reach,
     move,
     overlap,
 )
@@ -21,7 +19,6 @@ from voxshell.experiments.part import as_columns
 from voxshell.queries import collide
 from voxshell.scenes.geometry import PAIRS, random_rotation, turn_about_axis
 from voxshell.scenes.geometry_bodies import make_body
-from voxshell.scenes.solids import as_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,20 +135,10 @@ def _prove_depth(
     pair: Pair, pose: NDArray[np.float64], order: int, shell: Literal["a", "b", "both"]
 ) -> float:
     """How deep the surface of the shell, or of both, certainly reaches into the other body, metres."""
-    common = overlap(pair.a, pair.b, pose)
-    if common.is_empty():
-        return 0.0
-    mesh = as_mesh(common)
-    places = np.concatenate([mesh.vertices, mesh.vertices[mesh.faces].mean(axis=1)])
-    places = places[:: max(1, len(places) // _PLACES)]
-    # On the surface of what they have in common and deep in one body: on the other one's surface.
-    a_is_shell = (shell == "a") == (order == 0)
-    depths = []
-    if shell == "both" or a_is_shell:
-        depths.append(find_surface(pair.b).measure_distances(places))
-    if shell == "both" or not a_is_shell:
-        depths.append(find_surface(pair.a).measure_distances(carry(invert(pose), places)))
-    return float(np.max(depths))
+    of_a, of_b = measure_reach(pair.a, pair.b, pose, _PLACES)
+    if shell == "both":
+        return max(of_a, of_b)
+    return of_a if (shell == "a") == (order == 0) else of_b
 
 
 def _worsen(

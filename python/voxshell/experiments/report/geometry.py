@@ -239,8 +239,13 @@ def _correct(table: Columns) -> NDArray[np.float64]:
 
 
 def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
-    """How far the deepest contact is off the shortest separating translation."""
-    off = np.abs(_deepest(table) - table["way_out"])
+    """How far the deepest contact is off the true depth.
+
+    Where edges cross or a body is wedged in, no place is as deep as the shortest separating translation is
+    long: anything from the deepest place to that is right.
+    """
+    deepest = _deepest(table)
+    off = np.maximum(table["reach"] - deepest, deepest - table["way_out"]).clip(min=0.0)
     bar = max(LEAST_BAR, SHARE_OF_OBJECT * scene.size)
     worst = float(off.max()) if len(off) else np.nan
     return Row(
