@@ -36,6 +36,9 @@ _OFFSETS = 5
 _LOOKED_AT = 50
 """Denied overlaps farthest beyond the first touch, of which the one that reaches deepest is made worse."""
 
+_SHALLOW = 1e-5
+"""Metres: no pose is nearer to the first touch by chance."""
+
 _PLACES = 100
 """Of the surface of an overlap that are looked at."""
 
@@ -74,11 +77,13 @@ def measure_pair(settings: GeometrySettings, index: int) -> Tables:
     stated = [pair.state_bounds(order) for order in ORDERS]
     rows: list[tuple[float, ...]] = []
     missed: tuple[list[_Missed], ...] = ([], [])
+    meetings: list[Meeting] = []
     for _ in range(count):
         meeting = meet(mesh_a, mesh_b, rng)
         if meeting is None:
             continue
-        depths = 10.0 ** rng.uniform(-5.0, np.log10(0.15 * size), _OFFSETS)
+        meetings.append(meeting)
+        depths = 10.0 ** rng.uniform(np.log10(_SHALLOW), np.log10(0.15 * size), _OFFSETS)
         signs = np.where(rng.random(_OFFSETS) < 0.6, 1.0, -1.0)
         for offset in (depths * signs).tolist():
             pose = move(meeting.pose, meeting.direction, offset)
@@ -100,6 +105,10 @@ def measure_pair(settings: GeometrySettings, index: int) -> Tables:
                         *(bounds.overlap, bounds.clearance, proven),
                     )
                 )
+    if settings.optimized > 0:
+        for order in ORDERS:
+            if not missed[order]:
+                missed[order].extend(_miss_shallow(pair, order, meetings[:_LOOKED_AT]))
     names = ("offset", "order", "overlaps", "yes", "overlap", "clearance", "proven")
     return {
         "poses": as_columns(names, rows),
@@ -129,6 +138,19 @@ def _pick(mesh: Mesh, rng: np.random.Generator) -> NDArray[np.float64]:
     """A random place on a random face, (3,)."""
     shares = rng.dirichlet(np.ones(3))
     return shares @ mesh.vertices[mesh.faces[rng.integers(len(mesh.faces))]]
+
+
+def _miss_shallow(pair: Pair, order: int, meetings: list[Meeting]) -> list[_Missed]:
+    """Overlaps that are denied, where chance has found none: shallower than it looks for."""
+    offsets = [
+        _find_last_no(pair, meeting.pose, meeting.direction, order, 0.25 * _SHALLOW)
+        for meeting in meetings
+    ]
+    return [
+        _Missed(offset, meeting)
+        for offset, meeting in zip(offsets, meetings, strict=True)
+        if offset > 0.0
+    ]
 
 
 def _prove_depth(
