@@ -26,11 +26,17 @@ def make_table(title: str, rows: Iterable[Row]) -> Table:
     table.add_column("here", justify="right", no_wrap=True)
     table.add_column("should be", max_width=16)
     table.add_column("verdict", no_wrap=True)
+    group = ""
     for row in rows:
+        if row.group != group:
+            group = row.group
+            table.add_section()
+            table.add_row(f"[bold]{escape(group)}[/]")
         good = row.reproduced is not False and row.holds is not False
         said = row.reproduced is not None or row.holds is not None
         color = "" if not said else "green" if good else "red"
-        quantity = f"{row.quantity}, {row.unit}" if row.unit else row.quantity
+        words = row.below_heading
+        quantity = f"{words}, {row.unit}" if row.unit else words
         verdict = row.verdict.replace(", ", ",\n").replace("for information", "-")
         table.add_row(
             *map(escape, (quantity, format_value(row.published), format_value(row.here), row.bar)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, is_dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -94,6 +94,17 @@ def compute_part(part: Part) -> Outcome:
             "environment": describe_environment(),
         },
     )
+
+
+def as_columns(names: Sequence[str], rows: Sequence[Sequence[float]]) -> Columns:
+    """Rows of numbers as a table.
+
+    Example:
+        >>> as_columns(("step", "seconds"), [(0, 0.5), (1, 0.25)])["seconds"]
+        array([0.5 , 0.25])
+    """
+    values = np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    return dict(zip(names, values.T.copy(), strict=True))
 
 
 def describe_function(function: Callable[..., Any]) -> str:

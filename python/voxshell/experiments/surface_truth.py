@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from voxshell.meshes import Mesh
@@ -19,6 +21,9 @@ TIE = 1e-5
 
 TIE_SHARE = 0.01
 """And the share of the distance."""
+
+_PAIRS_AT_ONCE = 500_000
+"""Pairs of a place and a face that are compared together: 12 MB."""
 
 _SAME_PLACE = 1e-7
 """Metres within which closest places of neighboring faces are one corner or place of an edge."""
@@ -36,28 +41,36 @@ class Surface:
         self.normals: NDArray[np.float64] = crossed[sound] / twice_area[sound, None]
         self._low, self._high = self._corners.min(axis=1), self._corners.max(axis=1)
 
-    def measure_distance(self, place: NDArray[np.float64]) -> float:
-        """Metres from a place, (3,), to the nearest face; never negative.
+    def measure_distances(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Metres from places, (n, 3), to the faces nearest to them, (n,); never negative.
 
         Example:
             >>> from voxshell.scenes.geometry_bodies import make_body
-            >>> Surface(make_body("cube 50 mm")).measure_distance(np.zeros(3))
-            0.025
+            >>> Surface(make_body("cube 50 mm")).measure_distances(np.zeros((1, 3)))
+            array([0.025])
         """
-        return float(self._find_near(place, 0.0)[1].min())
+        return np.array([distances.min() for _, distances, _ in self._find_near(places, 0.0)])
 
-    def find_nearest(self, place: NDArray[np.float64]) -> tuple[float, list[NDArray[np.float64]]]:
-        """The distance to the nearest faces, and their unit normals, (k, 3), for each place on them.
+    def find_nearest(
+        self, places: NDArray[np.float64]
+    ) -> list[tuple[float, list[NDArray[np.float64]]]]:
+        """For places, (n, 3): the distance to the nearest faces, and their normals where they are nearest.
 
-        Faces are nearest together where they meet in the closest corner or place of an edge. Several
-        places are nearest in the middle of a wall.
+        Faces are nearest together where they meet in the closest corner or place of an edge: their unit
+        normals are one array, (k, 3). In the middle of a wall several places are nearest.
         """
-        faces, distances, places = self._find_near(place, TIE)
+        return [self._group(*near) for near in self._find_near(places, TIE)]
+
+    def _group(
+        self,
+        faces: NDArray[np.intp],
+        distances: NDArray[np.float64],
+        places: NDArray[np.float64],
+    ) -> tuple[float, list[NDArray[np.float64]]]:
         least = float(distances.min())
         near = distances <= least + TIE + TIE_SHARE * least
-        faces, places = faces[near], places[near]
         groups: list[tuple[NDArray[np.float64], list[int]]] = []
-        for face, closest in zip(faces, places, strict=True):
+        for face, closest in zip(faces[near], places[near], strict=True):
             for where, members in groups:
                 if np.abs(where - closest).max() <= _SAME_PLACE:
                     members.append(int(face))
@@ -92,27 +105,37 @@ class Surface:
         return self.normals[np.flatnonzero(hit)[np.argmin(away[hit])]]
 
     def _find_near(
-        self, place: NDArray[np.float64], slack: float
-    ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
-        """Faces that may be within ``slack`` of the nearest one, their distances and closest places."""
-        beyond = np.maximum(np.maximum(self._low - place, place - self._high), 0.0)
-        bound = np.einsum("ij,ij->i", beyond, beyond)
-        # The farthest corner of the box that begins nearest is one bound on the distance, any corner another.
-        first = int(np.argmin(bound))
-        reach = np.linalg.norm(self._corners[first] - place, axis=1).min()
-        closest = find_closest(place, self._corners[first : first + 1])
-        reach = min(reach, np.linalg.norm(closest[0] - place))
-        faces = np.flatnonzero(bound <= (reach + slack + TIE_SHARE * reach) ** 2)
-        places = find_closest(place, self._corners[faces])
-        return faces, np.linalg.norm(places - place, axis=1), places
+        self, places: NDArray[np.float64], slack: float
+    ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]]:
+        """For each place, faces that may be within ``slack`` of the nearest, their distances and closest places."""
+        at_once = max(1, _PAIRS_AT_ONCE // len(self.normals))
+        for first in range(0, len(places), at_once):
+            some = places[first : first + at_once]
+            beyond = np.maximum(self._low - some[:, None], some[:, None] - self._high)
+            np.maximum(beyond, 0.0, out=beyond)
+            bound = np.einsum("ijk,ijk->ij", beyond, beyond)
+            # The face whose box begins nearest is a bound on how far the nearest one can be.
+            closest = find_closest(some, self._corners[bound.argmin(axis=1)])
+            reach = np.linalg.norm(closest - some, axis=1)
+            reach += slack + TIE_SHARE * reach + _SAME_PLACE
+            which, faces = np.nonzero(bound <= reach[:, None] ** 2)
+            closest = find_closest(some[which], self._corners[faces])
+            distances = np.linalg.norm(closest - some[which], axis=1)
+            ends = np.searchsorted(which, np.arange(1, len(some)))
+            yield from zip(
+                np.split(faces, ends),
+                np.split(distances, ends),
+                np.split(closest, ends),
+                strict=True,
+            )
 
 
-def find_closest(place: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The place of each triangle, (n, 3, 3), that is closest to a place, (n, 3).
+def find_closest(places: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The place of each triangle, (n, 3, 3), that is closest to the place, (n, 3), paired with it, (n, 3).
 
     Example:
         >>> triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
-        >>> find_closest(np.array([0.2, 0.3, 2.0]), triangle).round(9)
+        >>> find_closest(np.array([[0.2, 0.3, 2.0]]), triangle).round(9)
         array([[0.2, 0.3, 0. ]])
     """
     a, b, c = (corners[:, i] for i in range(3))
@@ -122,16 +145,16 @@ def find_closest(place: NDArray[np.float64], corners: NDArray[np.float64]) -> ND
         along = end - start
         length = np.einsum("ij,ij->i", along, along)
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.einsum("ij,ij->i", place - start, along) / length
+            share = np.einsum("ij,ij->i", places - start, along) / length
         share = np.clip(np.nan_to_num(share), 0.0, 1.0)
         on_edge = start + share[:, None] * along
-        distance = np.linalg.norm(on_edge - place, axis=1)
+        distance = np.linalg.norm(on_edge - places, axis=1)
         nearer = distance < best
         best[nearer], closest[nearer] = distance[nearer], on_edge[nearer]
     normal = np.cross(b - a, c - a)
     square = np.einsum("ij,ij->i", normal, normal)
-    height = np.einsum("ij,ij->i", place - a, normal) / square
-    foot = place - height[:, None] * normal
+    height = np.einsum("ij,ij->i", places - a, normal) / square
+    foot = places - height[:, None] * normal
     within = np.ones(len(corners), dtype=bool)
     for start, end in ((a, b), (b, c), (c, a)):
         within &= np.einsum("ij,ij->i", np.cross(end - start, foot - start), normal) >= 0.0

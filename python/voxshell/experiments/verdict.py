@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,7 @@ class Row:
         bar: What ours should be, in words; "" where nothing is demanded.
         holds: Whether it is; None where nothing is demanded.
         note: What explains the figure or a shortfall.
+        group: Heading of the rows that it is among, in long tables; "" for none.
     """
 
     quantity: str
@@ -29,6 +34,17 @@ class Row:
     bar: str = ""
     holds: bool | None = None
     note: str = ""
+    group: str = ""
+
+    @property
+    def below_heading(self) -> str:
+        """The quantity as it reads below its group's heading, which it may begin with.
+
+        Example:
+            >>> Row("first contact, crossed knives", None, 0.1, "mm", group="First contact").below_heading
+            'crossed knives'
+        """
+        return self.quantity.removeprefix(f"{self.group[:1].lower()}{self.group[1:]}, ")
 
     @property
     def verdict(self) -> str:
@@ -72,3 +88,13 @@ def format_value(value: float | str | None) -> str:
     rounded = round(value, 2 - math.floor(math.log10(abs(value))))
     text = f"{rounded:.{digits}f}" if abs(rounded) >= 1e-4 else f"{value:.2e}"
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
+def in_mm(length: float | np.floating[Any]) -> str:
+    """Metres in words: what is below a micrometre is not told apart.
+
+    Example:
+        >>> in_mm(0.00125), in_mm(2e-8), in_mm(0.0)
+        ('1.25 mm', '< 0.001 mm', '0 mm')
+    """
+    return "< 0.001 mm" if 0.0 < length < 1e-6 else f"{format_value(float(length) * 1e3)} mm"

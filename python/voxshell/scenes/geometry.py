@@ -517,6 +517,9 @@ COINCIDENT: tuple[str, ...] = (
 )
 """Bodies that are put into the very same pose as a copy of theirs, which is a contact."""
 
+THIN: tuple[str, ...] = ("bracket 6 mm", "cup 1.5 mm")
+"""Bodies on which normals and places of contacts are judged."""
+
 PAIRS: tuple[tuple[str, str], ...] = (
     ("ball 30 mm", "slab 2 m"),
     ("bunny 0.2 m", "terrain 5 m"),

@@ -93,10 +93,12 @@ poses = 1
 rotations = 0
 retriangulated = 0
 judged = 2
+judged_pairs = 1
 pairs = 1
 pair_poses = 20
 optimized = 0
 builds = 1
+compared_poses = 0
 [scaling]
 orientations = 1
 points = [500, 1000]

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 from rich.console import Console
 from voxshell.cli.verdict_table import make_table
@@ -23,3 +24,12 @@ def test_words_have_room_in_eighty_columns():
     text = screen.getvalue()
     for words in ("high, mm", "not reproduced,", "falls short", "2850", "0.012"):
         assert words in text
+
+
+def test_groups_have_headings():
+    screen = io.StringIO()
+    rows = [replace(row, group=group) for row, group in zip(ROWS, "AAB", strict=True)]
+    Console(file=screen, width=80).print(make_table("Table", rows))
+    lines = [line.strip() for line in screen.getvalue().splitlines()]
+    assert lines.index("A") < lines.index("B")
+    assert lines.count("A") == lines.count("B") == 1

@@ -1,26 +1,20 @@
-"""The study of geometry, small: its truth against closed forms and other judges, and its verdicts."""
+"""The study of geometry, small: what it measures, and its verdicts."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 import pytest
-import trimesh
 import voxshell as vx
-from manifold3d import Manifold, Mesh64
 from voxshell.errors import SettingsError
-from voxshell.experiments import geometry
-from voxshell.experiments.first_touch import find_first_touch
-from voxshell.experiments.geometry import GeometrySettings, Pair, name_pair, name_scene
+from voxshell.experiments import geometry_costs
+from voxshell.experiments.geometry import GeometrySettings, name_pair, name_scene
+from voxshell.experiments.geometry_models import RETRIANGULATED, Pair, move
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.geometry import GEOMETRY
-from voxshell.experiments.surface_truth import Surface, measure_angle
-from voxshell.meshes import Mesh
 from voxshell.scenes.geometry import PAIRS, SCENES, random_rotation
-from voxshell.scenes.geometry_bodies import make_body
 
-DOWN = np.array([0.0, 0.0, -1.0])
 SMALL = GeometrySettings(
     scenes=("ball on slab 0.3 m", "crossed knives", "ring on peg, sideways", "cup on cup"),
     poses=2,
@@ -28,10 +22,13 @@ SMALL = GeometrySettings(
     retriangulated=1,
     copied_poses=1,
     judged=6,
+    judged_pairs=3,
     pairs=1,
     pair_poses=40,
     optimized=6,
     builds=2,
+    compared_poses=3,
+    compared_resolution=30,
 )
 
 
@@ -43,116 +40,20 @@ def lift(height: float, rotation: np.ndarray | None = None) -> np.ndarray:
     return pose
 
 
-# ---- the truth -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("a", "b", "turn", "height"),
-    [
-        ("cube 50 mm", "slab 1 m", (0.0, 0.0, 0.0), 0.025),
-        ("cube 50 mm", "slab 5 m", (45.0, 0.0, 0.0), 0.025 * np.sqrt(2.0)),
-        # On a corner, the diagonal is upright.
-        (
-            "cube 50 mm",
-            "slab 1 m",
-            (45.0, np.degrees(np.arctan(np.sqrt(0.5))), 0.0),
-            0.025 * np.sqrt(3.0),
-        ),
-        ("ball 30 mm", "slab 2 m", (0.0, 0.0, 0.0), 0.015),
-        ("pyramid", "slab 1 m", (0.0, 0.0, 33.0), 0.0),
-        # Only edges cross: no corner of either is over a face of the other.
-        ("blade", "blade", (180.0, 0.0, 77.0), 0.0),
-        ("bar 1 m x 10 mm", "bar 1 m x 10 mm", (0.0, 0.0, 50.0), 0.01),
-    ],
-)
-def test_first_touch_is_the_closed_form(a, b, turn, height):
-    from voxshell.scenes.geometry import turn_about
-
-    pose = lift(0.4, turn_about(np.radians(turn)))
-    touch = find_first_touch(make_body(a), make_body(b), pose, DOWN)
-    assert touch == pytest.approx(0.4 - height, abs=1e-12)
-
-
-def test_first_touch_from_inside_a_hole_is_the_play():
-    ring, peg = make_body("ring"), make_body("peg")
-    along = np.array([1.0, 0.0, 0.0])
-    assert find_first_touch(ring, peg, np.eye(4), along, from_here=True) == pytest.approx(5e-4)
-    # From far away the ring's outside meets the foot or the pin before.
-    assert find_first_touch(ring, peg, np.eye(4), along) < -0.02
-
-
-def test_first_touch_of_bodies_that_pass_each_other_is_never():
-    cube = make_body("cube 50 mm")
-    beside = lift(0.3)
-    beside[0, 3] = 0.051
-    assert find_first_touch(cube, cube, beside, DOWN) == np.inf
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_first_touch_is_where_the_solids_begin_to_overlap(name):
-    scene = SCENES[name]
-    solids = [
-        Manifold(Mesh64(np.array(m.vertices), np.array(m.faces, dtype=np.uint64)))
-        for m in (make_body(scene.a), make_body(scene.b))
-    ]
-    pose = scene.place(1)
-    touch = find_first_touch(
-        make_body(scene.a),
-        make_body(scene.b),
-        pose,
-        scene.direction,
-        from_here=scene.start == "here",
-    )
-    for offset, overlaps in ((-1e-6, False), (1e-4, True)):
-        moved = geometry.move(pose, scene.direction, touch + offset)
-        common = solids[0].transform(moved[:3]) ^ solids[1]
-        assert (common.volume() > 0.0) == overlaps, offset
-
-
-def test_nearest_places_are_those_of_trimesh():
-    mesh = make_body("dented box")
-    surface = Surface(mesh)
-    places = np.random.default_rng(2).uniform(-0.06, 0.06, (50, 3))
-    solid = trimesh.Trimesh(*mesh, process=False)
-    _, distances, _ = trimesh.proximity.closest_point(solid, places)
-    found = [surface.measure_distance(place) for place in places]
-    assert found == pytest.approx(distances, abs=1e-12)
-
-
-def test_normals_of_a_cube_are_its_faces_edges_and_corners():
-    surface = Surface(make_body("cube 50 mm"))
-    up, side = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-
-    def find_angle(place, normal):
-        _, cones = surface.find_nearest(np.array(place))
-        return np.degrees(
-            min(measure_angle(normal / np.linalg.norm(normal), each) for each in cones)
-        )
-
-    assert find_angle((0.001, 0.002, 0.02), up) == pytest.approx(0.0)
-    assert find_angle((0.001, 0.002, 0.02), side) == pytest.approx(90.0)
-    # Outside an edge all between both faces' normals are right; inside, in its plane of symmetry, these two.
-    assert find_angle((0.026, 0.0, 0.026), up + 0.3 * side) == pytest.approx(0.0, abs=1e-6)
-    assert find_angle((0.02, 0.0, 0.02), side) == pytest.approx(0.0, abs=1e-6)
-    assert find_angle((0.02, 0.0, 0.02), up + side) == pytest.approx(45.0)
-    entry = surface.find_entry(np.array([0.001, 0.002, 0.0]), up)
-    assert entry is not None
-    assert entry == pytest.approx(up)
-    assert surface.find_entry(np.array([0.2, 0.0, 0.0]), up) is None
-
-
 # ---- measures ------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def results():
-    return {part.name: compute_part(part).tables for part in GEOMETRY.plan(SMALL)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(geometry_costs, "COMPARED", "ellipsoid")  # the bunny takes long to build
+        return {part.name: compute_part(part).tables for part in GEOMETRY.plan(SMALL)}
 
 
 def test_copies_and_orders_are_asked_about_the_same_pose():
     rng = np.random.default_rng(4)
     a, b = "dented box", "tetrahedron"
-    pairs = [Pair(a, b, copy) for copy in (0, 1, geometry.RETRIANGULATED)]
+    pairs = [Pair(a, b, copy) for copy in (0, 1, RETRIANGULATED)]
     pose = lift(0.07, random_rotation(rng))
     told = [pair.ask(vx.distance, pose, order) for pair in pairs for order in (0, 1)]
     # Two voxels of the larger.
@@ -184,8 +85,8 @@ def test_onset_is_where_collide_begins_to_say_yes(results):
     pose = scene.place(int(table["pose"][row]))
     first = table["touch"][row] + table["onset"][row]
     order = int(table["order"][row])
-    assert pair.ask(vx.collide, geometry.move(pose, scene.direction, first), order)
-    assert not pair.ask(vx.collide, geometry.move(pose, scene.direction, first - 2e-7), order)
+    assert pair.ask(vx.collide, move(pose, scene.direction, first), order)
+    assert not pair.ask(vx.collide, move(pose, scene.direction, first - 2e-7), order)
 
 
 def test_rows_have_verdicts_by_the_data(results, tmp_path):
@@ -211,15 +112,33 @@ def test_rows_have_verdicts_by_the_data(results, tmp_path):
         "deepest contact off the true depth at most, ball on slab 0.3 m",
         "normals off the nearest surface's cone, 99 %, cup on cup",
         "points_b off b at most, cup on cup",
+        "normals within 10 degrees of the nearest surface's cone, bracket 6 mm, 1 mm deep in any pose",
+        "points_b within a quarter voxel of b, cup 1.5 mm, 1 mm deep in any pose",
         "two bodies in the same pose, no contact",
         f"answers wrong beyond the stated bounds, {' and '.join(PAIRS[0])}",
         f"stated bounds at most, {' and '.join(PAIRS[0])}",
         f"stated bound over the worst overlap that is denied, {' and '.join(PAIRS[0])}",
         "default builds beyond 3 s or 64 MB without a warning",
+        "memory of field and shell",
+        "time to build",
+        "time of contacts, one shell, median of poses",
+        "time of contacts, both shells, 99 % of poses",
     ):
         assert isinstance(rows[quantity].holds, bool), quantity
     pictures = GEOMETRY.draw(SMALL, results, tmp_path)
     assert all((tmp_path / picture.path).is_file() for picture in pictures)
+
+
+def test_an_overlap_that_is_denied_after_others_were_seen_falls_short(results):
+    quantity = "approaches with an overlap that is denied, edges, corners and tips"
+    part = name_scene("crossed knives")
+    table = results[part]["approaches"]
+    assert _reduce(results)[quantity].holds
+    unseen = np.zeros(8)
+    unseen[3] = 0.01
+    changed = {**results, part: {**results[part], "approaches": table | {"unseen": unseen}}}
+    row = _reduce(changed)[quantity]
+    assert (row.here, row.holds) == (1, False)
 
 
 def test_stated_bounds_that_are_violated_fall_short(results):
@@ -248,19 +167,37 @@ def test_builds_without_a_warning_have_to_be_small_and_fast(results):
         assert rows[quantity].holds is holds
 
 
-def test_overlaps_that_are_denied_are_found_and_made_worse(monkeypatch):
-    settings = replace(SMALL, pair_poses=60, optimized=12)
+def test_costs_are_those_of_models_that_are_as_exact(results):
+    builds = results["costs"]["builds"]
+    uniform, tolerance = (builds["field"][builds["kind"] == kind] for kind in (0, 1))
+    assert (tolerance <= uniform[0]).all()
+    assert (tolerance > 0.3 * uniform[0]).all()
+    assert (builds["segments"][builds["kind"] == 0] == 0).all()
+    for column, bar, names in (
+        ("bytes", 1.0, ["memory of field and shell"]),
+        ("seconds", 1.5, ["time to build"]),
+    ):
+        for factor, holds in ((0.99 * bar, True), (1.01 * bar, False)):
+            values = np.where(builds["kind"] == 1, factor, 1.0)
+            changed = {"builds": builds | {column: values}}
+            rows = _reduce({**results, "costs": {**results["costs"], **changed}})
+            assert [rows[name].holds for name in names] == [holds]
+    queries = results["costs"]["queries"]
+    assert all(len(seconds) == 3 and (seconds > 0.0).all() for seconds in queries.values())
+    slow = queries | {"tolerance_both": 1.4 * queries["uniform_both"]}
+    rows = _reduce({**results, "costs": {"builds": builds, "queries": slow}})
+    assert rows["time of contacts, both shells, median of poses"].holds is False
+    assert rows["time of contacts, both shells, median of poses"].here == pytest.approx(1.4)
 
-    def deny_shallow(*arguments: object, **options: object) -> bool:
-        return vx.distance(*arguments, **options).distance < -0.002
 
-    monkeypatch.setattr(geometry, "collide", deny_shallow)
-    tables = geometry.measure_pair(settings, PAIRS.index(("star", "dented box")))
-    worst, poses = tables["worst"], tables["poses"]
-    assert ((poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)).sum() > 10
-    assert (worst["random"] > 1e-4).all()
-    assert (worst["optimized"] >= worst["random"]).all()
-    assert (worst["optimized"] > 1.01 * worst["random"]).any()
+def test_rows_are_grouped_and_groups_are_not_torn(results):
+    groups = [row.group for row in GEOMETRY.reduce(SMALL, results)]
+    assert all(groups)
+    assert len([group for group, _ in groupby(groups)]) == len(set(groups)) == 12
+
+
+def _reduce(results):
+    return {row.quantity: row for row in GEOMETRY.reduce(SMALL, results)}
 
 
 def test_wrong_settings_are_refused():
@@ -268,9 +205,3 @@ def test_wrong_settings_are_refused():
         GeometrySettings(scenes=("tea party",))
     with pytest.raises(SettingsError, match="retriangulated"):
         GeometrySettings(retriangulated=2)
-
-
-def test_a_mesh_of_no_area_is_left_out_of_the_surface():
-    mesh = make_body("cube 50 mm")
-    faces = np.concatenate([mesh.faces, [[0, 0, 1]]]).astype(np.uint32)
-    assert len(Surface(Mesh(mesh.vertices, faces)).normals) == 12

@@ -9,48 +9,47 @@ import numpy as np
 
 from voxshell.experiments import geometry
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.geometry import (
-    RETRIANGULATED,
-    GeometrySettings,
-    name_pair,
-    name_scene,
-)
+from voxshell.experiments.geometry import GeometrySettings, name_contacts, name_pair, name_scene
+from voxshell.experiments.geometry_contacts import MET, MET_DEPTH
+from voxshell.experiments.geometry_costs import COMPARED
+from voxshell.experiments.geometry_models import RETRIANGULATED
 from voxshell.experiments.report.figures import FAINT, OURS, PEERS, open_figure
-from voxshell.experiments.verdict import Row, at_most, format_value
+from voxshell.experiments.report.geometry_costs import judge_builds, judge_costs
+from voxshell.experiments.report.geometry_pairs import (
+    judge_bounds,
+    judge_sharpness,
+    judge_violations,
+    tell_worst,
+)
+from voxshell.experiments.verdict import Row, at_most, format_value, in_mm
 from voxshell.scenes.geometry import (
-    BUILT,
     COINCIDENT,
     LEAST_BAR,
     PAIRS,
     SCENES,
     SHARE_OF_OBJECT,
+    THIN,
     GeometryScene,
 )
-from voxshell.scenes.geometry_bodies import make_body
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
     from voxshell.experiments.experiment import Results
-    from voxshell.experiments.part import Columns, Tables
+    from voxshell.experiments.part import Columns
 
 NORMAL_BAR = 10.0
 """Degrees."""
 
+SHARE_BAR = 99.0
+"""Percent of contacts that have to be right."""
+
 VOXEL_SHARE_BAR = 0.25
 """How far places on b may be off b, in voxels of the field."""
 
-LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
-"""Stated bounds: metres, or this share of the larger body."""
-
-SHARPNESS_BAR = 3.0
-"""Stated bound over the worst overlap that is found to be denied."""
-
-SECONDS_BAR, BYTES_BAR = 3.0, 64e6
-
-_ROUNDING = 1e-6
 _GROUNDS = ("slab", "table", "stairs", "terrain")
 _GROUPS = {
     "rest": "bodies at rest",
@@ -65,6 +64,10 @@ _SHOWN_LEAST = 1e-6
 def describe(settings: GeometrySettings) -> str:
     """The set-up in words."""
     held_out = sum(SCENES[name].held_out for name in settings.chosen)
+    compared = (
+        f" Two of {COMPARED}, 1 mm deep in each other, are asked about in {settings.compared_poses} poses: "
+        "uniform models, models to a tolerance that makes them as exact, and default ones take turns."
+    )
     return (
         f"{len(settings.chosen)} scenes of two meshes that come nearer to each other, {held_out} of them "
         f"chosen by someone who did not write the code, in {settings.poses} poses each, in both orders "
@@ -73,7 +76,7 @@ def describe(settings: GeometrySettings) -> str:
         "touch of their triangles along the approach, the shortest separating translation, and the "
         f"faces nearest to each contact. {settings.pairs} pairs of mixed size meet in "
         f"{settings.pair_poses:,} poses, the worst of which {settings.optimized} steps of a search make "
-        "worse."
+        "worse." + (compared if settings.compared_poses else "")
     )
 
 
@@ -83,23 +86,67 @@ def describe(settings: GeometrySettings) -> str:
 def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
     """The verdicts."""
     chosen = [SCENES[name] for name in settings.chosen]
-    rows = [_judge_answers(group, chosen, results) for group in _GROUPS]
-    rows += [_judge_onset(scene, results[name_scene(scene.name)]["approaches"]) for scene in chosen]
-    rows += [
-        _judge_depth(scene, results[name_scene(scene.name)]["depths"])
-        for scene in chosen
-        if scene.group == "rest" and scene.b.startswith(_GROUNDS)
+    scenes = {scene.name: results[name_scene(scene.name)] for scene in chosen}
+    pairs = {
+        " and ".join(PAIRS[index]): results[name_pair(index)]
+        for index in range(settings.pairs)
+        if len(results[name_pair(index)]["poses"]["offset"])
+    }
+    # Titles are what quantities below them begin with.
+    groups: dict[str, Sequence[Row | None]] = {
+        "Wrong answers at least the bar off the first touch": [
+            _judge_answers(group, chosen, results) for group in _GROUPS
+        ],
+        "Approaches with an overlap that is denied": [
+            _judge_unseen(group, chosen, results) for group in _GROUPS
+        ],
+        "First contact beyond the first touch": [
+            _judge_onset(scene, scenes[scene.name]["approaches"]) for scene in chosen
+        ],
+        "Deepest contact off the true depth at most": [
+            _judge_depth(scene, scenes[scene.name]["depths"])
+            for scene in chosen
+            if scene.group == "rest" and scene.b.startswith(_GROUNDS)
+        ],
+        "Normals and places of contacts": [
+            *(
+                row
+                for body in THIN
+                if settings.judged_pairs
+                for row in _judge_thin(body, results[name_contacts(body)]["contacts"])
+            ),
+            *(
+                row
+                for scene in chosen
+                if scene.judge_normals
+                for row in _judge_normals(scene, scenes[scene.name]["contacts"])
+            ),
+            *(_tell_normals(group, chosen, results) for group in _GROUPS),
+        ],
+        "Bodies in the same pose": [_judge_coincident(results["coincident"]["bodies"])],
+        "Answers wrong beyond the stated bounds": [
+            judge_violations(name, tables) for name, tables in pairs.items()
+        ],
+        "Worst overlap that is denied": [
+            tell_worst(name, tables["worst"]) for name, tables in pairs.items()
+        ],
+        "Stated bounds at most": [
+            judge_bounds(name, tables["poses"]) for name, tables in pairs.items()
+        ],
+        "Stated bound over the worst overlap that is denied": [
+            judge_sharpness(settings, name, tables) for name, tables in pairs.items()
+        ],
+        "Default builds": judge_builds(results["builds"]["builds"]) if settings.builds else [],
+        "Costs beside a uniform model that is as exact": (
+            judge_costs(settings, results["costs"]) if settings.compared_poses else []
+        ),
+    }
+    return [
+        replace(row, group=group)
+        for group, rows in groups.items()
+        for row in rows
+        if row is not None
     ]
-    for scene in chosen:
-        if scene.judge_normals:
-            rows += _judge_normals(scene, results[name_scene(scene.name)]["contacts"])
-    rows += [_tell_normals(group, chosen, results) for group in _GROUPS]
-    rows.append(_judge_coincident(results["coincident"]["bodies"]))
-    for index in range(settings.pairs):
-        rows += _judge_pair(settings, index, results[name_pair(index)])
-    if settings.builds:
-        rows += _judge_builds(results["builds"]["builds"])
-    return [row for row in rows if row is not None]
 
 
 def _mark(scene: GeometryScene) -> str:
@@ -131,6 +178,34 @@ def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) ->
     )
 
 
+def _judge_unseen(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
+    """Approaches on which ``collide`` denies an overlap, wherever on the way it is."""
+    unseen = asked = 0
+    worst, where = 0.0, ""
+    for scene in chosen:
+        if scene.group != group:
+            continue
+        table = results[name_scene(scene.name)]["approaches"]
+        asked += len(table["unseen"])
+        unseen += int((table["unseen"] * table["slope"] > scene.onset_bar).sum())
+        deepest = float(table["unseen"].max(initial=0.0))
+        if deepest > worst:
+            worst, where = deepest, scene.name
+    if asked == 0:
+        return None
+    return Row(
+        f"approaches with an overlap that is denied, {_GROUPS[group]}",
+        None,
+        unseen,
+        f"of {asked}",
+        bar="0",
+        holds=unseen == 0,
+        note=f"at most {format_value(worst * 1e3)} mm beyond the first touch, {where}"
+        if where
+        else "",
+    )
+
+
 def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
     """How far off the true first touch the first contact is."""
     onset = _correct(table)
@@ -145,10 +220,8 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
         ("other triangles", table["copy"] == RETRIANGULATED),
     ):
         if of_kind.any():
-            notes.append(f"{name} {format_value(float(np.abs(onset[of_kind]).max()) * 1e3)}")
-    notes.append(
-        f"deepest overlap denied {format_value(float(table['unseen'].max(initial=0.0)) * 1e3)}"
-    )
+            notes.append(f"{name} {in_mm(np.abs(onset[of_kind]).max())}")
+    notes.append(f"deepest overlap denied {in_mm(table['unseen'].max(initial=0.0))}")
     return Row(
         f"first contact beyond the first touch, {_mark(scene)}",
         None,
@@ -166,8 +239,13 @@ def _correct(table: Columns) -> NDArray[np.float64]:
 
 
 def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
-    """How far the deepest contact is off the shortest separating translation."""
-    off = np.abs(_deepest(table) - table["way_out"])
+    """How far the deepest contact is off the true depth.
+
+    Where edges cross or a body is wedged in, no place is as deep as the shortest separating translation is
+    long: anything from the deepest place to that is right.
+    """
+    deepest = _deepest(table)
+    off = np.maximum(table["reach"] - deepest, deepest - table["way_out"]).clip(min=0.0)
     bar = max(LEAST_BAR, SHARE_OF_OBJECT * scene.size)
     worst = float(off.max()) if len(off) else np.nan
     return Row(
@@ -177,8 +255,7 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
         "mm",
         bar=f"<= {format_value(bar * 1e3)}",
         holds=at_most(worst, bar),
-        note=f"median {format_value(float(np.median(off)) * 1e3)}, at depths up to "
-        f"{format_value(float(table['way_out'].max()) * 1e3)}"
+        note=f"median {in_mm(np.median(off))}, at depths up to {in_mm(table['way_out'].max())}"
         if len(off)
         else "",
     )
@@ -214,8 +291,38 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
             "voxels",
             bar=f"<= {VOXEL_SHARE_BAR:g}",
             holds=at_most(share, VOXEL_SHARE_BAR),
-            note=f"{format_value(float(table['b_off'].max()) * 1e3)} mm",
+            note=in_mm(table["b_off"].max()),
         ),
+    ]
+
+
+def _judge_thin(body: str, table: Columns) -> list[Row]:
+    """Shares of the contacts of a thin body, in any pose, that are right."""
+    angles = np.degrees(table["angle"])
+    shares = table["b_off"] / table["voxel"]
+    others = " or ".join(MET)
+    return [
+        Row(
+            f"{name}, {body}, {MET_DEPTH * 1e3:g} mm deep in any pose",
+            None,
+            100.0 * float((values <= bar).mean()) if len(values) else np.nan,
+            "%",
+            bar=f">= {SHARE_BAR:g}",
+            holds=len(values) > 0 and float((values <= bar).mean()) >= 0.01 * SHARE_BAR,
+            note=f"{len(values):,} contacts with the {others}; median {format_value(float(np.median(values)))}, "
+            f"worst {format_value(float(values.max()))} {unit}"
+            if len(values)
+            else "",
+        )
+        for name, values, bar, unit in (
+            (
+                "normals within 10 degrees of the nearest surface's cone",
+                angles,
+                NORMAL_BAR,
+                "degrees",
+            ),
+            ("points_b within a quarter voxel of b", shares, VOXEL_SHARE_BAR, "voxels"),
+        )
     ]
 
 
@@ -232,7 +339,7 @@ def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> 
         float(np.percentile(angles, 99)),
         "degrees",
         note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}; points_b off b "
-        f"by up to {format_value(float(off.max()) * 1e3)} mm",
+        f"by up to {in_mm(off.max())}",
     )
 
 
@@ -248,89 +355,6 @@ def _judge_coincident(table: Columns) -> Row:
         holds=not unseen,
         note=", ".join(unseen),
     )
-
-
-def _judge_pair(settings: GeometrySettings, index: int, tables: Tables) -> list[Row]:
-    """Whether stated bounds hold, how wide they are, and how near the worst pose comes to them."""
-    poses, worst = tables["poses"], tables["worst"]
-    a, b = PAIRS[index]
-    name = f"{a} and {b}"
-    if len(poses["offset"]) == 0:
-        return []
-    inside = poses["offset"] > 0.0
-    stated = np.where(inside, poses["overlap"], poses["clearance"])
-    violated = int((poses["proven"] > stated + _ROUNDING).sum())
-    deepest = float(worst["optimized"].max())
-    overlap = float(poses["overlap"].max())
-    violated += int(deepest > overlap + _ROUNDING)
-    denied = inside & (poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)
-    early = ~inside & (poses["yes"] == 1.0)
-    size = max(float(np.ptp(make_body(body).vertices, axis=0).max()) for body in (a, b))
-    most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
-    bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
-    sharpness = overlap / deepest if deepest > 0.0 else np.inf
-    return [
-        Row(
-            f"answers wrong beyond the stated bounds, {name}",
-            None,
-            violated,
-            f"of {len(stated):,}",
-            bar="0",
-            holds=violated == 0,
-            note=f"{int(denied.sum()):,} overlaps denied, {int(early.sum()):,} gaps taken for contact",
-        ),
-        Row(
-            f"stated bounds at most, {name}",
-            None,
-            bound * 1e3,
-            "mm",
-            bar=f"<= {format_value(most * 1e3)}",
-            holds=at_most(bound, most),
-        ),
-        Row(
-            f"stated bound over the worst overlap that is denied, {name}",
-            None,
-            sharpness,
-            "",
-            # Chance alone does not find the worst.
-            bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
-            holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
-            note=f"worst {format_value(float(worst['random'].max()) * 1e3)} mm by chance, "
-            f"{format_value(deepest * 1e3)} mm after a search",
-        ),
-    ]
-
-
-def _judge_builds(table: Columns) -> list[Row]:
-    within = (table["seconds"] <= SECONDS_BAR) & (table["bytes"] <= BYTES_BAR)
-    broken = ~within & (table["warnings"] == 0.0)
-    names = [body for body, fails in zip(BUILT, broken, strict=False) if fails]
-    slowest, largest = int(np.argmax(table["seconds"])), int(np.argmax(table["bytes"]))
-    return [
-        Row(
-            "default builds beyond 3 s or 64 MB without a warning",
-            None,
-            len(names),
-            f"of {len(broken)}",
-            bar="0",
-            holds=not names,
-            note=", ".join(names),
-        ),
-        Row(
-            "slowest default build",
-            None,
-            float(table["seconds"][slowest]),
-            "s",
-            note=BUILT[slowest],
-        ),
-        Row(
-            "largest default model",
-            None,
-            float(table["bytes"][largest]) / 1e6,
-            "MB",
-            note=BUILT[largest],
-        ),
-    ]
 
 
 # ---- figures -------------------------------------------------------------------------------------
@@ -387,9 +411,12 @@ GEOMETRY = Experiment(
         rotations=0,
         retriangulated=0,
         judged=8,
+        judged_pairs=4,
         pairs=4,
         pair_poses=400,
         optimized=0,
+        compared_poses=20,
+        compared_resolution=60,
     ),
     plan=geometry.plan,
     reduce=reduce,

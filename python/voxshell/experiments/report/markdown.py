@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from voxshell._outputs import replacing
@@ -13,6 +14,11 @@ if TYPE_CHECKING:
 
     from voxshell.experiments.reproduction import Finding
     from voxshell.experiments.verdict import Row
+
+_HEAD = (
+    "| quantity | published | here | unit | ours should be | verdict | note |",
+    "|---|---|---|---|---|---|---|",
+)
 
 
 def write_markdown(path: Path, findings: list[Finding], *, command: str) -> None:
@@ -29,21 +35,25 @@ def write_markdown(path: Path, findings: list[Finding], *, command: str) -> None
         parts += [
             f"## {experiment.title}",
             f"{experiment.question} {experiment.describe(finding.study.settings)}",
-            "\n".join(
-                [
-                    "| quantity | published | here | unit | ours should be | verdict | note |",
-                    "|---|---|---|---|---|---|---|",
-                    *map(_make_line, finding.rows),
-                ]
-            ),
+            *_make_tables(finding.rows),
         ]
     with replacing(path) as temporary:
         temporary.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
+def _make_tables(rows: list[Row]) -> list[str]:
+    """A table a group, below its heading."""
+    parts = []
+    for group, members in groupby(rows, key=lambda row: row.group):
+        if group:
+            parts.append(f"### {group}")
+        parts.append("\n".join([*_HEAD, *map(_make_line, members)]))
+    return parts
+
+
 def _make_line(row: Row) -> str:
     cells = (
-        *(row.quantity, format_value(row.published), format_value(row.here), row.unit),
+        *(row.below_heading, format_value(row.published), format_value(row.here), row.unit),
         *(row.bar, row.verdict, row.note),
     )
     return "| " + " | ".join(cell.replace("|", "/") for cell in cells) + " |"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from html import escape
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from voxshell._outputs import replacing
@@ -38,6 +39,7 @@ h3 { margin: 1.4rem 0 .3rem; font-size: 1.05rem; } p { max-width: 48rem; }
 .faint, figcaption { color: #667; font-size: .9rem; } nav a { margin-right: 1rem; }
 table { border-collapse: collapse; width: 100%; font-size: .86rem; margin: .6rem 0; }
 th { text-align: left; border-bottom: 2px solid #ccd; } td { border-bottom: 1px solid #e6e8ee; }
+.group { padding-top: 1.1rem; border-bottom: 1px solid #ccd; }
 th, td { padding: .25rem .6rem .25rem 0; vertical-align: top; }
 .number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 .good { color: #0b6e4f; } .bad { color: #b3263c; } .verdict { white-space: nowrap; }
@@ -157,7 +159,7 @@ def _describe(row: Row) -> str:
 def _tell(out: Path, finding: Finding) -> str:
     experiment, settings = finding.study.experiment, finding.study.settings
     pictures = "".join(_show(out, experiment.name, picture) for picture in finding.pictures)
-    lines = "".join(_make_line(row) for row in finding.rows)
+    lines = _make_lines(finding.rows)
     kind = "" if experiment.published else '<p class="faint">Beyond the section.</p>'
     values = ", ".join(f"{key} = {value}" for key, value in plain(settings).items())
     return f"""<h2 id="{experiment.name}">{escape(experiment.title)}</h2>{kind}
@@ -182,13 +184,22 @@ def _show(out: Path, folder: str, picture: Picture) -> str:
     )
 
 
+def _make_lines(rows: Iterable[Row]) -> str:
+    return "".join(
+        f'<tr><th class="group" colspan="6">{escape(group)}</th></tr>{"".join(map(_make_line, members))}'
+        if group
+        else "".join(map(_make_line, members))
+        for group, members in groupby(rows, key=lambda row: row.group)
+    )
+
+
 def _make_line(row: Row) -> str:
     said = row.reproduced is not None or row.holds is not None
     good = row.reproduced is not False and row.holds is not False
     kind = ("good" if good else "bad") if said else "faint"
     note = f'<br><span class="note">{escape(row.note)}</span>' if row.note else ""
     return (
-        f'<tr><td>{escape(row.quantity)}{note}</td><td class="number">'
+        f'<tr><td>{escape(row.below_heading)}{note}</td><td class="number">'
         f'{escape(format_value(row.published))}</td><td class="number">{format_value(row.here)}</td>'
         f"<td>{escape(row.unit)}</td><td>{escape(row.bar)}</td>"
         f'<td class="verdict {kind}">{row.verdict}</td></tr>'
