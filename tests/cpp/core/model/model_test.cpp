@@ -129,10 +129,11 @@ TEST(Model, AdvisesASettingThatFitsFieldAndShell) {
 }
 
 TEST(Model, SaysThatASpacingWasTheVoxelSizeWhereNoneWasGiven) {
-  // Four hundred sheets in one place: a shell of as many times the points, in a field of one.
+  // Four hundred sheets next to one another: a shell of as many times the points, in a field of
+  // one.
   const Soup box = make_box({0.5, 0.5, 0.5});
   Soup sheets;
-  for (int i = 0; i < 400; ++i) sheets = together(sheets, box);
+  for (int i = 0; i < 400; ++i) sheets = together(sheets, moved(box, {1e-6 * i, 0.0, 0.0}));
   expect_error(Model::build(sheets.mesh(), {.resolution = 200}), ErrorCode::kTooLarge,
                "m (it is the voxel size where none is given)");
   const auto refused = Model::build(sheets.mesh(), {.resolution = 200, .point_spacing = 0.005});
