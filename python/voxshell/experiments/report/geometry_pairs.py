@@ -77,7 +77,7 @@ def judge_sharpness(settings: GeometrySettings, name: str, tables: Tables) -> Ro
         f"stated bound over the worst overlap that is denied, {name}",
         None,
         sharpness,
-        "",
+        "times",
         bar=f"<= {SHARPNESS_BAR:g}" if settings.optimized else "",
         holds=at_most(sharpness, SHARPNESS_BAR) if settings.optimized else None,
     )
