@@ -198,8 +198,8 @@ PairBounds bound_pair(const Participant& a, const Participant& b, Role role) {
   const double miss_of_a = asks_a ? miss_of(body_a, body_b) : kUnbounded;
   const double miss_of_b = asks_b ? miss_of(body_b, body_a) : kUnbounded;
   PairBounds bounds;
-  bounds.overlap = std::min(asks_a ? by_spacing(a, body_b) : kUnbounded,
-                            asks_b ? by_spacing(b, body_a) : kUnbounded);
+  bounds.overlap =
+      std::max(asks_a ? by_spacing(a, body_b) : 0.0, asks_b ? by_spacing(b, body_a) : 0.0);
   if ((!asks_a || is_by_tolerance(a)) && (!asks_b || is_by_tolerance(b))) {
     const double miss = role == Role::kBoth ? miss_of_both(body_a, body_b, miss_of_a, miss_of_b)
                                             : std::min(miss_of_a, miss_of_b);

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "mesh/creases.h"
 #include "mesh/surface_cutter.h"
+#include "mesh/thickness.h"
 #include "shell/surface_voxels.h"
 
 namespace voxshell {
@@ -271,14 +272,29 @@ struct Density {
   static double refine(double spacing) { return spacing * 0.7071067811865476; }
 };
 
+/// How far points are apart on flat parts, metres: so that areas are spread over enough of them,
+/// and that where bodies cross, some lie deep in the other one, even if all edges lie in its
+/// surface. Of thin sheets that would be too many.
+double choose_coarsest(const TriangleMesh& mesh) {
+  constexpr double kFewest = 25.0;  // along the longest side
+  constexpr double kOfThickness = 0.5;
+  constexpr double kMostOnSheets = 5e3;  // about
+  double area = 0.0;
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    const auto [a, b, c] = mesh.corners(i);
+    area += 0.5 * length(cross(b - a, c - a));
+  }
+  const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  const double inside = kOfThickness * compute_thickness(mesh);
+  return std::min(longest / kFewest, std::max(inside, std::sqrt(area / kMostOnSheets)));
+}
+
 /// `stretch` is by how much farther points are apart than the spacings that are wanted.
 Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
-                       double stretch) {
-  // On flat parts, so that areas are spread over enough points.
-  constexpr double kFewest = 25.0;  // along the longest side
-  constexpr double kFinest = 2.0;   // tolerances
+                       double coarsest, double stretch) {
+  constexpr double kFinest = 2.0;  // tolerances
   Density density;
-  density.coarsest = mesh.bounds().extents()[mesh.bounds().longest_axis()] / kFewest;
+  density.coarsest = coarsest;
   density.steps.reserve(spacings.size());
   for (std::size_t i = 0; i < spacings.size(); ++i) {
     double spacing = density.coarsest;
@@ -302,13 +318,14 @@ Density choose_density(const TriangleMesh& mesh, std::span<const double> spacing
 /// With no more than `most` points, if that can be.
 Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
                        std::size_t most) {
-  Density density = choose_density(mesh, spacings, tolerance, 1.0);
+  const double coarsest = choose_coarsest(mesh);
+  Density density = choose_density(mesh, spacings, tolerance, coarsest, 1.0);
   constexpr double kStretch = 1.1;
   constexpr double kMostStretch = 100.0;
   double stretch = kStretch;
   while (most > 0 && stretch < kMostStretch &&
          density.expected_points > static_cast<double>(most)) {
-    density = choose_density(mesh, spacings, tolerance, stretch);
+    density = choose_density(mesh, spacings, tolerance, coarsest, stretch);
     stretch *= kStretch;
   }
   return density;
