@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import warnings
 
 import numpy as np
 import pytest
@@ -439,3 +440,20 @@ def test_without_sweeping_fast_bodies_penetrate_first(ball, sweep_beyond):
     world.step()
     assert (body.pose[2, 3] < 0.095) == (sweep_beyond == np.inf)
     assert body.pose[2, 3] > 0.0995 or sweep_beyond == np.inf
+
+
+def test_two_bodies_of_one_model_warn_once():
+    sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=100)
+    world = vx.World()
+    world.add(sparse, mass=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step()  # there is nothing to meet yet
+    world.add(sparse, pose=at(z=2.0))
+    with pytest.warns(vx.AccuracyWarning, match="a pair of models in the world"):
+        world.step()
+    for i in range(3):
+        world.add(sparse, mass=i, pose=at(x=3.0 * (i + 1)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            world.step()
