@@ -11,6 +11,7 @@
 
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "facing_normals.h"
 #include "posed_pair.h"
 #include "shape_features.h"
 #include "stage_clock.h"
@@ -91,7 +92,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   if (!simulates) {
     const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
-    find_near(pair, margin, Wanted::kAll);
+    find_near(pair, margin, 0.0, Wanted::kAll);
     report(pair, *result);
     return;
   }
@@ -105,7 +106,8 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   if (sweeps_ && pair.has_triangles()) {
     share = find_on_the_way(pair, rule);
   } else {
-    find_near(pair, rule.margin(), takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    find_near(pair, rule.margin(), rule.rest_margin(),
+              takes_all ? Wanted::kAll : Wanted::kOneASegment);
   }
   if (pair.asks_both) second_.drop_doubles(static_cast<float>(rule.rest_margin()), contacts_);
   clock.end(&NarrowPhaseTimings::query);
@@ -154,8 +156,8 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
 }
 
 /// Fills contacts_, ascending by id, with the points within the margin or the deepest of these of
-/// each segment.
-void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
+/// each segment. `facing` is the reach of face_elements(), metres.
+void ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wanted wanted) {
   // Of surfaces thickened by Bullet's margins, contacts are points that near.
   const auto reach = static_cast<float>(margin + pair.thickness());
   if (pair.has_triangles()) {
@@ -169,6 +171,8 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
     const std::span<const Contact> found =
         ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
+    face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
+                  pair.field_side().has_sharp_field() ? facing : 0.0, pair.thickness());
   };
   take();
   if (pair.asks_both) {
@@ -176,7 +180,10 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, Wanted wanted) {
     const std::span<const Contact> found =
         ask(pair.second_field(), pair.second_shell(), second_field_from_shell, reach, wanted,
             second_scratch_);
-    second_.append(found, second_field_from_shell, contacts_);
+    second_found_.assign(found.begin(), found.end());
+    face_elements(second_found_, pair.second_field(), pair.second_shell(), second_field_from_shell,
+                  pair.shell_side().has_sharp_field() ? facing : 0.0, pair.thickness());
+    second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
              pair.swap_roles_if_enclosed()) {
     take();

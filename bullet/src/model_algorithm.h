@@ -58,7 +58,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
-  void find_near(PosedPair& pair, double margin, Wanted wanted);
+  void find_near(PosedPair& pair, double margin, double facing, Wanted wanted);
   void append_inner(const PosedPair& pair);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,
@@ -87,6 +87,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
+  std::vector<Contact> second_found_;        ///< those of the second shell
   std::vector<Contact> chosen_;              ///< those of contacts_ that are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step

@@ -6,6 +6,7 @@
 
 #include "contact_arrays.h"
 #include "core_module.h"
+#include "voxshell/ambiguity.h"
 #include "voxshell/manifold.h"
 
 namespace nb = nanobind;
@@ -122,6 +123,20 @@ ContactSet deepest_per_segment(const ContactSet& set) {
   return subset(set, std::move(chosen));
 }
 
+nb::ndarray<nb::numpy, bool, nb::ndim<1>> find_ambiguous(const ContactSet& set) {
+  const std::size_t count = set.contacts.size();
+  auto* owned = new bool[count];
+  const nb::capsule owner(owned, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  const Bodies bodies = set.scene.bodies.view();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [shell_body, contact] = set.contacts[i];
+    owned[i] =
+        set.arrays.inner[i] != 0 || is_ambiguous(contact, *bodies.field_of(other(shell_body)),
+                                                 set.scene.pose.field_from_shell(shell_body));
+  }
+  return nb::ndarray<nb::numpy, bool, nb::ndim<1>>(owned, {count}, owner);
+}
+
 }  // namespace
 
 ContactSet select_manifold(const ContactSet& set, std::size_t max_points) {
@@ -148,6 +163,8 @@ void bind_contact_set(nb::module_& module) {
   def_contact_arrays(set);
   set.def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
       .def_prop_ro("role", [](const ContactSet& s) { return s.scene.role; })
+      .def("find_ambiguous", &find_ambiguous,
+           "Whether each contact's depth and normal are arbitrary.")
       .def_ro("exact", &ContactSet::is_exact)
       .def_ro("depth_bound", &ContactSet::depth_bound)
       .def("manifold", &select_manifold, nb::arg("max_points"),

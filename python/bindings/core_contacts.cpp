@@ -177,15 +177,15 @@ bool collide(const Field& field_a, const Model* model_a, const Field& field_b, c
   return roles.may_swap && is_enclosed(bodies, pose, inner) && touches(inner);
 }
 
-/// Role, what it may miss, what a alone, b alone and both may miss, the smaller body's thickness.
-std::tuple<Role, double, double, double, double, double> role_of_pair(const Field& field_a,
-                                                                      const Model* model_a,
-                                                                      const Field& field_b,
-                                                                      const Model* model_b,
-                                                                      ShellChoice shells) {
+/// Role, what it may miss, what a alone, b alone and both may miss; of the smaller body the
+/// thickness and the shortest side; and the thickness of the thinner one.
+std::tuple<Role, double, double, double, double, double, double, double> role_of_pair(
+    const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
+    ShellChoice shells) {
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairRole pair = unwrap(decide_role(bodies.a, bodies.b, shells));
-  return {pair.role, pair.miss, pair.miss_of_a, pair.miss_of_b, pair.miss_of_both, pair.thickness};
+  return {pair.role,         pair.miss,      pair.miss_of_a, pair.miss_of_b,
+          pair.miss_of_both, pair.thickness, pair.side,      pair.wall};
 }
 
 std::tuple<double, double> bounds_of_pair(const Field& field_a, const Model* model_a,
@@ -222,7 +222,8 @@ void bind_contacts(nb::module_& module) {
              "By branch and bound, of each shell.");
   module.def("role", &role_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"),
-             "Role, what it, a, b and both may miss, and the smaller body's thickness, metres.");
+             "Role; metres: what it, a, b and both may miss, the smaller body's thickness and "
+             "shortest side, and the thinner one's thickness.");
   module.def("pair_bounds", &bounds_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("role"),
              "Overlap and clearance, metres.");

@@ -19,24 +19,30 @@ if TYPE_CHECKING:
     from voxshell.field import Field
     from voxshell.model import Model
 
-_MISSED_AT_MOST = 0.02  # of the smaller body's thinnest side
+_OF_SIDE = 0.02  # of the smaller body's shortest side
+_OF_WALL = 0.25  # of the thinner wall, half of the way to its middle
 _PACKAGE = os.path.dirname(__file__)
 _MOST_REMEMBERED = 10_000
 
 
 class Missing(NamedTuple):
-    """What queries of two bodies may miss, metres."""
+    """What queries of two bodies may miss, and what it is too much of, metres."""
 
     miss: float
-    thickness: float  # of the smaller body
+    length: float
+    of: str
     shell: str
 
+    @property
+    def share(self) -> float:
+        """Of the length."""
+        return self.miss / self.length
+
     def __str__(self) -> str:
-        of = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
+        by = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
         return (
-            f"may miss {self.miss * 1e3:.3g} mm in depth with {of}, "
-            f"{100 * self.miss / self.thickness:.3g} % of the smaller body's thinnest side of "
-            f"{self.thickness * 1e3:.3g} mm"
+            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.share:.3g} % of "
+            f"{self.of} of {self.length * 1e3:.3g} mm"
         )
 
 
@@ -69,18 +75,19 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     found = [missing for missing in map(measure, parts) if missing is not None]
     if not found:
         return
-    worst = max(found, key=lambda missing: missing.miss / missing.thickness)
+    worst = max(found, key=lambda missing: missing.share)
     count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
     _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
 
 
 def measure(parts: Parts) -> Missing | None:
     """What the automatic role of two bodies may miss, if that is too much."""
-    shells = _core.Shells.AUTOMATIC
-    role, miss, _, _, _, thickness = _core.role(*parts, shells)
-    if miss <= _MISSED_AT_MOST * thickness:
-        return None
-    return Missing(miss, thickness, ROLES[role])
+    role, miss, _, _, _, _, side, wall = _core.role(*parts, _core.Shells.AUTOMATIC)
+    if miss > _OF_WALL * wall:
+        return Missing(miss, wall, "the thinner wall", ROLES[role])
+    if miss > _OF_SIDE * side:
+        return Missing(miss, side, "the smaller body's shortest side", ROLES[role])
+    return None
 
 
 def _warn(text: str) -> None:

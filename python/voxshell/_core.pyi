@@ -223,6 +223,9 @@ class ContactSet:
     @property
     def role(self) -> Role: ...
 
+    def find_ambiguous(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
+        """Whether each contact's depth and normal are arbitrary."""
+
     @property
     def exact(self) -> bool: ...
 
@@ -252,9 +255,9 @@ def manifold(field_a: Field, model_a: Model | None, field_b: Field, model_b: Mod
 def deepest_per_segment(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
     """By branch and bound, of each shell."""
 
-def role(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, shells: Shells) -> tuple[Role, float, float, float, float, float]:
+def role(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, shells: Shells) -> tuple[Role, float, float, float, float, float, float, float]:
     """
-    Role, what it, a, b and both may miss, and the smaller body's thickness, metres.
+    Role; metres: what it, a, b and both may miss, the smaller body's thickness and shortest side, and the thinner one's thickness.
     """
 
 def collide(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...

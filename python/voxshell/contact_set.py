@@ -105,12 +105,31 @@ class Contacts:
 
     @property
     def ambiguous(self) -> NDArray[np.bool_]:
-        """Whether depth and normal are ambiguous, (n,): no part of the surface is in contact.
+        """Whether depth and normal are ambiguous, (n,): another surface is about as near.
 
-        One body lies wholly inside the other, or in its very place. Such a contact is of a place deep
-        inside its body, with that place's depth; its normal is zero where none is better than another.
+        So they are in the middle of a wall, within 9 % of half its thickness; on the axis of a rod;
+        and between faces that meet at less than 60 degrees. What is ambiguous depends on the other
+        body's shape at the contact's place alone, and is looked up at each access.
+
+        So are contacts where no part of the surface is in contact, as one body lies wholly inside
+        the other, or in its very place. Such a contact is of a place deep inside its body, with that
+        place's depth; its normal is zero where none is better than another.
+
+        Example:
+            >>> import numpy as np
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> plate = vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.2, 0.001)))
+            >>> sunk = np.eye(4)
+            >>> sunk[2, 3] = 0.0205  # a cube's lower face lies in the middle of the plate
+            >>> cube = vx.Model.from_mesh(trimesh.creation.box(extents=(0.041, 0.041, 0.041)))
+            >>> contacts = vx.contacts(cube, plate, sunk, shell="a")
+            >>> bool(contacts.ambiguous[contacts.depths > 0.00049].all())
+            True
         """
-        return self._core.inner.astype(np.bool_)
+        ambiguous = self._core.find_ambiguous()
+        ambiguous.flags.writeable = False
+        return ambiguous
 
     @property
     def exact(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -166,8 +167,10 @@ class World:
         self._takes_joints = solver != "nncg"
         self._recorders: list[Recorder] = []
         self._judges = shell == "auto"
-        self._known: set[tuple[int, bool]] = set()  # serials of models, and whether they may move
-        self._new: list[tuple[Model, bool]] = []  # since the last step
+        # Bodies ever added, by the model's serial and whether they may move.
+        self._known: Counter[tuple[int, bool]] = Counter()
+        self._new: set[Model] = set()  # that may meet others than before the last step
+        self._judged: set[frozenset[int]] = set()  # pairs of serials; one of a model with itself
         self._simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
             time_step=self.time_step,
@@ -279,11 +282,11 @@ class World:
         body = Body(self._simulation, number, name or f"body {number}", shape, kilograms, motion)
         self.bodies.append(body)
         if self._judges:
-            for model in _models_of(shape):
+            for model in set(_models_of(shape)):
                 key = (model._serial, motion != "static")
-                if key not in self._known:
-                    self._known.add(key)
-                    self._new.append((model, motion != "static"))
+                self._known[key] += 1
+                if self._known[key] <= 2:  # a second body may meet the first
+                    self._new.add(model)
         return body
 
     def remove(self, what: Body | Joint) -> None:
@@ -453,22 +456,24 @@ class World:
                 callback(self)
 
     def _judge_models(self) -> None:
-        """Warns of pairs of different models, one of them new, that may miss contacts."""
-        new, self._new = self._new, []
-        present = {
-            (model._serial, body.motion != "static"): model
-            for body in self.bodies
-            for model in _models_of(body.shape)
+        """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""
+        new, self._new = self._new, set()
+        bodies: Counter[Model] = Counter()
+        movers: set[Model] = set()
+        for body in self.bodies:
+            for model in set(_models_of(body.shape)):
+                bodies[model] += 1
+                if body.motion != "static":
+                    movers.add(model)
+        pairs = {
+            frozenset((model._serial, other._serial)): (model, other)
+            for model in new
+            if model in bodies
+            for other in bodies
+            if (other is not model or bodies[model] > 1) and not movers.isdisjoint((model, other))
         }
-        keys = {(model._serial, moves) for model, moves in new}
-        judge_world(
-            (model, other)
-            for model, moves in new
-            for key, other in present.items()
-            if (moves or key[1])
-            and other is not model
-            and (key not in keys or key[0] > model._serial)
-        )
+        judge_world(pairs[key] for key in pairs.keys() - self._judged)
+        self._judged |= pairs.keys()
 
     def save_state(self) -> WorldState:
         """Takes down all that moves, for :meth:`restore_state`.

@@ -447,6 +447,27 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
         vx.contacts(cube, sparse)  # the same pair
 
 
+def test_a_large_thin_plate_counts_by_its_wall():
+    """Two per cent of the ball, which is smaller, are more than the plate is thick."""
+    plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.0005)))
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.05), tolerance=2e-4)
+    with pytest.warns(vx.AccuracyWarning, match="of the thinner wall of 0.5 mm"):
+        vx.contacts(ball, plate)
+
+
+def test_pairs_of_walls_at_default_settings_do_not_warn():
+    tube = vx.Model.from_mesh(trimesh.creation.annulus(0.03, 0.032, 0.1))
+    bowl = vx.Model.from_mesh(trimesh.creation.annulus(0.05, 0.0515, 0.06))
+    box = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.08, 0.06)))
+    slab = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.05)))
+    models = (tube, bowl, box, slab)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for i, a in enumerate(models):
+            for b in (*models[i:], vx.Plane(), vx.Box((0.1, 0.1, 0.1)), vx.Sphere(0.05)):
+                vx.collide(a, b)
+
+
 # ---- no surface in contact -----------------------------------------------------------------------
 
 
@@ -494,6 +515,51 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
     assert not apart.ambiguous.any()
     for shell in ("fewest", "a", "b"):
         assert len(vx.contacts(cube, cube, shell=shell)) == 0
+
+
+def sweep_depths(model: vx.Model, thickness: float, *, at: tuple[float, float] = (0.0, 0.0)):
+    """Contacts of a cube whose lower face is sunk into a wall's upper one, by share of half of it."""
+    cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
+    for share in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
+        pose = moved(*at, 0.01 + 0.5 * thickness * (1.0 - share))
+        found = vx.contacts(cube, model, pose, shell="a")
+        depths = 2.0 * found.depths / thickness
+        below = (found.points_a[:, 2] < pose[2, 3] - 0.0099) & (depths > 0.9 * share)
+        assert below.sum() > 4
+        yield share, found.ambiguous[below]
+
+
+@pytest.mark.parametrize("thickness", [0.001, 0.006])
+def test_contacts_in_the_middle_of_a_wall_are_ambiguous(thickness: float):
+    plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, thickness)))
+    for share, ambiguous in sweep_depths(plate, thickness):
+        assert (ambiguous == (share > 0.9)).all(), share
+
+
+def test_contacts_in_the_middle_of_a_brackets_wall_are_ambiguous():
+    foot = trimesh.creation.box((0.1, 0.06, 0.006))
+    wall = trimesh.creation.box((0.006, 0.06, 0.06))
+    wall.apply_translation((-0.047, 0.0, 0.027))
+    bracket = vx.Model.from_mesh(trimesh.boolean.union([foot, wall], engine="manifold"))
+    for share, ambiguous in sweep_depths(bracket, 0.006):
+        assert (ambiguous == (share > 0.9)).all(), share
+
+
+def test_contacts_of_a_cube_that_stands_on_another_are_not_ambiguous(cube: vx.Model):
+    exact = vx.Model.from_mesh(trimesh.creation.box())
+    for model in (cube, exact):
+        for depth in (1e-7, 1e-4, 0.01):
+            found = vx.contacts(model, model, moved(z=1.0 - depth), shell="both", margin=0.001)
+            assert len(found) > 4
+            assert not found.ambiguous.any()
+
+
+def test_ambiguous_contacts_stay_in_manifolds():
+    plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.001)))
+    cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
+    found = vx.contacts(cube, plate, moved(z=0.01))
+    assert found.manifold().ambiguous.any()
+    assert not found.ambiguous.flags.writeable
 
 
 # ---- both shells, few points, budgets, scratches ------------------------------------------------

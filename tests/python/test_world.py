@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import warnings
 
 import numpy as np
 import pytest
@@ -288,6 +289,20 @@ def test_bunny_comes_to_rest_with_every_solver(fine_bunny, solver, kind):
     assert np.linalg.norm(body.pose[:3, 3] - resting[:3, 3]) < 2e-4
 
 
+@pytest.mark.parametrize("contact", ["auto", "regular"])
+def test_bricks_stacked_flush_lie_still(contact):
+    """Places along the rims had no depth and normals aside: 9 mrad/s in "auto", 3 rad/s in "regular"."""
+    brick = vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.1, 0.06)))
+    ground = vx.Model.from_mesh(trimesh.creation.box(extents=(0.8, 0.8, 0.1)))
+    world = vx.World(contact=contact, time_step=1 / 240, sleeping=False)
+    world.add(ground, mass=0, pose=at(z=-0.05))
+    bricks = [world.add(brick, pose=at(z=0.0301 + 0.0601 * i)) for i in range(5)]
+    world.step(480)
+    for i, body in enumerate(bricks):
+        assert np.linalg.norm(body.angular_velocity) < 2e-4
+        assert abs(body.pose[2, 3] - (0.03 + 0.06 * i)) < 2e-5
+
+
 def test_more_iterations_carry_a_heavier_stack(brick):
     def sag(**settings):
         world = vx.World(sleeping=False, **settings)
@@ -425,3 +440,20 @@ def test_without_sweeping_fast_bodies_penetrate_first(ball, sweep_beyond):
     world.step()
     assert (body.pose[2, 3] < 0.095) == (sweep_beyond == np.inf)
     assert body.pose[2, 3] > 0.0995 or sweep_beyond == np.inf
+
+
+def test_two_bodies_of_one_model_warn_once():
+    sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=100)
+    world = vx.World()
+    world.add(sparse, mass=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step()  # there is nothing to meet yet
+    world.add(sparse, pose=at(z=2.0))
+    with pytest.warns(vx.AccuracyWarning, match="a pair of models in the world"):
+        world.step()
+    for i in range(3):
+        world.add(sparse, mass=i, pose=at(x=3.0 * (i + 1)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            world.step()

@@ -54,6 +54,8 @@ struct PairRole {
   double miss_of_b = 0.0;
   double miss_of_both = 0.0;  ///< infinity where either has no shell
   double thickness = 0.0;     ///< of the smaller body; infinity where it has none, as a plane
+  double side = 0.0;          ///< the shortest of the smaller body's bounds
+  double wall = 0.0;          ///< the thickness of the thinner body
 
   bool asks(PairBody body) const {
     return role == Role::kBoth || role == (body == PairBody::kA ? Role::kA : Role::kB);
@@ -64,8 +66,6 @@ struct PairRole {
 inline constexpr double kMissedByOne = 0.005;
 /// And normals may turn by so much between its elements, radians.
 inline constexpr double kTurnedByOne = 0.02;
-/// From here on users are warned.
-inline constexpr double kMissedAtMost = 0.02;
 
 /// The role of a pair: a constant of the two bodies, never of their pose, and the same in either
 /// order. kAutomatic takes the shell that alone misses at most kMissedByOne of the smaller body's

@@ -227,10 +227,15 @@ Result<PairRole> decide_role(const Participant& a, const Participant& b, ShellCh
   pair.miss_of_a = miss_of(body_a, body_b);
   pair.miss_of_b = miss_of(body_b, body_a);
   pair.miss_of_both = miss_of_both(body_a, body_b, pair.miss_of_a, pair.miss_of_b);
-  const bool b_is_smaller = body_b.size() < body_a.size();
-  pair.thickness = body_a.size() == body_b.size() ? std::min(body_a.thickness, body_b.thickness)
-                   : b_is_smaller                 ? body_b.thickness
-                                                  : body_a.thickness;
+  pair.wall = std::min(body_a.thickness, body_b.thickness);
+  if (body_a.size() == body_b.size()) {
+    pair.thickness = pair.wall;
+    pair.side = std::min(body_a.sides.x, body_b.sides.x);
+  } else {
+    const Body& smaller = body_b.size() < body_a.size() ? body_b : body_a;
+    pair.thickness = smaller.thickness;
+    pair.side = smaller.sides.x;
+  }
   if (a.shell == nullptr || choice == ShellChoice::kB) {
     pair.role = Role::kB;
   } else if (b.shell == nullptr || choice == ShellChoice::kA) {

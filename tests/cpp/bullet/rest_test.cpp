@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/brick.h"
 #include "support/models.h"
 #include "support/world.h"
 
@@ -113,6 +114,27 @@ TEST(Pile, OfThreeCubesStands) {
     EXPECT_NEAR(height(*cubes[i]), 0.1 + 0.2 * i, 0.0005);
     EXPECT_NEAR(cubes[i]->getWorldTransform().getOrigin().x(), 0.005 * i, 0.015);
     EXPECT_LT(cubes[i]->getAngularVelocity().length(), scalar(0.1));
+  }
+}
+
+// Places along the rims had normals that pushed the bricks aside, and no depth.
+TEST(Pile, OfFlushBricksLiesStill) {
+  for (const ContactMode mode : {ContactMode::kAutomatic, ContactMode::kRegular}) {
+    SCOPED_TRACE(static_cast<int>(mode));
+    TestWorld world({.mode = mode});
+    world.world.getSolverInfo().m_numIterations = 50;
+    add_ground(world, Ground::kPlane).setFriction(1);
+    btRigidBody* bricks[3];
+    for (int i = 0; i < 3; ++i) {
+      const double z = kBrickHalf.z + 1e-4 + (2.0 * kBrickHalf.z + 1e-4) * i;
+      bricks[i] = &world.add_model(brick_model(), 1, {{}, {0, 0, z}});
+      bricks[i]->setActivationState(DISABLE_DEACTIVATION);
+    }
+    world.step(400);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(height(*bricks[i]), kBrickHalf.z * (1 + 2 * i), 2e-5) << i;
+      EXPECT_LT(bricks[i]->getAngularVelocity().length(), scalar(kIsDouble ? 5e-4 : 0.01)) << i;
+    }
   }
 }
 

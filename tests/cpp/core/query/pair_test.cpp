@@ -121,6 +121,8 @@ PairRole decide(const Participant& a, const Participant& b) {
   EXPECT_EQ(pair.miss_of_a, turned.miss_of_b);
   EXPECT_EQ(pair.miss_of_b, turned.miss_of_a);
   EXPECT_EQ(pair.thickness, turned.thickness);
+  EXPECT_EQ(pair.side, turned.side);
+  EXPECT_EQ(pair.wall, turned.wall);
   EXPECT_EQ(pair.asks(PairBody::kA), turned.asks(PairBody::kB));
   EXPECT_EQ(pair.asks(PairBody::kB), turned.asks(PairBody::kA));
   return pair;
@@ -176,6 +178,21 @@ TEST(AutomaticRole, IsNotOfTheLargerBodyAloneInWhichTheOtherCouldHide) {
 TEST(AutomaticRole, MeasuresByTheSmallerBody) {
   EXPECT_EQ(decide(Measured(0.25, 0.25, sharp(0.1)), Measured(1.0, 0.5, sharp(0.1))).thickness,
             0.5);
+}
+
+TEST(AutomaticRole, NamesTheSmallerBodysSideAndTheThinnerWall) {
+  const Measured small(0.25, 0.25, sharp(0.1));
+  const Measured large(1.0, 0.5, sharp(0.1));
+  Participant hollow = large;
+  hollow.thickness = 0.01;
+  const PairRole pair = decide(small, hollow);
+  EXPECT_EQ(pair.thickness, 0.5);
+  EXPECT_EQ(pair.side, 0.5);
+  EXPECT_EQ(pair.wall, 0.01);
+  Participant thin = small;
+  thin.thickness = 0.02;
+  EXPECT_EQ(decide(thin, large).wall, 0.02);
+  EXPECT_EQ(decide(thin, large).side, 0.5);
 }
 
 TEST(AutomaticRole, TakesTheWorstCaseWhereNothingWasMeasured) {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+
+#include "voxshell/contacts.h"
+
+namespace voxshell::bullet {
+
+/// Gives contacts near edges of the field the normal and depth of the side that the shell's element
+/// faces. There, the field's own normal and depth are of whichever side is nearer, if by rounding
+/// alone: of bodies that lie flush, places along the rim would be pushed aside and carry nothing.
+///
+/// Such places are looked up `reach` metres inside the shell's body, or up to eight times as far,
+/// where the field is met from outside. Contacts that are outside by more than a tenth of `reach`,
+/// or deeper than eight of it, stay as they are, and so do those whose normal already opposes the
+/// element's. `thickness` is that of Bullet's margins about the field, metres. With a reach of 0,
+/// all stay: so they should in fields that round edges off.
+void face_elements(std::span<Contact> contacts, const Field& field, const PointShell& shell,
+                   const Pose& field_from_shell, double reach, double thickness);
+
+}  // namespace voxshell::bullet
