@@ -11,7 +11,7 @@ void face_elements(std::span<Contact> contacts, const Field& field, const PointS
   // Of reaches. What is farther out lies beside the field's body, not along its rim.
   constexpr double kFarthest = 0.1;
   constexpr double kDeepest = 8.0;
-  if (!(reach > 0.0)) return;
+  if (!(reach > 0.0) || shell.edges() == nullptr) return;
   const auto face = [&](const auto& typed, Contact& contact) {
     const Vec3f& outwards = shell.normal_of(contact.id);
     if (dot(outwards, contact.normal) <= kOpposed) return;

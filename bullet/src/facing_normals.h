@@ -14,7 +14,8 @@ namespace voxshell::bullet {
 /// where the field is met from outside. Contacts that are outside by more than a tenth of `reach`,
 /// or deeper than eight of it, stay as they are, and so do those whose normal already opposes the
 /// element's. `thickness` is that of Bullet's margins about the field, metres. With a reach of 0,
-/// all stay: so they should in fields that round edges off.
+/// all stay: so they should in fields that round edges off. So do those of uniform shells, which
+/// have no edges among their elements.
 void face_elements(std::span<Contact> contacts, const Field& field, const PointShell& shell,
                    const Pose& field_from_shell, double reach, double thickness);
 

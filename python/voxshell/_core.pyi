@@ -41,6 +41,9 @@ class GridField:
     def interpolation_error(self) -> float: ...
 
     @property
+    def surface_error(self) -> float: ...
+
+    @property
     def sign_method(self) -> str: ...
 
     @property
@@ -259,6 +262,9 @@ def role(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model |
     """
     Role; metres: what it, a, b and both may miss, the smaller body's thickness and shortest side, and the thinner one's thickness.
     """
+
+def pair_bounds(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, role: Role) -> tuple[float, float]:
+    """Overlap and clearance, metres."""
 
 def collide(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...
 
