@@ -11,12 +11,15 @@ void face_elements(std::span<Contact> contacts, const Field& field, const PointS
   // Of reaches. What is farther out lies beside the field's body, not along its rim.
   constexpr double kFarthest = 0.1;
   constexpr double kDeepest = 8.0;
+  constexpr int kDoubled = 3;  // up to there
   if (!(reach > 0.0) || shell.edges() == nullptr) return;
   const auto face = [&](const auto& typed, Contact& contact) {
     const Vec3f& outwards = shell.normal_of(contact.id);
     if (dot(outwards, contact.normal) <= kOpposed) return;
     const auto facing = static_cast<Vec3>(outwards);
-    for (double way = reach; way <= kDeepest * reach; way *= 2.0) {
+    double way = 0.5 * reach;
+    for (int doubled = 0; doubled <= kDoubled; ++doubled) {
+      way *= 2.0;
       const auto inside = static_cast<Vec3f>(
           field_from_shell.transform_point(static_cast<Vec3>(contact.point) - way * facing));
       const auto distance = static_cast<double>(typed.distance(inside));

@@ -61,7 +61,7 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
         >>> vx.contact_bounds(vx.Plane(), model).shell
         'b'
     """
-    _, model_a, _, model_b = bodies = parts_of_pair(a, b, shell)
+    bodies = parts_of_pair(a, b, shell)
     role, miss, *_ = _core.role(*bodies, as_shells(shell))
     name = ROLES[role]
     overlap, clearance = _core.pair_bounds(*bodies, role)

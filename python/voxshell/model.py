@@ -406,12 +406,20 @@ def _warn_of_faults(core: CoreModel, open_as: str) -> None:
             warnings.warn(f"mesh is open: {openings}", MeshWarning, stacklevel=3)
         elif flipped or non_manifold:
             warnings.warn(
-                f"mesh has {flipped} wrongly oriented and {non_manifold} non-manifold edges (first near "
-                f"[{place}] metres); its triangles were turned to face outwards, and repeated ones left "
-                "out; the model's mesh is closed",
+                f"mesh has {open_edges} open, {non_manifold} non-manifold and {flipped} wrongly oriented "
+                f"edges (first near [{place}] metres); its triangles were turned to face outwards, and "
+                "repeated ones left out; the model's mesh is closed",
                 MeshWarning,
                 stacklevel=3,
             )
+        return
+    if hidden and not (open_edges or non_manifold or flipped or overlaps or openings):
+        warnings.warn(
+            f"{hidden} triangles of the mesh lie wholly or partly inside other parts of it (first near "
+            f"[{place}] metres); the model is the union of its parts",
+            MeshWarning,
+            stacklevel=3,
+        )
         return
     warnings.warn(
         f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "

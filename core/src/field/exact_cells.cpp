@@ -249,6 +249,18 @@ struct ExactCellFinder::Job {
     constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
     return std::round(nodes[index_of(x, y, z, kNodes)] * kQuanta) / kQuanta;
   }
+
+  /// Of one cell, voxels.
+  simd::portable::GridCell<float> samples(const Cube& cell) const {
+    const auto [x, y, z] = cell.first;
+    simd::portable::GridCell<float> samples{};
+    for (int i = 0; i < 8; ++i) {
+      samples.c[i] = node(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
+    }
+    samples.scale = 1.0f;
+    samples.size = 1.0f;
+    return samples;
+  }
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
@@ -440,12 +452,7 @@ ExactCellFinder::Look ExactCellFinder::look_at_parts(const Job& job, const Cube&
   const auto [x, y, z] = cell.first;
   const auto lowest =
       static_cast<Vec3f>(job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z});
-  simd::portable::GridCell<float> samples{};
-  for (int i = 0; i < 8; ++i) {
-    samples.c[i] = job.node(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
-  }
-  samples.scale = 1.0f;
-  samples.size = 1.0f;
+  auto samples = job.samples(cell);
   std::array<float, 3> least_slope{};
   std::array<float, 3> most_slope{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -569,11 +576,7 @@ bool ExactCellFinder::is_wall_lost(const Job& job, const Cube& cell,
   const auto [x, y, z] = cell.first;
   const double h = grid_.voxel_size;
   const Vec3 corner = job.origin + h * Vec3{1.0 * x, 1.0 * y, 1.0 * z};
-  simd::portable::GridCell<float> samples{};
-  for (int i = 0; i < 8; ++i) {
-    samples.c[i] = job.node(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
-  }
-  samples.scale = 1.0f;
+  auto samples = job.samples(cell);
   for (const std::uint32_t triangle : triangles) {
     const Vec3 nearest =
         closest_point_on_triangle(corner + 0.5 * h * Vec3{1.0, 1.0, 1.0}, mesh_.corners(triangle));

@@ -190,25 +190,25 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
       thickness_(thickness),
       openings_(openings) {}
 
-Result<std::shared_ptr<const Model>> Model::build(TriangleMesh given, const ModelSettings& settings,
+Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
   RepairedMesh repaired =
-      settings.sign == SignMethod::kClosed ? take_as_it_is(std::move(given)) : repair_mesh(given);
+      settings.sign == SignMethod::kClosed ? take_as_it_is(std::move(mesh)) : repair_mesh(mesh);
   const auto opened = close_mesh(repaired, settings);
   if (!opened) return opened.error();
-  TriangleMesh& mesh = repaired.mesh;
   const Openings openings = *opened;
-  const double thickness = compute_thickness(mesh);
-  const auto tolerance = choose_tolerance(mesh, settings, thickness);
+  const double thickness = compute_thickness(repaired.mesh);
+  const auto tolerance = choose_tolerance(repaired.mesh, settings, thickness);
   if (!tolerance) return tolerance.error();
-  const auto voxel_size = *tolerance > 0.0 ? choose_voxels(mesh, *tolerance, settings.threads)
-                                           : choose_voxel_size(mesh, settings);
+  const auto voxel_size = *tolerance > 0.0
+                              ? choose_voxels(repaired.mesh, *tolerance, settings.threads)
+                              : choose_voxel_size(repaired.mesh, settings);
   if (!voxel_size) return voxel_size.error();
-  if (auto unit = check_unit("voxel size", *voxel_size, mesh); !unit) return unit.error();
-  if (auto unit = check_unit("point spacing", settings.point_spacing, mesh); !unit) {
+  if (auto unit = check_unit("voxel size", *voxel_size, repaired.mesh); !unit) return unit.error();
+  if (auto unit = check_unit("point spacing", settings.point_spacing, repaired.mesh); !unit) {
     return unit.error();
   }
-  if (auto precise = check_precision(mesh, *voxel_size); !precise) return precise.error();
+  if (auto precise = check_precision(repaired.mesh, *voxel_size); !precise) return precise.error();
 
   PointShellSettings shell_settings{.tolerance = *tolerance,
                                     .spacing = settings.point_spacing,
@@ -227,26 +227,27 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh given, const Mode
                                          .padding = padding,
                                          .sign = settings.sign,
                                          .threads = settings.threads};
-  if (auto checked = PointShell::check(mesh, shell_settings); !checked) {
+  if (auto checked = PointShell::check(repaired.mesh, shell_settings); !checked) {
     // First what is mostly above its limit too, and asks for the larger voxels.
-    if (auto plan = plan_brick_grid(mesh, field_settings); !plan) return plan.error();
+    if (auto plan = plan_brick_grid(repaired.mesh, field_settings); !plan) return plan.error();
     Error error = checked.error();
     if (as_voxels) error.message += " (it is the voxel size where none is given)";
     return error;
   }
   auto built = build_grid_field(repaired, field_settings, progress);
   if (!built) return built.error();
-  if (built->field.sign_report().was_turned) mesh = mesh.turned();
-  const VisibleSurface* visible = built->visible ? &*built->visible : nullptr;
-  auto shell = PointShell::build(mesh, visible, shell_settings, progress);
+  auto& [field, of_visible] = *built;
+  if (field.sign_report().was_turned) repaired.mesh = repaired.mesh.turned();
+  const VisibleSurface* visible = of_visible ? &*of_visible : nullptr;
+  auto shell = PointShell::build(repaired.mesh, visible, shell_settings, progress);
   if (!shell) return shell.error();
 
   const Accuracy accuracy =
-      measure_accuracy(mesh, built->field, *shell, thickness, settings.threads,
+      measure_accuracy(repaired.mesh, field, *shell, thickness, settings.threads,
                        visible != nullptr ? visible->cutter.get() : nullptr);
   ModelSettings chosen = settings;
   chosen.tolerance = *tolerance;
-  return std::shared_ptr<const Model>(new Model(std::move(mesh), std::move(built->field),
+  return std::shared_ptr<const Model>(new Model(std::move(repaired.mesh), std::move(field),
                                                 *std::move(shell), chosen, accuracy, thickness,
                                                 openings));
 }

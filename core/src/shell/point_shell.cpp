@@ -539,27 +539,27 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellS
   return build(mesh, nullptr, settings, progress);
 }
 
-Result<PointShell> PointShell::build(const TriangleMesh& whole, const VisibleSurface* visible,
+Result<PointShell> PointShell::build(const TriangleMesh& mesh, const VisibleSurface* visible,
                                      const PointShellSettings& settings, const Progress& progress) {
   // Creases are those of the whole mesh, whose triangles know their neighbors.
   const bool by_tolerance = settings.tolerance != 0.0;
-  const TriangleMesh& mesh = visible != nullptr && !by_tolerance ? visible->mesh : whole;
-  if (auto checked = check(mesh, settings); !checked) return checked.error();
+  const TriangleMesh& surface = visible != nullptr && !by_tolerance ? visible->mesh : mesh;
+  if (auto checked = check(surface, settings); !checked) return checked.error();
 
   Stage stage(progress, "point shell");
   Sampling sampling;
   if (by_tolerance) {
-    auto sampled = sample_by_tolerance(mesh, visible, settings, stage);
+    auto sampled = sample_by_tolerance(surface, visible, settings, stage);
     if (!sampled) return sampled.error();
     sampling = *std::move(sampled);
   } else if (settings.target_points == 0) {
-    // Voxels of twice the mesh's size and above hold all of it; far above, numbers overflow.
-    const double size = length(mesh.bounds().extents());
-    sampling =
-        sample_shell(mesh, {std::min(settings.spacing, 2.0 * size), {}}, settings.threads, stage);
+    // Voxels of twice the surface's size and above hold all of it; far above, numbers overflow.
+    const double size = length(surface.bounds().extents());
+    sampling = sample_shell(surface, {std::min(settings.spacing, 2.0 * size), {}}, settings.threads,
+                            stage);
     sampling.spacing = settings.spacing;
   } else {
-    auto found = sample_target(mesh, settings.target_points, settings.threads, stage);
+    auto found = sample_target(surface, settings.target_points, settings.threads, stage);
     if (!found) return found.error();
     sampling = *std::move(found);
     stage.set_part(0.0, 1.0);
@@ -580,7 +580,7 @@ Result<PointShell> PointShell::build(const TriangleMesh& whole, const VisibleSur
   for_points([&](std::size_t i) {
     points[i] = sampling.points[i].point;
     normals[i] = sampling.normals.empty()
-                     ? static_cast<Vec3f>(normal_of_triangle(mesh, sampling.points[i].triangle))
+                     ? static_cast<Vec3f>(normal_of_triangle(surface, sampling.points[i].triangle))
                      : sampling.normals[i];
   });
   std::vector<std::uint32_t> order(points.size());
