@@ -416,7 +416,6 @@ GEOMETRY = Experiment(
         pair_poses=400,
         optimized=0,
         compared_poses=20,
-        compared_resolution=60,
     ),
     plan=geometry.plan,
     reduce=reduce,
