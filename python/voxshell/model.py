@@ -413,14 +413,8 @@ def _warn_of_faults(core: CoreModel, open_as: str) -> None:
                 stacklevel=3,
             )
         return
-    if hidden and not (open_edges or non_manifold or flipped or overlaps or openings):
-        warnings.warn(
-            f"{hidden} triangles of the mesh lie wholly or partly inside other parts of it (first near "
-            f"[{place}] metres); the model is the union of its parts",
-            MeshWarning,
-            stacklevel=3,
-        )
-        return
+    if not (open_edges or non_manifold or flipped or overlaps or openings):
+        return  # closed parts that touch: nothing is wrong with the mesh
     warnings.warn(
         f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
         f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "

@@ -468,6 +468,37 @@ def test_pairs_of_walls_at_default_settings_do_not_warn():
                 vx.collide(a, b)
 
 
+def test_bars_that_cross_with_flush_faces_are_in_contact():
+    """All edges of either lie in the other's surface: only points between them are inside."""
+    bar = vx.Model.from_mesh(trimesh.creation.box((1.0, 0.01, 0.01)))
+    rng = np.random.default_rng(0)
+    for angle in rng.uniform(0.5, np.pi - 0.5, 60):
+        pose = trimesh.transformations.rotation_matrix(angle, (0, 0, 1))
+        pose[:2, 3] = rng.uniform(-0.1, 0.1, 2)
+        assert vx.collide(bar, bar, pose)
+        # Of points 5 mm apart one is within 2.5 mm of the middle.
+        assert vx.contacts(bar, bar, pose).depths.max() > 0.0025 - 1e-6
+
+
+def test_bounds_are_those_of_the_meshes():
+    """Closed forms: how far balls are from touching."""
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.02))
+    slab = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.1)))
+    bounds = vx.contact_bounds(ball, slab)
+    turned = vx.contact_bounds(slab, ball)
+    assert (bounds.overlap, bounds.clearance) == (turned.overlap, turned.clearance)
+    # The icosphere's own vertices are on the ball, one of them below its centre.
+    low = 0.05 - ball.mesh.vertices[:, 2].min()
+    assert 0.0 < bounds.clearance <= bounds.overlap < 2e-4
+    assert vx.collide(ball, slab, moved(0.1, 0.2, low - bounds.overlap))
+    assert not vx.collide(ball, slab, moved(0.1, 0.2, low + bounds.clearance))
+    uniform = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.02), voxel_size=0.001)
+    error = uniform.field.interpolation_error
+    assert vx.contact_bounds(uniform, uniform, shell="both").overlap == pytest.approx(
+        np.sqrt(3.0) * uniform.shell.spacing + error
+    )
+
+
 # ---- no surface in contact -----------------------------------------------------------------------
 
 
