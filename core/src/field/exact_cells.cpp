@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "field/brick_plan.h"
-#include "mesh/angle_normals.h"
 #include "mesh/closest_point.h"
 #include "simd/exact_formula.h"
 #include "simd/exact_view.h"
@@ -56,12 +55,6 @@ std::size_t index_of(int x, int y, int z, int side) {
 Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
   return normalized(cross(b - a, c - a));
-}
-
-/// The angle between two directions, without the last bits of trigonometric functions, which differ
-/// by machine, in what is stored: only weights depend on it.
-double angle_between(const Vec3& u, const Vec3& v) {
-  return std::atan2(length(cross(u, v)), dot(u, v));
 }
 
 /// See simd/exact_view.h.
@@ -144,98 +137,6 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
 
 }  // namespace
 
-Features compute_features(const TriangleMesh& mesh) {
-  const auto triangles = mesh.triangles();
-  std::vector<Vec3> of_vertices(mesh.vertices().size());
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const Vec3 normal = unit_normal(mesh, i);
-    const auto corners = mesh.corners(i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double angle =
-          angle_between(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
-      of_vertices[triangles[i][k]] += angle * normal;
-      const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
-      edges.emplace_back(std::uint64_t{low} << 32 | high, 3 * i + static_cast<std::uint32_t>(k));
-    }
-  }
-  std::ranges::sort(edges);
-  std::vector<Vec3> edge_normals(3 * triangles.size());
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin;
-    Vec3 sum{};
-    for (; end < edges.size() && edges[end].first == edges[begin].first; ++end) {
-      sum += unit_normal(mesh, edges[end].second / 3);
-    }
-    for (; begin < end; ++begin) edge_normals[edges[begin].second] = sum;
-  }
-  std::vector<float> normals;
-  normals.reserve(simd::kFeatureNormalFloats * triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const auto append = [&](const Vec3& normal) {
-      const auto n = static_cast<Vec3f>(normal);
-      normals.insert(normals.end(), {n.x, n.y, n.z});
-    };
-    append(unit_normal(mesh, i));
-    for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
-    for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
-  }
-  return {.normals = std::move(normals)};
-}
-
-/// The outward normal of a side of a piece, between two corners. What meets the piece there may
-/// change along it: that which bends most tells the sides of all.
-Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
-                         const Vec3& to) {
-  Vec3 normal = face;
-  for (const double share : {0.5, 0.1, 0.3, 0.7, 0.9}) {
-    const Vec3 here = normalized(around.compute(from + share * (to - from)));
-    if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
-  }
-  return normal;
-}
-
-Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible) {
-  const Features of_mesh = compute_features(mesh);
-  // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
-  std::vector<bool> is_whole(mesh.triangles().size(), false);
-  for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
-  std::vector<bool> is_cut_at(mesh.vertices().size(), false);
-  for (std::size_t i = 0; i < is_whole.size(); ++i) {
-    for (const std::uint32_t vertex : mesh.triangles()[i]) {
-      if (!is_whole[i]) is_cut_at[vertex] = true;
-    }
-  }
-  const AngleNormals around(visible.mesh, visible.cutter->rounding());
-  Features features;
-  features.normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
-  const auto append = [&](const Vec3& normal) {
-    const auto n = static_cast<Vec3f>(normal);
-    features.normals.insert(features.normals.end(), {n.x, n.y, n.z});
-  };
-  for (std::size_t i = 0; i < visible.triangles.size(); ++i) {
-    const VisibleTriangle& of = visible.triangles[i];
-    const Triangle& t = mesh.triangles()[of.triangle];
-    const bool is_clear = of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]];
-    features.is_in_doubt.push_back(!is_clear);
-    if (is_clear) {
-      const auto from = of_mesh.normals.begin() +
-                        static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
-      features.normals.insert(features.normals.end(), from, from + simd::kFeatureNormalFloats);
-      continue;
-    }
-    const auto corners = visible.mesh.corners(i);
-    const Vec3 face = unit_normal(mesh, of.triangle);
-    append(face);
-    for (std::size_t k = 0; k < 3; ++k) {
-      append(compute_side_normal(around, face, corners[k], corners[(k + 1) % 3]));
-    }
-    for (const Vec3& corner : corners) append(around.compute(corner));
-  }
-  return features;
-}
-
 struct ExactCellFinder::Job {
   Vec3 origin;  ///< of the brick, metres
   std::span<const float> nodes;
@@ -244,7 +145,7 @@ struct ExactCellFinder::Job {
   std::bitset<kCells> wanted;  ///< these, and some below it
   Work& work;
 
-  /// As it is stored.
+  /// A distance, rounded as samples are stored.
   float node(int x, int y, int z) const {
     constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
     return std::round(nodes[index_of(x, y, z, kNodes)] * kQuanta) / kQuanta;

@@ -3,34 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
+#include "mesh/disjoint_sets.h"
 #include "mesh/edges.h"
 
 namespace voxshell {
 namespace {
-
-/// Sets of indices that are joined one pair at a time.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The smaller index stands for both.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 Vec3 doubled_area(const TriangleMesh& mesh, std::uint32_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "base/parallel.h"
+#include "mesh/disjoint_sets.h"
 
 namespace voxshell {
 namespace {
@@ -45,26 +45,21 @@ struct Parts {
 };
 
 Parts find_parts(std::span<const Triangle> triangles, std::span<const Vec3> vertices) {
-  std::vector<std::uint32_t> parent(vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets sets(vertices.size());
   for (const Triangle& t : triangles) {
-    const std::uint32_t root = find(t[0]);
-    for (const std::uint32_t vertex : {t[1], t[2]}) parent[find(vertex)] = root;
+    sets.join(t[0], t[1]);
+    sets.join(t[0], t[2]);
   }
   Parts parts;
   std::vector<std::uint32_t> number(vertices.size());
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    if (parent[v] != v) continue;
+    if (sets.find(v) != v) continue;
     number[v] = static_cast<std::uint32_t>(parts.boxes.size());
     parts.boxes.emplace_back();
   }
   parts.of.reserve(triangles.size());
   for (const Triangle& t : triangles) {
-    const std::uint32_t part = number[find(t[0])];
+    const std::uint32_t part = number[sets.find(t[0])];
     parts.of.push_back(part);
     for (const std::uint32_t vertex : t) parts.boxes[part].extend(vertices[vertex]);
   }
@@ -99,7 +94,7 @@ struct SurfaceCutter::Cut {
   Vec3 to;
 };
 
-/// A triangle as it is cut.
+/// Cuts a triangle and tells its pieces apart.
 class SurfaceCutter::Division {
  public:
   using Polygon = std::vector<Vec3>;  // convex, counter-clockwise

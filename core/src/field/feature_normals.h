@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "mesh/surface_cutter.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// What tells inside from outside where a triangle is nearest.
+struct Features {
+  std::vector<float> normals;  ///< of the triangles' features, see simd/exact_view.h
+  /// Of what is visible of a mesh: triangles that were cut, or have such beside them, whose normals
+  /// are found by place, and may be wrong where several parts meet. Empty: there are none.
+  std::vector<bool> is_in_doubt = {};
+};
+
+/// Of a closed mesh.
+Features compute_features(const TriangleMesh& mesh);
+
+/// Of what is visible of a closed mesh.
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible);
+
+}  // namespace voxshell
