@@ -47,6 +47,9 @@ struct GridFieldSettings {
   /// Where samples near the surface are off by more than this, metres, cells hold the triangles
   /// that are nearest there instead. 0: samples alone.
   double tolerance = 0.0;
+  /// Of the body's thinnest walls, metres: with a tolerance, normals are right up to their middle,
+  /// if that is no deeper than a brick. 0: within two voxels of the surface.
+  double wall_thickness = 0.0;
   double padding = 0.0;  ///< metres of grid beyond the mesh's bounds; at least a brick is kept
   SignMethod sign = SignMethod::kAutomatic;
   unsigned threads = 0;  ///< 0: one a core; the result is the same for any number
@@ -79,8 +82,9 @@ struct GridFieldData {
   Bounds surface_bounds;
   std::vector<std::uint32_t> entries;  ///< one a brick, x fastest
   std::vector<std::int16_t> samples;
-  std::vector<float> planes;  ///< unit normal and offset of each
-  double node_error = 0.0;    ///< metres; see simd::GridView
+  int quanta_per_voxel = 256;  ///< of samples at scale exponent 0; a power of two
+  std::vector<float> planes;   ///< unit normal and offset of each
+  double node_error = 0.0;     ///< metres; see simd::GridView
   /// Of a field by tolerance, metres; else 0. See GridField::surface_error().
   double surface_error = 0.0;
   /// Of cells of 2, 4 and 8 voxels; metres; see simd::GridView.
@@ -115,9 +119,9 @@ struct EightPoints {
 /// The grid is cut into bricks of 8x8x8 cells. A brick near the surface holds the true distances at
 /// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners;
 /// where all its distances are those to one plane, it holds the plane. Between nodes: trilinear.
-/// Built to a tolerance, cells that trilinear samples cannot follow (creases, thin walls) hold the
-/// few triangles that are nearest to them, and are exact.
-/// Outside the grid the surface is taken to be where the nearest point of the grid sees it.
+/// Built to a tolerance, nodes are eight times finer and cells that trilinear samples cannot follow
+/// (creases, thin walls) hold the few triangles that are nearest to them, and are exact. Outside
+/// the grid the surface is taken to be where the nearest point of the grid sees it.
 class GridField {
  public:
   /// Errors: kInvalidArgument, kInvalidMesh (encloses nothing; where it must be closed: is open,

@@ -26,6 +26,9 @@ struct PointShellSettings {
   /// About how many points a shell by tolerance may have; 0: as many as it takes. Where that is
   /// fewer, points are farther apart, and Accuracy::coverage says what is missed.
   std::size_t most_points = 0;
+  /// Of the body's thinnest walls, metres, half of which points of a shell by tolerance are at most
+  /// apart; 0: it is measured.
+  double wall_thickness = 0.0;
   /// Edge of the sampling voxels, metres: one point a surface voxel. Or leave it 0 and give:
   double spacing = 0.0;
   /// How many points are wanted; reached within 1 %. The voxels of very regular meshes may then be
@@ -58,6 +61,11 @@ class PointShell {
   /// Only of what is visible of the mesh; null: of all.
   static Result<PointShell> build(const TriangleMesh& mesh, const VisibleSurface* visible,
                                   const PointShellSettings& settings, const Progress& progress);
+
+  /// The same with more points, which stand for no area. They differ; those at the place of one
+  /// that there is are left out.
+  PointShell with_points(std::span<const Vec3f> points, std::span<const Vec3f> normals,
+                         unsigned threads) const;
 
   /// What the functions below return.
   struct Parts {

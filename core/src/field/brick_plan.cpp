@@ -159,7 +159,7 @@ bool BrickPlanner::is_plane(const std::array<std::size_t, 3>& brick,
     return (dot(plane.normal, centre) - plane.offset) / h + dot(plane.normal, offset);
   };
   const auto is_off = [&](double value, double expected) {
-    return !(std::abs(value - expected) <= 1.5 * kPlaneTolerance);
+    return !(std::abs(value - expected) <= 1.5 * plane_tolerance_);
   };
   if (is_off(std::abs(above({})), at_centre)) return false;
   for (std::size_t i = 0; i < 8; ++i) {

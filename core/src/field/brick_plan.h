@@ -13,8 +13,6 @@
 
 namespace voxshell {
 
-/// A plane may be off the distances at a brick's nodes by this, voxels.
-inline constexpr double kPlaneTolerance = 1.0 / 1024.0;
 /// Half the edge and half the diagonal of a brick, voxels.
 inline constexpr double kHalfEdge = 0.5 * simd::kBrickCells;
 inline constexpr double kHalfDiagonal = 1.7320508075688772 * kHalfEdge;
@@ -60,8 +58,13 @@ inline Vec3 centre_of(const std::array<std::size_t, 3>& brick) {
 class BrickPlanner {
  public:
   BrickPlanner(const TriangleMesh& mesh, const BrickGrid& grid, const CornerLattice& lattice,
-               const DistanceTree& tree, const FlatRegions& flat)
-      : mesh_(mesh), grid_(grid), lattice_(lattice), tree_(tree), flat_(flat) {}
+               const DistanceTree& tree, const FlatRegions& flat, double plane_tolerance)
+      : mesh_(mesh),
+        grid_(grid),
+        lattice_(lattice),
+        tree_(tree),
+        flat_(flat),
+        plane_tolerance_(plane_tolerance) {}
 
   /// What one thread plans with.
   struct Work {
@@ -85,6 +88,7 @@ class BrickPlanner {
   const CornerLattice& lattice_;
   const DistanceTree& tree_;
   const FlatRegions& flat_;
+  double plane_tolerance_;  ///< by which a plane may be off distances at nodes, voxels
 };
 
 }  // namespace voxshell

@@ -23,10 +23,13 @@ constexpr int kNodes = kBrickCells + 1;
 constexpr std::size_t kCells = cube(kBrickCells);
 /// The surface does not pass through cells whose corners are farther from it than this, voxels.
 constexpr float kAtSurface = 0.9f;
-/// Nor do contacts lie deeper than this as a rule; up to there, cells are exact where depths have a
-/// ridge, as in the middle of thin walls: where samples are off by much, voxels.
-constexpr float kDeep = 2.0f;
+/// Inside, cells are exact where depths have a ridge, as in the middle of walls: where samples are
+/// off by much, voxels.
 constexpr float kRidge = 0.08f;
+/// Up to such a depth, as contacts lie no deeper as a rule, and up to the middle of thin walls,
+/// where that is not too deep, voxels.
+constexpr double kDeep = 2.0;
+constexpr double kDeepest = 8.0;
 /// Nor may normals be off by more than this there: 10 degrees, cosine.
 constexpr float kNormalsAgree = 0.985f;
 /// Away from the surface samples may be off by this share of the distance more.
@@ -34,9 +37,9 @@ constexpr float kOfDistance = 0.05f;
 /// Of the tolerance, as few places of a cell are looked at.
 constexpr double kSafety = 0.7;
 /// A cell whose samples cannot be proved to be this good is exact, tolerances.
-constexpr float kMostProved = 3.0f;
+constexpr float kMostProved = 2.0f;
 /// Nor is a cell looked at more closely than this, tolerances.
-constexpr float kEnough = 2.0f;
+constexpr float kEnough = 1.5f;
 /// Where too many triangles may be the nearest, only what holds everywhere is known, voxels.
 constexpr float kUnknown = 1.0f;
 constexpr float kRounding = 0.004f;  // of places and distances, voxels
@@ -55,6 +58,11 @@ std::size_t index_of(int x, int y, int z, int side) {
 Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
   return normalized(cross(b - a, c - a));
+}
+
+double choose_depth(double middle_of_walls) {
+  constexpr double kBeyond = 1.0;
+  return middle_of_walls > kDeepest ? kDeep : std::max(kDeep, middle_of_walls + kBeyond);
 }
 
 /// See simd/exact_view.h.
@@ -144,11 +152,11 @@ struct ExactCellFinder::Job {
   std::bitset<kCells> passed;  ///< by the surface
   std::bitset<kCells> wanted;  ///< these, and some below it
   Work& work;
+  float quanta_per_voxel;
 
   /// A distance, rounded as samples are stored.
   float node(int x, int y, int z) const {
-    constexpr auto kQuanta = static_cast<float>(simd::kQuantaPerVoxel);
-    return std::round(nodes[index_of(x, y, z, kNodes)] * kQuanta) / kQuanta;
+    return std::round(nodes[index_of(x, y, z, kNodes)] * quanta_per_voxel) / quanta_per_voxel;
   }
 
   /// Of one cell, voxels.
@@ -165,11 +173,14 @@ struct ExactCellFinder::Job {
 };
 
 ExactCellFinder::ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid,
-                                 const DistanceTree& tree, double tolerance, Features features)
+                                 const DistanceTree& tree, const GridFieldSettings& settings,
+                                 int quanta_per_voxel, Features features)
     : mesh_(mesh),
       grid_(grid),
       tree_(tree),
-      tolerance_(static_cast<float>(kSafety * tolerance / grid.voxel_size)),
+      tolerance_(static_cast<float>(kSafety * settings.tolerance / grid.voxel_size)),
+      deep_(static_cast<float>(choose_depth(0.5 * settings.wall_thickness / grid.voxel_size))),
+      quanta_per_voxel_(static_cast<float>(quanta_per_voxel)),
       records_(make_records(mesh)),
       features_(std::move(features)) {}
 
@@ -183,7 +194,8 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
           estimate_errors(nodes),
           {},
           {},
-          work};
+          work,
+          quanta_per_voxel_};
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     const std::size_t x = cell % kBrickCells;
     const std::size_t y = cell / kBrickCells % kBrickCells;
@@ -198,7 +210,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
     }
     job.passed[cell] = least < kAtSurface;
     job.wanted[cell] = job.passed[cell] || (job.estimates[cell] > std::max(tolerance_, kRidge) &&
-                                            deepest < 0.0f && least < kDeep);
+                                            deepest < 0.0f && least < deep_);
   }
   if (job.wanted.none()) return brick;
   const Vec3 centre = centre_of(place);
@@ -417,7 +429,7 @@ ExactCellFinder::Look ExactCellFinder::look_at_parts(const Job& job, const Cube&
       samples.t = {t.x, t.y, t.z};
       const float off = std::abs(interpolate(samples) - distance);
       look.is_off |= !(off <= tolerance_ + kOfDistance * std::abs(distance));
-      if (distance < -tolerance_) {
+      if (distance < -tolerance_ && !look.is_off) {
         const auto exact = evaluate_triangle(list, found, place[0], place[1], place[2]);
         const auto slope = differentiate(samples, 1.0f);
         look.is_off |= dot(slope, exact.gradient) <= kNormalsAgree * simd::portable::length(slope);
@@ -454,10 +466,8 @@ void ExactCellFinder::decide(const Job& job, const Cube& cell, std::vector<std::
   const bool is_passed = job.passed[index];
   if (triangles.empty()) return;
   Look look = look_at_parts(job, cell, 2, triangles);
-  if (look.proved > kEnough * tolerance_) {
-    const bool was_off = look.is_off;
+  if (is_passed && !look.is_off && look.proved > kEnough * tolerance_) {
     look = look_at_parts(job, cell, 3, triangles);
-    look.is_off |= was_off;
   }
   const bool should_be_exact = look.is_off ||
                                (is_passed && look.proved > kMostProved * tolerance_) ||

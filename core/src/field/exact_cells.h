@@ -17,9 +17,9 @@ namespace voxshell {
 /// Finds the fine cells that samples cannot follow, and the triangles that are nearest in them.
 class ExactCellFinder {
  public:
-  /// `tolerance` in metres, `features` of the mesh; the first three outlive this.
+  /// `features` of the mesh; the first three outlive this.
   ExactCellFinder(const TriangleMesh& mesh, const BrickGrid& grid, const DistanceTree& tree,
-                  double tolerance, Features features);
+                  const GridFieldSettings& settings, int quanta_per_voxel, Features features);
 
   /// The exact cells of one brick and their lists of triangles, ascending.
   struct Brick {
@@ -63,7 +63,9 @@ class ExactCellFinder {
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;
   const DistanceTree& tree_;
-  float tolerance_;             ///< voxels
+  float tolerance_;  ///< voxels
+  float deep_;       ///< up to which cells are exact where depths have a ridge, voxels
+  float quanta_per_voxel_;
   std::vector<float> records_;  ///< of triangles; see simd/exact_view.h
   Features features_;
 };

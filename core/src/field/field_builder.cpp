@@ -35,16 +35,30 @@ std::size_t align(std::size_t samples) {
 std::size_t samples_of(int cells) { return align(cube(static_cast<std::size_t>(cells) + 1)); }
 
 /// Stores distances in quanta and returns the exponent of their scale, the least in which they fit.
-int store_samples(std::span<const float> distances, std::int16_t* samples) {
+int store_samples(std::span<const float> distances, int quanta_per_voxel, std::int16_t* samples) {
+  const auto quanta = static_cast<float>(quanta_per_voxel);
   float farthest = 0.0f;
   for (const float d : distances) farthest = std::max(farthest, std::abs(d));
   int exponent = 0;
-  while (std::ldexp(32767.0f / simd::kQuantaPerVoxel, exponent) < farthest) ++exponent;
-  const float scale = std::ldexp(static_cast<float>(simd::kQuantaPerVoxel), -exponent);
+  while (std::ldexp(32767.0f / quanta, exponent) < farthest) ++exponent;
+  const float scale = std::ldexp(quanta, -exponent);
   for (std::size_t i = 0; i < distances.size(); ++i) {
     samples[i] = static_cast<std::int16_t>(std::lrint(distances[i] * scale));
   }
   return exponent;
+}
+
+Fineness choose_fineness(const TriangleMesh& mesh, const BrickGrid& grid, double tolerance) {
+  if (tolerance == 0.0) return {256, 1.0 / 1024.0, 1e-3};
+  constexpr double kRoundings = 8.0;  // that add up in a distance
+  constexpr double kFloat = 6e-8;
+  const Bounds& bounds = mesh.bounds();
+  double farthest = 0.0;  // from the origins of the mesh and of the grid
+  for (int axis = 0; axis < 3; ++axis) {
+    farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis]),
+                         bounds.upper[axis] - grid.origin[axis]});
+  }
+  return {2048, 1.0 / 8192.0, kRoundings * kFloat * farthest / grid.voxel_size};
 }
 
 void count_overlap(int layers, float distance, const Vec3& place, OverlapCount& overlap) {
@@ -77,10 +91,12 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
       threads_(settings.threads),
       inside_(inside),
       progress_(progress),
-      flat_(mesh, kPlaneTolerance * plan.grid.voxel_size),
+      fineness_(choose_fineness(mesh, plan.grid, settings.tolerance)),
+      flat_(mesh, fineness_.plane_tolerance * plan.grid.voxel_size),
       tree_(mesh, plan.grid.origin, plan.grid.voxel_size, settings.threads) {
   if (settings.tolerance > 0.0) {
-    exact_.emplace(mesh, plan.grid, tree_, settings.tolerance, std::move(features));
+    exact_.emplace(mesh, plan.grid, tree_, settings, fineness_.quanta_per_voxel,
+                   std::move(features));
   }
 }
 
@@ -143,7 +159,7 @@ bool FieldBuilder::measure_corners() {
 bool FieldBuilder::plan_bricks() {
   plans_.resize(grid_.count());
   const std::size_t nx = grid_.bricks[0];
-  const BrickPlanner planner(mesh_, grid_, lattice_, tree_, flat_);
+  const BrickPlanner planner(mesh_, grid_, lattice_, tree_, flat_, fineness_.plane_tolerance);
   const auto plan_row = [&](std::size_t row) {
     BrickPlanner::Work work;
     for (std::size_t brick = row * nx; brick < (row + 1) * nx; ++brick) {
@@ -161,6 +177,7 @@ bool FieldBuilder::are_corners_shared() const {
 /// Gives each brick its samples or plane. False where there are too many.
 bool FieldBuilder::place_bricks(GridFieldData& data) const {
   const std::size_t count = grid_.count();
+  data.quanta_per_voxel = fineness_.quanta_per_voxel;
   data.entries.resize(count);
   const std::size_t corners = are_corners_shared() ? lattice_.distances.size() : 0;
   if (corners > kMostPayloads) return false;
@@ -203,8 +220,9 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
     float proved = 0.0f;  ///< of samples at the surface, voxels
   };
   std::vector<RowResult> results(ny * nz);
+  const int quanta = fineness_.quanta_per_voxel;
   const int exponent_of_corners =
-      are_corners_shared() ? store_samples(lattice_.distances, data.samples.data()) : 0;
+      are_corners_shared() ? store_samples(lattice_.distances, quanta, data.samples.data()) : 0;
   const auto fill_row = [&, nx = nx](std::size_t row) {
     DistanceTree::Scratch scratch;
     ExactCellFinder::Work exact_work;
@@ -239,12 +257,11 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
         }
       }
       BrickEntry entry = BrickEntry::unpack(data.entries[brick]);
-      entry.exponent =
-          plan.cells == 1 ? exponent_of_corners : store_samples(nodes, &data.samples[entry.first]);
+      entry.exponent = plan.cells == 1 ? exponent_of_corners
+                                       : store_samples(nodes, quanta, &data.samples[entry.first]);
       data.entries[brick] = entry.pack();
       const double size = static_cast<double>(kBrickCells) / plan.cells;
-      result.rounding =
-          std::max(result.rounding, std::ldexp(0.5 / simd::kQuantaPerVoxel, entry.exponent) / size);
+      result.rounding = std::max(result.rounding, std::ldexp(0.5 / quanta, entry.exponent) / size);
       if (plan.cells == kBrickCells) continue;
       const double least = find_least_magnitude(nodes, size);
       for (std::size_t i = 0; i < result.floors.size() && plan.cells < kBrickCells >> i; ++i) {
@@ -268,19 +285,19 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
       floors[i] = std::min(floors[i], result.floors[i]);
     }
   }
-  constexpr double kFloatError = 1e-3;  // voxels
-  data.node_error = (std::max(rounding, 1.5 * kPlaneTolerance) + kFloatError) * grid_.voxel_size;
+  data.node_error =
+      (std::max(rounding, 1.5 * fineness_.plane_tolerance) + fineness_.rounding) * grid_.voxel_size;
   if (exact_) {
     data.exact = exact_->assemble(exact);
     data.surface_error = data.node_error + static_cast<double>(proved) * grid_.voxel_size;
   }
   // Other bricks at larger scales are far away.
-  const double rounding_of_corners = std::ldexp(0.5 / simd::kQuantaPerVoxel, exponent_of_corners);
+  const double rounding_of_corners = std::ldexp(0.5 / quanta, exponent_of_corners);
   for (std::size_t i = 0; i < floors.size(); ++i) {
     data.coarse_floors[i] =
         floors[i] == kNoFloors[i]
             ? static_cast<double>(simd::kNoCoarseFloor)
-            : (std::max(kLeastFloors[i], floors[i]) - kFloatError - rounding_of_corners) *
+            : (std::max(kLeastFloors[i], floors[i]) - fineness_.rounding - rounding_of_corners) *
                   grid_.voxel_size;
   }
   return true;

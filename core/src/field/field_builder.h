@@ -34,6 +34,13 @@ struct OverlapCount {
   }
 };
 
+/// How finely a field holds distances, voxels.
+struct Fineness {
+  int quanta_per_voxel;
+  double plane_tolerance;  ///< by which corners of a flat part may be off its plane
+  double rounding;         ///< of what is worked out in float32
+};
+
 /// Fills the bricks of a field with the distances to a mesh, signed as `inside` says.
 class FieldBuilder {
  public:
@@ -66,6 +73,7 @@ class FieldBuilder {
   unsigned threads_;
   const Inside& inside_;
   const Progress& progress_;
+  Fineness fineness_;
   FlatRegions flat_;
   DistanceTree tree_;
   CornerLattice lattice_;

@@ -60,7 +60,7 @@ simd::GridView GridField::view() const {
   }
   view.voxel_size = static_cast<float>(data_.voxel_size);
   view.inverse_voxel_size = static_cast<float>(1.0 / data_.voxel_size);
-  view.quantum = static_cast<float>(data_.voxel_size / simd::kQuantaPerVoxel);
+  view.quantum = static_cast<float>(data_.voxel_size / data_.quanta_per_voxel);
   view.node_error = static_cast<float>(data_.node_error);
   view.fine_error = static_cast<float>(std::sqrt(0.75) * data_.voxel_size + data_.node_error);
   view.spread = static_cast<float>(0.75 * data_.voxel_size * data_.voxel_size);

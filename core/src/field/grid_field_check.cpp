@@ -36,6 +36,11 @@ Result<std::monostate> check_numbers(const GridFieldData& data) {
       return invalid("its origin or bounds are not finite, or in the wrong order");
     }
   }
+  constexpr int kMostQuanta = 1 << 14;
+  if (data.quanta_per_voxel < 1 || data.quanta_per_voxel > kMostQuanta ||
+      !std::has_single_bit(static_cast<unsigned>(data.quanta_per_voxel))) {
+    return invalid(format_text("a voxel has %d quanta", data.quanta_per_voxel));
+  }
   if (!is_length(data.node_error) || !is_length(data.surface_error))
     return invalid("its error is below zero or not finite");
   double below = 0.0;

@@ -60,7 +60,7 @@ double find_lowest_value(const GridFieldData& data, const BrickEntry& entry, con
       lowest = std::min<int>(lowest, *std::min_element(along_x, along_x + nodes));
     }
   }
-  return lowest * data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
+  return lowest * data.voxel_size / data.quanta_per_voxel * std::ldexp(1.0, entry.exponent);
 }
 
 class Surroundings {

@@ -19,6 +19,9 @@ namespace {
 using namespace simd::portable;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
+/// The faces of a wall are parallel to within 30 degrees: cosine. Next to the edge of a blunter
+/// wedge a body is as thin as one likes.
+constexpr double kOpposite = 0.8660254037844386;
 
 struct Ray {
   Vec3 origin;
@@ -85,11 +88,13 @@ class RayCaster {
         corners_(collect(mesh, order_, inside_out)),
         hierarchy_(bound(corners_), compute_slack(mesh.bounds())) {}
 
-  /// The shortest way along the ray that is at least `nearest` long and at most `farthest`, leaving
-  /// out one triangle; `farthest` where there is none.
-  double find_exit(const Ray& ray, double nearest, double farthest, std::uint32_t except) const {
+  /// How thick the wall is that the ray enters, at most `most`: the shortest way out that is at
+  /// least `least` long, leaving out one triangle. `most` where the ray does not leave it through
+  /// the opposite face of a wall.
+  double measure_wall(const Ray& ray, double least, double most, std::uint32_t except) const {
     constexpr float kRounding = 1.0f + 1e-5f;
-    double found = farthest;
+    double found = most;
+    const std::array<Vec3, 3>* left_through = nullptr;
     float limit = kRounding * static_cast<float>(found);
     hierarchy_.search(limit, BoxEntry(ray), [&](std::size_t run) {
       const std::size_t begin = run * BoxHierarchy::kEach;
@@ -97,11 +102,15 @@ class RayCaster {
       for (std::size_t i = begin; i < end; ++i) {
         if (order_[i] == except) continue;
         const double exit = leave(ray, corners_[i]);
-        if (exit >= nearest && exit < found) found = exit;
+        if (exit < least || exit >= found) continue;
+        found = exit;
+        left_through = &corners_[i];
       }
       limit = kRounding * static_cast<float>(found);
     });
-    return found;
+    if (left_through == nullptr) return most;
+    const auto& [a, b, c] = *left_through;
+    return dot(ray.direction, normalized(cross(b - a, c - a))) > kOpposite ? found : most;
   }
 
  private:
@@ -164,7 +173,7 @@ double compute_thickness(const TriangleMesh& mesh) {
     const std::array<Vec3, 3> corners = mesh.corners(faces[i]);
     const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
     const Ray ray{place_on_triangle(corners, i), inside_out ? normal : -normal};
-    chords.push_back(caster.find_exit(ray, kTouching * longest, shortest, faces[i]));
+    chords.push_back(caster.measure_wall(ray, kTouching * longest, shortest, faces[i]));
   }
   if (chords.empty()) return shortest;
   const auto at =

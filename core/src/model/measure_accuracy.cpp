@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <vector>
@@ -148,34 +150,28 @@ struct Place {
 class Measurement {
  public:
   Measurement(const TriangleMesh& mesh, const SurfaceCutter* cutter, const GridField& field,
-              const PointShell& shell, double thickness)
-      : around_(mesh), cutter_(cutter), field_(field), elements_(list_elements(shell)) {
+              const AccuracySettings& settings)
+      : around_(mesh), cutter_(cutter), field_(field), settings_(settings) {
     const Bounds& bounds = mesh.bounds();
     double farthest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
     }
     least_push_ = kLeastPush * farthest;
-    most_push_ = std::min(kPushedCells * field.voxel_size(), kPushedThickness * thickness);
+    most_push_ = std::min(kPushedCells * field.voxel_size(), kPushedThickness * settings.thickness);
     may_be_flipped_ = field.sign_report().method != SignMethod::kClosed;
     choose_places();
   }
 
-  Accuracy run(unsigned threads) {
+  Accuracy run(PointShell& shell) {
     const std::size_t count = places();
     distances_.assign(count, kLeftOut);
     chords_.assign(count, kLeftOut);
-    heights_.assign(count, kLeftOut);
-    gaps_.assign(count, 0.0f);
     points_.assign(count, {});
-    const std::size_t tasks = (count + kTask - 1) / kTask;
-    parallel_for(tasks, threads, "accuracy", {}, [&](std::size_t task) {
-      measure_field(task * kTask, std::min((task + 1) * kTask, count));
-    });
+    for_tasks(count, [&](std::size_t begin, std::size_t end) { measure_field(begin, end); });
     order_places();
-    parallel_for(tasks, threads, "accuracy", {}, [&](std::size_t task) {
-      measure_shell(task * kTask, std::min((task + 1) * kTask, order_.size()));
-    });
+    measure_shell(shell);
+    for (int round = 0; round < kRounds && add_points(shell); ++round) measure_shell(shell);
 
     Accuracy accuracy;
     accuracy.distance = summarize(distances_);
@@ -193,8 +189,21 @@ class Measurement {
 
  private:
   static constexpr float kLeftOut = -1.0f;
+  /// How often points are added, and at most how many of those there are.
+  static constexpr int kRounds = 4;
+  static constexpr std::size_t kMostAdded = 4;
+  /// What is this near to a new point, of how far it was from any, waits for the next round.
+  static constexpr float kNextTo = 0.5f;
+  static constexpr float kSameWay = 0.8f;  // cosine
 
   std::size_t places() const { return vertices_.size() + edges_.size() + faces_.size(); }
+
+  template <class Visit>
+  void for_tasks(std::size_t count, const Visit& visit) const {
+    parallel_for(
+        (count + kTask - 1) / kTask, settings_.threads, "accuracy", {},
+        [&](std::size_t task) { visit(task * kTask, std::min((task + 1) * kTask, count)); });
+  }
 
   void choose_places() {
     const TriangleMesh& mesh = around_.mesh();
@@ -345,15 +354,55 @@ class Measurement {
     std::erase_if(order_, [&](std::uint32_t i) { return distances_[i] == kLeftOut; });
   }
 
-  void measure_shell(std::size_t begin, std::size_t end) {
+  void measure_shell(const PointShell& shell) {
+    heights_.assign(places(), kLeftOut);
+    gaps_.assign(places(), 0.0f);
+    const ShellElements elements(list_elements(shell));
+    for_tasks(order_.size(),
+              [&](std::size_t begin, std::size_t end) { measure_shell(elements, begin, end); });
+  }
+
+  /// Adds the places that are missed by more than the tolerance, the worst first and none next to
+  /// another. False where there are none.
+  bool add_points(PointShell& shell) const {
+    if (settings_.tolerance == 0.0) return false;
+    const auto tolerance = static_cast<float>(settings_.tolerance);
+    std::vector<std::uint32_t> missed;
+    std::ranges::copy_if(order_, std::back_inserter(missed),
+                         [&](std::uint32_t i) { return heights_[i] > tolerance; });
+    std::ranges::stable_sort(missed, std::ranges::greater{},
+                             [&](std::uint32_t i) { return heights_[i]; });
+    const std::size_t most = shell.size() / kMostAdded + 1;
+    std::vector<Vec3f> points;
+    std::vector<Vec3f> normals;
+    std::vector<float> squared_reaches;
+    for (const std::uint32_t i : missed) {
+      if (points.size() == most) break;
+      const auto& [point, normal] = points_[i];
+      bool is_new = true;
+      for (std::size_t k = 0; k < points.size() && is_new; ++k) {
+        is_new = squared_length(point - points[k]) > squared_reaches[k] ||
+                 dot(normal, normals[k]) < kSameWay;
+      }
+      if (!is_new) continue;
+      const float reach = kNextTo * gaps_[i];
+      points.push_back(point);
+      normals.push_back(normal);
+      squared_reaches.push_back(reach * reach);
+    }
+    if (points.empty()) return false;
+    shell = shell.with_points(points, normals, settings_.threads);
+    return true;
+  }
+
+  void measure_shell(const ShellElements& elements, std::size_t begin, std::size_t end) {
     std::array<ShellElements::Place, kGroup> places{};
     std::array<ShellElements::Nearest, kGroup> nearest{};
     float reach = static_cast<float>(least_push_);
     for (std::size_t first = begin; first < end; first += kGroup) {
       const std::size_t count = std::min(kGroup, end - first);
       for (std::size_t k = 0; k < count; ++k) places[k] = points_[order_[first + k]];
-      elements_.find_nearest(std::span(places).first(count), reach,
-                             std::span(nearest).first(count));
+      elements.find_nearest(std::span(places).first(count), reach, std::span(nearest).first(count));
       for (std::size_t k = 0; k < count; ++k) {
         if (!(nearest[k].distance < std::numeric_limits<float>::infinity())) continue;
         gaps_[order_[first + k]] = nearest[k].distance;
@@ -409,7 +458,7 @@ class Measurement {
   Surroundings around_;
   const SurfaceCutter* cutter_;
   const GridField& field_;
-  ShellElements elements_;
+  const AccuracySettings& settings_;
   double least_push_ = 0.0;
   double most_push_ = 0.0;
   bool may_be_flipped_ = false;
@@ -429,9 +478,9 @@ class Measurement {
 
 }  // namespace
 
-Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, const PointShell& shell,
-                          double thickness, unsigned threads, const SurfaceCutter* cutter) {
-  return Measurement(mesh, cutter, field, shell, thickness).run(threads);
+Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, PointShell& shell,
+                          const AccuracySettings& settings, const SurfaceCutter* cutter) {
+  return Measurement(mesh, cutter, field, settings).run(shell);
 }
 
 }  // namespace voxshell

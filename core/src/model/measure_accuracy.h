@@ -8,12 +8,16 @@
 
 namespace voxshell {
 
+struct AccuracySettings {
+  double thickness = 0.0;  ///< compute_thickness() of the mesh
+  double tolerance = 0.0;  ///< that the shell is to keep; 0: whatever it misses
+  unsigned threads = 0;    ///< 0: one a core; the result is the same
+};
+
 /// Measures on 100,000 places of the mesh's surface or slightly more: on faces by their area, along
-/// edges by their length, and at vertices. `thickness` is compute_thickness() of the mesh. The
-/// result is the same for any number of threads (0: one a core). Places that `cutter` says are
-/// hidden are left out; null: there are none.
-Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, const PointShell& shell,
-                          double thickness, unsigned threads,
-                          const SurfaceCutter* cutter = nullptr);
+/// edges by their length, and at vertices. Those that the shell misses by more than the tolerance
+/// become points of it. Places that `cutter` says are hidden are left out; null: there are none.
+Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, PointShell& shell,
+                          const AccuracySettings& settings, const SurfaceCutter* cutter = nullptr);
 
 }  // namespace voxshell

@@ -211,6 +211,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   if (auto precise = check_precision(repaired.mesh, *voxel_size); !precise) return precise.error();
 
   PointShellSettings shell_settings{.tolerance = *tolerance,
+                                    .wall_thickness = thickness,
                                     .spacing = settings.point_spacing,
                                     .target_points = settings.target_points,
                                     .threads = settings.threads};
@@ -224,6 +225,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
       settings.padding < 0.0 ? kDefaultPaddingVoxels * *voxel_size : settings.padding;
   const GridFieldSettings field_settings{.voxel_size = *voxel_size,
                                          .tolerance = *tolerance,
+                                         .wall_thickness = thickness,
                                          .padding = padding,
                                          .sign = settings.sign,
                                          .threads = settings.threads};
@@ -242,9 +244,10 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   auto shell = PointShell::build(repaired.mesh, visible, shell_settings, progress);
   if (!shell) return shell.error();
 
-  const Accuracy accuracy =
-      measure_accuracy(repaired.mesh, field, *shell, thickness, settings.threads,
-                       visible != nullptr ? visible->cutter.get() : nullptr);
+  const Accuracy accuracy = measure_accuracy(
+      repaired.mesh, field, *shell,
+      {.thickness = thickness, .tolerance = *tolerance, .threads = settings.threads},
+      visible != nullptr ? visible->cutter.get() : nullptr);
   ModelSettings chosen = settings;
   chosen.tolerance = *tolerance;
   return std::shared_ptr<const Model>(new Model(std::move(repaired.mesh), std::move(field),

@@ -20,7 +20,7 @@ namespace voxshell::model_format {
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'V', 'X', 'S', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t kVersion = 7;
+inline constexpr std::uint32_t kVersion = 8;
 inline constexpr std::uint64_t kAlignment = 64;
 
 inline constexpr std::uint64_t align(std::uint64_t size) {
@@ -68,6 +68,7 @@ struct Record {
   std::array<std::int64_t, 3> grid_bricks;
   Vec3 grid_surface_lower;
   Vec3 grid_surface_upper;
+  std::uint64_t grid_quanta_per_voxel;
   double grid_node_error;
   double grid_surface_error;
   std::array<double, 3> grid_coarse_floors;
@@ -99,7 +100,7 @@ struct Record {
   double accuracy_curvature;
   double thickness;
 };
-static_assert(sizeof(Record) == std::size_t{66} * 8);
+static_assert(sizeof(Record) == std::size_t{67} * 8);
 
 /// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>

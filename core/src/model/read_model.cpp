@@ -183,6 +183,8 @@ Result<GridField> make_field(const Record& record, Sections<Array>& sections) {
       .surface_bounds = {record.grid_surface_lower, record.grid_surface_upper},
       .entries = std::move(sections.brick_entries),
       .samples = std::move(sections.samples),
+      .quanta_per_voxel = static_cast<int>(
+          std::min<std::uint64_t>(record.grid_quanta_per_voxel, std::numeric_limits<int>::max())),
       .planes = std::move(sections.planes),
       .node_error = record.grid_node_error,
       .surface_error = record.grid_surface_error,

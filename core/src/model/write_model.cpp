@@ -37,6 +37,7 @@ Record make_record(const Model& model) {
       .grid_bricks = {grid.bricks[0], grid.bricks[1], grid.bricks[2]},
       .grid_surface_lower = grid.surface_bounds.lower,
       .grid_surface_upper = grid.surface_bounds.upper,
+      .grid_quanta_per_voxel = static_cast<std::uint64_t>(grid.quanta_per_voxel),
       .grid_node_error = grid.node_error,
       .grid_surface_error = grid.surface_error,
       .grid_coarse_floors = grid.coarse_floors,

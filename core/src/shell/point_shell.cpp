@@ -275,7 +275,7 @@ struct Density {
 /// How far points are apart on flat parts, metres: so that areas are spread over enough of them,
 /// and that where bodies cross, some lie deep in the other one, even if all edges lie in its
 /// surface. Of thin sheets that would be too many.
-double choose_coarsest(const TriangleMesh& mesh) {
+double choose_coarsest(const TriangleMesh& mesh, double wall_thickness) {
   constexpr double kFewest = 25.0;  // along the longest side
   constexpr double kOfThickness = 0.5;
   constexpr double kMostOnSheets = 5e3;  // about
@@ -285,7 +285,8 @@ double choose_coarsest(const TriangleMesh& mesh) {
     area += 0.5 * length(cross(b - a, c - a));
   }
   const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
-  const double inside = kOfThickness * compute_thickness(mesh);
+  const double inside =
+      kOfThickness * (wall_thickness > 0.0 ? wall_thickness : compute_thickness(mesh));
   return std::min(longest / kFewest, std::max(inside, std::sqrt(area / kMostOnSheets)));
 }
 
@@ -315,10 +316,12 @@ Density choose_density(const TriangleMesh& mesh, std::span<const double> spacing
   return density;
 }
 
-/// With no more than `most` points, if that can be.
-Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings, double tolerance,
-                       std::size_t most) {
-  const double coarsest = choose_coarsest(mesh);
+/// With no more points than the settings say, if that can be.
+Density choose_density(const TriangleMesh& mesh, std::span<const double> spacings,
+                       const PointShellSettings& settings) {
+  const double tolerance = settings.tolerance;
+  const std::size_t most = settings.most_points;
+  const double coarsest = choose_coarsest(mesh, settings.wall_thickness);
   Density density = choose_density(mesh, spacings, tolerance, coarsest, 1.0);
   constexpr double kStretch = 1.1;
   constexpr double kMostStretch = 100.0;
@@ -412,7 +415,7 @@ Result<Sampling> sample_by_tolerance(const TriangleMesh& mesh, const VisibleSurf
                                      const PointShellSettings& settings, Stage& stage) {
   const double tolerance = settings.tolerance;
   const Creases creases = find_creases(mesh, tolerance);
-  const Density density = choose_density(mesh, creases.spacings, tolerance, settings.most_points);
+  const Density density = choose_density(mesh, creases.spacings, settings);
   Sampling sampling;
   for (const Corner& corner : creases.corners) {
     if (visible != nullptr &&
@@ -532,6 +535,34 @@ Result<std::monostate> PointShell::check(const TriangleMesh& mesh,
                                  : "ask for no more points")};
   }
   return std::monostate{};
+}
+
+PointShell PointShell::with_points(std::span<const Vec3f> points, std::span<const Vec3f> normals,
+                                   unsigned threads) const {
+  std::vector<Vec3f> all;
+  all.reserve(size() + points.size());
+  for (const Vec3f& point : this->points()) all.push_back(point);
+  std::vector<Vec3f> normals_of_all = normals_;
+  const auto as_array = [](const Vec3f& p) { return std::array{p.x, p.y, p.z}; };
+  std::vector<Vec3f> taken = all;
+  std::ranges::sort(taken, {}, as_array);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::ranges::binary_search(taken, as_array(points[i]), {}, as_array)) continue;
+    all.push_back(points[i]);
+    normals_of_all.push_back(normals[i]);
+  }
+  std::vector<std::uint32_t> order(all.size());
+  std::iota(order.begin(), order.end(), 0u);
+
+  PointShell shell;
+  shell.spacing_ = spacing_;
+  shell.edges_ = edges_;
+  shell.tree_ = PointSphereTree::build(all, order, {}, threads, normals_of_all);
+  for (const std::uint32_t i : order) {
+    shell.normals_.push_back(normals_of_all[i]);
+    shell.areas_.push_back(i < size() ? areas_[i] : 0.0f);
+  }
+  return shell;
 }
 
 Result<PointShell> PointShell::build(const TriangleMesh& mesh, const PointShellSettings& settings,

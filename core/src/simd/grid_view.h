@@ -20,8 +20,6 @@ inline constexpr int kFieldShift = 3;
 inline constexpr int kFieldMask = 15;
 inline constexpr int kPayloadShift = 7;
 inline constexpr int kSampleAlignment = 4;
-/// A sample's unit at scale exponent 0 is the voxel size divided by this.
-inline constexpr int kQuantaPerVoxel = 256;
 /// Samples that a lane without any may read all the same.
 inline constexpr int kFewestSamples = 1024;
 /// How many sizes of cells larger than a voxel there are: 2, 4 and 8.

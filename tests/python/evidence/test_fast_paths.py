@@ -43,10 +43,12 @@ class Setting:
 
 SETTINGS = (
     Setting("a", 0.0, 1, 7),
+    Setting("auto", 0.0, 4, 1),
     Setting("fewest", 0.0, 4, 1),
     Setting("b", 0.0, 2, 30),
     Setting("both", 0.0, 3, 12),
     Setting("a", 0.25, 5, 2),
+    Setting("auto", 1.5, 3, 100),
     Setting("fewest", 1.5, 3, 100),
     Setting("b", -0.5, 12, 4),
     Setting("both", 0.25, 6, 500),
@@ -229,7 +231,7 @@ class Asker:
         flat: vx.Contacts,
         scratch: vx.QueryScratch,
     ) -> None:
-        if setting.shell == "both":  # each of its shells has its own manifolds
+        if flat.shell == "both":  # each of its shells has its own manifolds
             return
         pair, margin = self.pair, setting.margin * self.pair.a.field.voxel_size
         arguments = (pair.a, pair.b, *poses)
@@ -287,7 +289,7 @@ def test_every_fast_path_finds_what_the_flat_loop_finds(name: str, fine_bunny: v
             pose[:3, 3] = rng.uniform(-2.0, 2.0, 3)
         world_from_a = world_from_b @ b_from_a
         for s, setting in enumerate(SETTINGS):
-            if setting.shell not in {"fewest", *pair.shells}:
+            if setting.shell not in {"auto", "fewest", *pair.shells}:
                 setting = Setting("a", setting.margin, setting.level, setting.max_points)
             rows = np.arange(s, len(b_from_a), len(SETTINGS))
             poses = (world_from_a[rows], world_from_b[rows])

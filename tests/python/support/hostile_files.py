@@ -180,16 +180,18 @@ def _contents(file: bytes) -> Iterator[tuple[str, bytes]]:
 
     record = by_name["record"]
     for i in range(record.item_size // 8):
-        if i in (2, 4, 6, 7, 13, 14, 15, 27, *range(29, 35), 44, 46, 52, 63):
+        if i in (2, 4, 6, 7, 13, 14, 15, 22, 28, *range(30, 36), 45, 47, 53, 64):
             continue  # integers
         yield changed("record", 0, 8 * i, "d", nan)
         yield changed("record", 0, 8 * i, "d", infinity)
-    for i in (6, 7, 27, 29, 63):
+    for i in (6, 7, 28, 30, 64):
         for choice in (3, -1, 2**40):
             yield changed("record", 0, 8 * i, "q", choice)
     for i in (13, 14, 15):
         for bricks in (0, -1, 2, 2**20, 2**31, 2**63 - 1):
             yield changed("record", 0, 8 * i, "q", bricks)
+    for quanta in (0, -1, 255, 2**20, 2**63 - 1):
+        yield changed("record", 0, 8 * 22, "q", quanta)
     for name, width in (
         ("points", 3),
         ("normals", 3),

@@ -93,8 +93,9 @@ TEST(Accuracy, OfATorusShrinksWithTheSquareOfTheVoxels) {
 TEST(Accuracy, HasTheSameBitsForAnyNumberOfThreads) {
   const auto model = build(make_blob(0.1, 4), {.resolution = 40});
   const auto measure = [&](unsigned threads) {
-    return measure_accuracy(model->mesh(), model->grid(), model->shell(), model->thickness(),
-                            threads);
+    PointShell shell = model->shell();
+    return measure_accuracy(model->mesh(), model->grid(), shell,
+                            {.thickness = model->thickness(), .threads = threads});
   };
   const Accuracy one = measure(1);
   for (const unsigned threads : {2u, 5u}) {

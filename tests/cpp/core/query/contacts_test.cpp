@@ -79,7 +79,7 @@ GridField make_peak(double voxel_size, int top, int cells) {
   data.bricks = {2, 1, 1};
   data.surface_bounds = {{0.0, 0.0, 0.0},
                          {2 * kEdge * voxel_size, kEdge * voxel_size, kEdge * voxel_size}};
-  data.node_error = voxel_size / (2 * simd::kQuantaPerVoxel);
+  data.node_error = voxel_size / (2 * data.quanta_per_voxel);
   data.coarse_floors.fill(simd::kNoCoarseFloor);
   for (int i = 0; cells < kEdge >> i; ++i) {
     data.coarse_floors[static_cast<std::size_t>(i)] = 3.0 * voxel_size;
@@ -91,7 +91,7 @@ GridField make_peak(double voxel_size, int top, int cells) {
         for (int x = first_x; x <= last_x; x += step) {
           const double distance = top - length(Vec3{x - 1.0 * kEdge, y - middle, z - middle});
           data.samples.push_back(
-              static_cast<std::int16_t>(std::lrint(distance * simd::kQuantaPerVoxel)));
+              static_cast<std::int16_t>(std::lrint(distance * data.quanta_per_voxel)));
         }
       }
     }

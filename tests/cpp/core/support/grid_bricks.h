@@ -56,7 +56,7 @@ void visit_nodes(const GridField& field, std::size_t brick, const Visit& visit) 
                                                 static_cast<double>(brick / nx % ny),
                                                 static_cast<double>(brick / (nx * ny))};
   const int n = entry.is_plane ? simd::kBrickCells : entry.cells;
-  const double quantum = data.voxel_size / simd::kQuantaPerVoxel * std::ldexp(1.0, entry.exponent);
+  const double quantum = data.voxel_size / data.quanta_per_voxel * std::ldexp(1.0, entry.exponent);
   const auto [row, layer] = entry.strides(data.bricks);
   for (int k = 0; k <= n; ++k) {
     for (int j = 0; j <= n; ++j) {
