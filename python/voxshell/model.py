@@ -106,8 +106,8 @@ class Model:
                 reads, whose bodies become one mesh.
             tolerance: How far the model may be off the mesh, metres, after ``scale``; not together
                 with any size. The default follows from the longest side and from the wall that is
-                thinnest: a 2,000th of the side, but no more than 0.5 mm or, above 4 m, an 8,000th of
-                the side; and a 20th of the thickness.
+                thinnest: a 2,000th of the side, but no more than a third of a millimeter or,
+                above 4 m, a 12,000th of the side; and a 20th of the thickness.
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
             resolution: Or how many of them along the mesh's longest side; 100 where only the
                 points' spacing or number is given.
@@ -320,10 +320,11 @@ class Model:
 
     @property
     def thickness(self) -> float:
-        """Thickness of the body where it is thinnest, metres.
+        """Thickness of the body's thinnest walls, metres.
 
-        The first percentile, by area, of the lengths of chords that begin on the surface and go
-        straight in; at most the shortest side of the bounds.
+        The first percentile, by area, of the lengths of chords that begin on the surface, go
+        straight in and leave through a face that is opposite to within 30 degrees; at most the
+        shortest side of the bounds.
 
         Example:
             >>> import trimesh

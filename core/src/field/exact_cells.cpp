@@ -40,6 +40,9 @@ constexpr double kSafety = 0.7;
 constexpr float kMostProved = 2.0f;
 /// Nor is a cell looked at more closely than this, tolerances.
 constexpr float kEnough = 1.5f;
+/// A mean over the corners of a cell is off by no more than their mean distance from the place,
+/// voxels: half a diagonal.
+constexpr float kMostOff = 0.87f;
 /// Where too many triangles may be the nearest, only what holds everywhere is known, voxels.
 constexpr float kUnknown = 1.0f;
 constexpr float kRounding = 0.004f;  // of places and distances, voxels
@@ -302,37 +305,51 @@ void ExactCellFinder::divide(Job& job, const Cube& cube, std::span<const std::ui
   decide(job, cube, std::move(kept), brick);
 }
 
-/// Whether distances whose signs are in doubt change no faster than places do, and agree with the
-/// samples at the corners of the cell. Looked at on a lattice.
+bool ExactCellFinder::are_signs_in_doubt(std::span<const std::uint32_t> triangles) const {
+  return !features_.is_in_doubt.empty() &&
+         std::ranges::any_of(triangles, [&](auto i) { return features_.is_in_doubt[i]; });
+}
+
+/// Whether distances change no faster than places do, and agree with the samples at the corners of
+/// the cell. Looked at on a lattice.
 bool ExactCellFinder::is_continuous(const Job& job, const Cube& cell,
                                     std::span<const std::uint32_t> triangles) const {
-  if (features_.is_in_doubt.empty() ||
-      std::ranges::none_of(triangles, [&](auto i) { return features_.is_in_doubt[i]; })) {
-    return true;
-  }
-  const simd::portable::ListedTriangles list{triangles.data(),
-                                             static_cast<std::uint32_t>(triangles.size()),
-                                             records_.data(), features_.normals.data()};
   constexpr int kSteps = 4;
   constexpr int kPlaces = kSteps + 1;
   constexpr float kJump = 0.02f;  // voxels
-  std::array<float, cube(kPlaces)> distances{};
+  std::array<float, 3 * cube(kPlaces)> places{};
+  float* to = places.data();
   for (int z = 0; z < kPlaces; ++z) {
     for (int y = 0; y < kPlaces; ++y) {
       for (int x = 0; x < kPlaces; ++x) {
         const Vec3 offset{1.0 * x / kSteps, 1.0 * y / kSteps, 1.0 * z / kSteps};
         const Vec3 first{1.0 * cell.first[0], 1.0 * cell.first[1], 1.0 * cell.first[2]};
         const auto p = static_cast<Vec3f>(job.origin + grid_.voxel_size * (first + offset));
-        const float distance = simd::portable::evaluate_triangles(list, p.x, p.y, p.z).distance /
-                               static_cast<float>(grid_.voxel_size);
-        distances[index_of(x, y, z, kPlaces)] = distance;
+        *to++ = p.x;
+        *to++ = p.y;
+        *to++ = p.z;
+      }
+    }
+  }
+  std::array<float, cube(kPlaces)> distances{};
+  simd::mesh_distance_kernels().evaluate_listed(
+      records_.data(), features_.normals.data(), triangles.data(),
+      static_cast<std::uint32_t>(triangles.size()), places.data(),
+      static_cast<std::uint32_t>(distances.size()), distances.data());
+  for (int z = 0; z < kPlaces; ++z) {
+    for (int y = 0; y < kPlaces; ++y) {
+      for (int x = 0; x < kPlaces; ++x) {
+        const auto distance_at = [&](int i, int j, int k) {
+          return distances[index_of(i, j, k, kPlaces)] / static_cast<float>(grid_.voxel_size);
+        };
+        const float distance = distance_at(x, y, z);
         const auto jumps = [&](float before, float apart) {
           return std::abs(distance - before) > apart + kJump;
         };
         constexpr float kApart = 1.0f / kSteps;
-        if (x > 0 && jumps(distances[index_of(x - 1, y, z, kPlaces)], kApart)) return false;
-        if (y > 0 && jumps(distances[index_of(x, y - 1, z, kPlaces)], kApart)) return false;
-        if (z > 0 && jumps(distances[index_of(x, y, z - 1, kPlaces)], kApart)) return false;
+        if (x > 0 && jumps(distance_at(x - 1, y, z), kApart)) return false;
+        if (y > 0 && jumps(distance_at(x, y - 1, z), kApart)) return false;
+        if (z > 0 && jumps(distance_at(x, y, z - 1), kApart)) return false;
         if (x % kSteps + y % kSteps + z % kSteps > 0) continue;
         const float node =
             job.nodes[index_of(cell.first[0] + x / kSteps, cell.first[1] + y / kSteps,
@@ -349,6 +366,7 @@ struct ExactCellFinder::Look {
   float proved = 0.0f;     ///< no place of the cell is off by more, voxels
   bool is_off = false;     ///< some place that was looked at is, or has another normal
   bool is_folded = false;  ///< surfaces that face each other, or away, are near
+  bool has_sign = true;    ///< samples are off by no more than they can be with the same signs
 };
 
 /// Looks at the middles of a cell's parts, so many to a side, and leaves only those triangles that
@@ -429,6 +447,7 @@ ExactCellFinder::Look ExactCellFinder::look_at_parts(const Job& job, const Cube&
       samples.t = {t.x, t.y, t.z};
       const float off = std::abs(interpolate(samples) - distance);
       look.is_off |= !(off <= tolerance_ + kOfDistance * std::abs(distance));
+      look.has_sign &= off <= kMostOff;
       if (distance < -tolerance_ && !look.is_off) {
         const auto exact = evaluate_triangle(list, found, place[0], place[1], place[2]);
         const auto slope = differentiate(samples, 1.0f);
@@ -472,8 +491,13 @@ void ExactCellFinder::decide(const Job& job, const Cube& cell, std::vector<std::
   const bool should_be_exact = look.is_off ||
                                (is_passed && look.proved > kMostProved * tolerance_) ||
                                (look.is_folded && is_wall_lost(job, cell, triangles));
-  const bool has_signs = is_continuous(job, cell, triangles);
-  if (should_be_exact && has_signs && triangles.size() <= simd::kMostInList) {
+  if (!should_be_exact) {
+    if (is_passed) brick.error = std::max(brick.error, look.proved);
+    return;
+  }
+  const bool has_signs = look.has_sign && (!are_signs_in_doubt(triangles) ||
+                                           (is_passed && is_continuous(job, cell, triangles)));
+  if (has_signs && triangles.size() <= simd::kMostInList) {
     brick.cells.push_back(static_cast<std::uint16_t>(index));
     brick.lists.push_back(std::move(triangles));
   } else if (is_passed) {

@@ -57,6 +57,7 @@ class ExactCellFinder {
                      std::vector<std::uint32_t>& triangles) const;
   bool is_wall_lost(const Job& job, const Cube& cell,
                     std::span<const std::uint32_t> triangles) const;
+  bool are_signs_in_doubt(std::span<const std::uint32_t> triangles) const;
   bool is_continuous(const Job& job, const Cube& cell,
                      std::span<const std::uint32_t> triangles) const;
 

@@ -36,15 +36,19 @@ GridFieldData begin_data(const TriangleMesh& mesh, const BrickGrid& grid) {
   return data;
 }
 
+Result<RowWinding> build_rows(const TriangleMesh& mesh, const BrickGrid& grid) {
+  return RowWinding::build(mesh, {.origin = grid.origin,
+                                  .step = grid.voxel_size,
+                                  .rows_y = kBrickCells * grid.bricks[1] + 1,
+                                  .rows_z = kBrickCells * grid.bricks[2] + 1});
+}
+
 Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan& plan,
                                    const GridFieldSettings& settings, SignReport& report,
                                    const Progress& progress) {
   if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
   const BrickGrid& grid = plan.grid;
-  const auto winding = RowWinding::build(mesh, {.origin = grid.origin,
-                                                .step = grid.voxel_size,
-                                                .rows_y = kBrickCells * grid.bricks[1] + 1,
-                                                .rows_z = kBrickCells * grid.bricks[2] + 1});
+  const auto winding = build_rows(mesh, grid);
   if (!winding) return winding.error();
   const InsideByRows inside(grid, *winding);
   FieldBuilder builder(mesh, plan, settings, inside, progress,
@@ -57,6 +61,33 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
   }
   report.method = SignMethod::kClosed;
   return data;
+}
+
+/// What cuts a closed mesh some of whose surface does not bound the body, else null: parts that
+/// overlap, of which `suspects` are the triangles near other parts, and a part that crosses itself,
+/// by however little. Samples see less of the latter than exact cells, whose signs it turns.
+std::shared_ptr<const SurfaceCutter> find_hidden(const TriangleMesh& mesh,
+                                                 std::vector<std::uint32_t> suspects,
+                                                 const GridFieldSettings& settings) {
+  if (suspects.empty() && settings.tolerance == 0.0) return nullptr;
+  SelfCrossings crossings(mesh);
+  if (settings.tolerance > 0.0) {
+    const std::vector<std::uint32_t> crossed = crossings.find_crossed(settings.threads);
+    suspects.insert(suspects.end(), crossed.begin(), crossed.end());
+  }
+  if (suspects.empty()) return nullptr;
+  auto cutter = std::make_shared<const SurfaceCutter>(mesh, std::move(crossings));
+  return cutter->hides_any(suspects, settings.threads) ? cutter : nullptr;
+}
+
+Error refuse_crossings(const TriangleMesh& mesh, unsigned threads) {
+  const std::vector<std::uint32_t> crossed = SelfCrossings(mesh).find_crossed(threads);
+  const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh crosses itself: some of its surface does not bound the body (%zu "
+                           "triangles are crossed, first near %s metres); unite its parts, or let "
+                           "winding numbers tell what is inside",
+                           crossed.size(), format_point((a + b + c) / 3.0).c_str())};
 }
 
 /// `visible` becomes what of the mesh bounds the body, where that is not all of it. `is_balanced`
@@ -108,7 +139,17 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balance
     features =
         surface->visible ? compute_features(mesh, *surface->visible) : compute_features(mesh);
   }
-  FieldBuilder builder(surface->mesh, of_surface, of_field, inside, progress, std::move(features));
+  // Without openings, crossings of rows tell the same, much sooner.
+  std::optional<RowWinding> rows;
+  std::optional<InsideByRows> by_rows;
+  if (is_balanced) {
+    if (auto built = build_rows(mesh, grid)) {
+      rows = *std::move(built);
+      by_rows.emplace(grid, *rows, cutter->rounding());
+    }
+  }
+  const Inside& tells = by_rows ? static_cast<const Inside&>(*by_rows) : inside;
+  FieldBuilder builder(surface->mesh, of_surface, of_field, tells, progress, std::move(features));
   GridFieldData data = begin_data(mesh, grid);
   data.sign = report;
   if (auto stopped = builder.build(data)) return *std::move(stopped);
@@ -146,7 +187,11 @@ Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFiel
     return BuiltField{GridField(*std::move(data)), std::move(visible)};
   };
   if (settings.sign == SignMethod::kClosed) {
-    return finish(build_closed(repaired.mesh, *plan, settings, report, progress));
+    auto closed = build_closed(repaired.mesh, *plan, settings, report, progress);
+    if (closed && find_hidden(repaired.mesh, find_near_parts(repaired.mesh), settings)) {
+      return refuse_crossings(repaired.mesh, settings.threads);
+    }
+    return finish(std::move(closed));
   }
   report.defects = repaired.found;
   report.first_location = report.defects.first_location;
@@ -155,14 +200,15 @@ Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFiel
       report.was_turned ? std::optional(repaired.mesh.turned()) : std::nullopt;
   const TriangleMesh& mesh = turned ? *turned : repaired.mesh;
   if (settings.sign == SignMethod::kAutomatic && repaired.is_closed) {
-    auto closed = build_closed(mesh, *plan, settings, report, progress);
-    if (!closed && closed.error().code != ErrorCode::kInvalidMesh) return closed.error();
-    if (closed) {
-      // Parts may touch, or overlap by less than nodes show.
-      const std::vector<std::uint32_t> suspects = find_suspects(mesh);
-      if (suspects.empty()) return finish(std::move(closed));
-      cutter = std::make_shared<const SurfaceCutter>(mesh);
-      if (!cutter->hides_any(suspects, settings.threads)) return finish(std::move(closed));
+    const std::vector<std::uint32_t> near_parts = find_near_parts(mesh);
+    // Of parts, nodes mostly tell sooner, and count how much overlaps.
+    if (near_parts.empty()) cutter = find_hidden(mesh, near_parts, settings);
+    if (!cutter) {
+      auto closed = build_closed(mesh, *plan, settings, report, progress);
+      if (closed && !near_parts.empty()) cutter = find_hidden(mesh, near_parts, settings);
+      if (closed && cutter) closed = Error{ErrorCode::kInvalidMesh, "mesh overlaps itself"};
+      if (closed || closed.error().code != ErrorCode::kInvalidMesh)
+        return finish(std::move(closed));
     }
   }
   if (!cutter) cutter = std::make_shared<const SurfaceCutter>(mesh);

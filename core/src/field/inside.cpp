@@ -20,7 +20,7 @@ void InsideByRows::find_corners(std::size_t brick_y, std::size_t brick_z,
   std::vector<double> row_x(layers.size());
   for (std::size_t i = 0; i < row_x.size(); ++i) row_x[i] = grid_.node(kBrickCells * i, 0, 0).x;
   const std::size_t rows_y = kBrickCells * grid_.bricks[1] + 1;
-  winding_.compute(kBrickCells * (brick_y + rows_y * brick_z), row_x, layers);
+  compute(kBrickCells * (brick_y + rows_y * brick_z), row_x, layers);
 }
 
 void InsideByRows::find_nodes(const std::array<std::size_t, 3>& brick,
@@ -32,7 +32,23 @@ void InsideByRows::find_nodes(const std::array<std::size_t, 3>& brick,
   for (std::size_t row = 0; row < kNodes * kNodes; ++row) {
     const std::size_t y = kBrickCells * brick[1] + row % kNodes;
     const std::size_t z = kBrickCells * brick[2] + row / kNodes;
-    winding_.compute(y + z * rows_y, row_x, layers.subspan(row * kNodes, kNodes));
+    compute(y + z * rows_y, row_x, layers.subspan(row * kNodes, kNodes));
+  }
+}
+
+/// At ascending places `x` of a row.
+void InsideByRows::compute(std::size_t row, std::span<const double> x,
+                           std::span<int> layers) const {
+  if (!is_union_) return winding_.compute(row, x, layers);
+  std::vector<double> aside(x.begin(), x.end());
+  std::vector<int> there(layers.size());
+  std::ranges::fill(layers, 0);
+  for (const double by : {-rounding_, rounding_}) {
+    std::ranges::transform(x, aside.begin(), [&](double place) { return place + by; });
+    winding_.compute(row, aside, there);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      if (there[i] > 0) layers[i] = 1;
+    }
   }
 }
 

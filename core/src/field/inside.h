@@ -28,14 +28,22 @@ class Inside {
 class InsideByRows : public Inside {
  public:
   InsideByRows(const BrickGrid& grid, const RowWinding& winding) : grid_(grid), winding_(winding) {}
+  /// Of meshes that overlap themselves: what is enclosed several times counts once, what is inside
+  /// out not at all. Gaps narrower than `rounding`, metres, are none.
+  InsideByRows(const BrickGrid& grid, const RowWinding& winding, double rounding)
+      : grid_(grid), winding_(winding), is_union_(true), rounding_(rounding) {}
 
   void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;
   void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
                   std::span<int> layers) const override;
 
  private:
+  void compute(std::size_t row, std::span<const double> x, std::span<int> layers) const;
+
   const BrickGrid& grid_;
   const RowWinding& winding_;
+  bool is_union_ = false;
+  double rounding_ = 0.0;
 };
 
 /// Of any mesh, by generalised winding numbers: inside is what has one above a half. Nodes that are

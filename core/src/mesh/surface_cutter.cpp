@@ -14,10 +14,6 @@
 namespace voxshell {
 namespace {
 
-/// How near things are that touch, of the mesh's longest side: above the rounding of coordinates to
-/// float32 in files, below what matters.
-constexpr double kRounding = 1e-6;
-constexpr double kRoundingOfCoordinates = 1e-7;  // of the largest
 /// How far off the surface its sides are looked at, of the mesh's longest side: above the rounding.
 constexpr double kAside = 1e-5;
 /// But no farther than this share of a piece's width.
@@ -28,14 +24,6 @@ std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corne
 
 Vec3 compute_normal(const std::array<Vec3, 3>& corners) {
   return normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-}
-
-double farthest_coordinate(const Bounds& bounds) {
-  double farthest = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
-  }
-  return farthest;
 }
 
 /// What hangs together by vertices.
@@ -66,50 +54,34 @@ Parts find_parts(std::span<const Triangle> triangles, std::span<const Vec3> vert
   return parts;
 }
 
-/// Heights of a triangle's corners above a plane; 0 within the rounding.
-std::array<double, 3> measure_heights(const std::array<Vec3, 3>& corners, const Vec3& origin,
-                                      const Vec3& normal, double rounding) {
-  std::array<double, 3> heights{};
-  for (std::size_t i = 0; i < kCorners; ++i) {
-    heights[i] = dot(corners[i] - origin, normal);
-    if (std::abs(heights[i]) <= rounding) heights[i] = 0.0;
-  }
-  return heights;
-}
-
-bool are_on_one_side(const std::array<double, 3>& heights) {
-  return (heights[0] > 0.0 && heights[1] > 0.0 && heights[2] > 0.0) ||
-         (heights[0] < 0.0 && heights[1] < 0.0 && heights[2] < 0.0);
-}
-
 }  // namespace
+
+bool SurfaceSides::is_hidden() const {
+  return (front > 0.5 && back > 0.5) || (front < 0.5 - kUnsure && back < 0.5 - kUnsure);
+}
 
 bool SurfaceSides::is_surely_hidden_or_not() const {
   return std::abs(std::min(front, back) - 0.5) >= kUnsure;
 }
 
-/// Where another triangle meets the plane of the one that is cut.
-struct SurfaceCutter::Cut {
-  Vec3 from;
-  Vec3 to;
-};
-
 /// Cuts a triangle and tells its pieces apart.
 class SurfaceCutter::Division {
  public:
+  using Cut = SelfCrossings::Line;
   using Polygon = std::vector<Vec3>;  // convex, counter-clockwise
 
   Division(const SurfaceCutter& cutter, std::uint32_t triangle, double finest)
       : cutter_(cutter),
-        normal_(cutter.normals_[triangle]),
+        normal_(cutter.crossings_.normal(triangle)),
         finest_(finest),
-        smallest_(kSmallest * length(bound_triangle(cutter.corners_[triangle]).extents())) {}
+        smallest_(kSmallest *
+                  length(bound_triangle(cutter.crossings_.corners(triangle)).extents())) {}
 
   void divide(const Polygon& polygon, const std::vector<Cut>& all) {
     if (polygon.size() < kCorners) return;
     std::vector<Cut> cuts;
-    for (const Cut& cut : all) {
-      if (auto within = clip(polygon, cut)) cuts.push_back(*within);
+    for (Cut cut : all) {
+      if (cutter_.crossings_.clip(polygon, normal_, cut)) cuts.push_back(cut);
     }
     if (cuts.empty()) return decide(polygon);
     // Of many, most are far from one another.
@@ -137,31 +109,12 @@ class SurfaceCutter::Division {
     return length(box.extents());
   }
 
-  /// The part of a cut that lies well within the polygon.
-  std::optional<Cut> clip(const Polygon& polygon, const Cut& cut) const {
-    double begin = 0.0;
-    double end = 1.0;
-    const Vec3 way = cut.to - cut.from;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Vec3& a = polygon[i];
-      const Vec3& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
-      const Vec3 inward = normalized(cross(normal_, b - a));
-      const double height = dot(cut.from - a, inward) - 2.0 * cutter_.rounding_;
-      const double slope = dot(way, inward);
-      if (height < 0.0 && height + slope < 0.0) return std::nullopt;
-      if (height < 0.0) begin = std::max(begin, -height / slope);
-      if (height + slope < 0.0) end = std::min(end, -height / slope);
-    }
-    if ((end - begin) * length(way) <= 2.0 * cutter_.rounding_) return std::nullopt;
-    return Cut{cut.from + begin * way, cut.from + end * way};
-  }
-
   /// The part of the polygon that lies above a line in its plane. Corners on the line stay what
   /// they are, so that no two corners are at the same place.
   Polygon keep_above(const Polygon& polygon, const Vec3& origin, const Vec3& up) const {
     const auto height_of = [&](const Vec3& p) {
       const double height = dot(p - origin, up);
-      return std::abs(height) <= 0.5 * cutter_.rounding_ ? 0.0 : height;
+      return std::abs(height) <= 0.5 * cutter_.rounding() ? 0.0 : height;
     };
     Polygon kept;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -206,7 +159,7 @@ class SurfaceCutter::Division {
       rim += length(b - a);
     }
     const double width = length(doubled) / rim;
-    if (width <= cutter_.rounding_) return;  // the others are as near
+    if (width <= cutter_.rounding()) return;  // the others are as near
     const double aside = std::min(cutter_.aside_, kAsideOfWidth * width);
     const SurfaceSides sides{cutter_.compute_number(middle + aside * normal_),
                              cutter_.compute_number(middle - aside * normal_)};
@@ -233,79 +186,26 @@ class SurfaceCutter::Division {
   std::vector<std::array<Vec3, 3>> pieces_;
 };
 
-SurfaceCutter::SurfaceCutter(const TriangleMesh& mesh)
-    : rounding_(kRounding * mesh.bounds().extents()[mesh.bounds().longest_axis()] +
-                kRoundingOfCoordinates * farthest_coordinate(mesh.bounds())),
-      aside_(std::max(kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()],
-                      2.0 * rounding_)),
+SurfaceCutter::SurfaceCutter(const TriangleMesh& mesh, SelfCrossings crossings)
+    : aside_(std::max(kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()],
+                      2.0 * crossings.rounding())),
       winding_(mesh),
-      triangles_(mesh.triangles().begin(), mesh.triangles().end()),
-      corners_([&] {
-        std::vector<std::array<Vec3, 3>> corners;
-        corners.reserve(mesh.triangles().size());
-        for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
-          corners.push_back(mesh.corners(i));
-        }
-        return corners;
-      }()),
-      finder_(bound_triangles(mesh)) {
-  normals_.reserve(corners_.size());
-  for (const auto& corners : corners_) normals_.push_back(compute_normal(corners));
-}
+      crossings_(std::move(crossings)) {}
 
 SurfaceSides SurfaceCutter::look_at(const Vec3& place, const Vec3& normal) const {
   return {compute_number(place + aside_ * normal), compute_number(place - aside_ * normal)};
 }
 
 SurfaceSides SurfaceCutter::look_at(std::uint32_t triangle) const {
-  const auto& [a, b, c] = corners_[triangle];
-  return look_at((a + b + c) / 3.0, normals_[triangle]);
-}
-
-std::vector<SurfaceCutter::Cut> SurfaceCutter::find_cuts(std::uint32_t triangle) const {
-  std::vector<Cut> cuts;
-  const auto& own = corners_[triangle];
-  const Vec3& normal = normals_[triangle];
-  if (normal == Vec3{}) return cuts;
-  const Triangle& t = triangles_[triangle];
-  finder_.visit(widen(bound_triangle(own), rounding_), [&](std::uint32_t other) {
-    // Neighbors meet it along a side.
-    const auto is_shared = [&](std::uint32_t v) { return v == t[0] || v == t[1] || v == t[2]; };
-    if (std::ranges::count_if(triangles_[other], is_shared) > 1) return;
-    const auto& corners = corners_[other];
-    if (normals_[other] == Vec3{}) return;
-    const auto heights = measure_heights(corners, own[0], normal, rounding_);
-    if (are_on_one_side(heights)) return;
-    if (are_on_one_side(measure_heights(own, corners[0], normals_[other], rounding_))) return;
-    std::array<Vec3, 2> ends{};
-    std::size_t count = 0;
-    std::size_t flat = 0;
-    for (std::size_t i = 0; i < kCorners; ++i) {
-      const double here = heights[i];
-      const double there = heights[next(i)];
-      if (here == 0.0) ++flat;
-      if (count == ends.size()) continue;
-      if (here == 0.0) {
-        ends[count++] = corners[i];
-      } else if (here * there < 0.0) {
-        ends[count++] = corners[i] + here / (here - there) * (corners[next(i)] - corners[i]);
-      }
-    }
-    if (count < ends.size() || flat == kCorners) return;
-    cuts.push_back({ends[0], ends[1]});
-  });
-  return cuts;
-}
-
-bool SurfaceCutter::is_crossed(std::uint32_t triangle) const {
-  return !find_cuts(triangle).empty();
+  const auto& [a, b, c] = crossings_.corners(triangle);
+  return look_at((a + b + c) / 3.0, crossings_.normal(triangle));
 }
 
 std::vector<std::array<Vec3, 3>> SurfaceCutter::cut(std::uint32_t triangle, double finest,
                                                     bool& is_hidden) const {
   Division division(*this, triangle, finest);
-  const auto& corners = corners_[triangle];
-  division.divide({corners.begin(), corners.end()}, find_cuts(triangle));
+  const auto& corners = crossings_.corners(triangle);
+  division.divide({corners.begin(), corners.end()}, crossings_.find_lines(triangle));
   is_hidden = division.has_hidden() && !division.has_visible();
   if (!division.has_hidden() || !division.has_visible()) return {};
   return division.take_pieces();
@@ -318,26 +218,26 @@ std::vector<std::array<double, 2>> SurfaceCutter::cut_line(const Vec3& from, con
   Bounds box;
   box.extend(from);
   box.extend(to);
-  finder_.visit(widen(box, rounding_), [&](std::uint32_t other) {
-    const Vec3& n = normals_[other];
+  crossings_.finder().visit(widen(box, rounding()), [&](std::uint32_t other) {
+    const Vec3& n = crossings_.normal(other);
     if (n == Vec3{}) return;
-    const auto& corners = corners_[other];
+    const auto& corners = crossings_.corners(other);
     const double height = dot(from - corners[0], n);
     const double slope = dot(way, n);
-    if (std::abs(slope) <= rounding_) return;
+    if (std::abs(slope) <= rounding()) return;
     const double share = -height / slope;
     if (!(share > 0.0 && share < 1.0)) return;
     const Vec3 place = from + share * way;
     for (std::size_t i = 0; i < kCorners; ++i) {
       const Vec3 inward = normalized(cross(n, corners[next(i)] - corners[i]));
-      if (dot(place - corners[i], inward) < -rounding_) return;
+      if (dot(place - corners[i], inward) < -rounding()) return;
     }
     ends.push_back(share);
   });
   std::ranges::sort(ends);
   std::vector<std::array<double, 2>> visible;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    if ((ends[i + 1] - ends[i]) * length(way) <= rounding_) continue;
+    if ((ends[i + 1] - ends[i]) * length(way) <= rounding()) continue;
     const Vec3 middle = from + 0.5 * (ends[i] + ends[i + 1]) * way;
     if (look_at(middle, normal).is_hidden()) continue;
     constexpr double kNoGap = 1e-9;
@@ -350,7 +250,7 @@ std::vector<std::array<double, 2>> SurfaceCutter::cut_line(const Vec3& from, con
   return visible;
 }
 
-std::vector<std::uint32_t> find_suspects(const TriangleMesh& mesh) {
+std::vector<std::uint32_t> find_near_parts(const TriangleMesh& mesh) {
   const Parts parts = find_parts(mesh.triangles(), mesh.vertices());
   if (parts.boxes.size() == 1) return {};
   const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
@@ -373,7 +273,7 @@ bool SurfaceCutter::hides_any(std::span<const std::uint32_t> triangles, unsigned
                  const std::size_t end = std::min(triangles.size(), (chunk + 1) * kChunk);
                  for (std::size_t i = chunk * kChunk; i < end && !is_found; ++i) {
                    bool is_hidden = look_at(triangles[i]).is_hidden();
-                   if (!is_hidden && is_crossed(triangles[i])) {
+                   if (!is_hidden && crossings_.is_crossed(triangles[i])) {
                      constexpr double kWhole = std::numeric_limits<double>::infinity();
                      is_hidden = !cut(triangles[i], kWhole, is_hidden).empty() || is_hidden;
                    }

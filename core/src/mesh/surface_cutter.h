@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "mesh/box_finder.h"
+#include "mesh/self_crossings.h"
 #include "mesh/winding_number.h"
 #include "voxshell/triangle_mesh.h"
 
@@ -20,8 +20,8 @@ struct SurfaceSides {
   double front = 0.0;
   double back = 0.0;
 
-  /// The body is on both sides: the place does not bound it.
-  bool is_hidden() const { return front > 0.5 && back > 0.5; }
+  /// The body is on both sides, or surely on neither: the place does not bound it.
+  bool is_hidden() const;
   bool is_surely_hidden_or_not() const;
 };
 
@@ -36,10 +36,12 @@ struct VisibleTriangle {
 /// Keeps no reference to the mesh. Metres.
 class SurfaceCutter {
  public:
-  explicit SurfaceCutter(const TriangleMesh& mesh);
+  explicit SurfaceCutter(const TriangleMesh& mesh) : SurfaceCutter(mesh, SelfCrossings(mesh)) {}
+  /// `crossings` are those of the mesh.
+  SurfaceCutter(const TriangleMesh& mesh, SelfCrossings crossings);
 
   /// What lies nearer together counts as touching, metres.
-  double rounding() const { return rounding_; }
+  double rounding() const { return crossings_.rounding(); }
 
   double compute_number(const Vec3& p) const { return winding_.compute(p); }
 
@@ -49,7 +51,7 @@ class SurfaceCutter {
   SurfaceSides look_at(std::uint32_t triangle) const;
 
   /// Whether other triangles cross a triangle, or touch it along a line.
-  bool is_crossed(std::uint32_t triangle) const;
+  bool is_crossed(std::uint32_t triangle) const { return crossings_.is_crossed(triangle); }
 
   /// Whether any of these triangles is hidden, wholly or in part.
   bool hides_any(std::span<const std::uint32_t> triangles, unsigned threads) const;
@@ -66,18 +68,11 @@ class SurfaceCutter {
                                               const Vec3& normal) const;
 
  private:
-  struct Cut;
   class Division;
 
-  std::vector<Cut> find_cuts(std::uint32_t triangle) const;
-
-  double rounding_;
   double aside_;  ///< how far off the surface its sides are looked at
   WindingNumberTree winding_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::array<Vec3, 3>> corners_;  ///< of the triangles
-  std::vector<Vec3> normals_;                 ///< of the triangles; 0 where they have no area
-  BoxFinder finder_;                          ///< of the triangles
+  SelfCrossings crossings_;
 };
 
 /// What bounds the body of a mesh that overlaps itself: triangles that are visible as a whole, and
@@ -90,6 +85,6 @@ struct VisibleSurface {
 
 /// The triangles that come near the bounds of another part of the mesh, ascending: of a closed mesh
 /// no others can be inside another part. A part is what hangs together.
-std::vector<std::uint32_t> find_suspects(const TriangleMesh& mesh);
+std::vector<std::uint32_t> find_near_parts(const TriangleMesh& mesh);
 
 }  // namespace voxshell

@@ -149,9 +149,15 @@ struct Place {
 
 class Measurement {
  public:
-  Measurement(const TriangleMesh& mesh, const SurfaceCutter* cutter, const GridField& field,
+  Measurement(const TriangleMesh& mesh, const VisibleSurface* visible, const GridField& field,
               const AccuracySettings& settings)
-      : around_(mesh), cutter_(cutter), field_(field), settings_(settings) {
+      : around_(mesh), visible_(visible), field_(field), settings_(settings) {
+    if (visible != nullptr) {
+      is_whole_.assign(mesh.triangles().size(), 0);
+      for (const VisibleTriangle& of : visible->triangles) {
+        is_whole_[of.triangle] = of.is_whole ? 1 : 0;
+      }
+    }
     const Bounds& bounds = mesh.bounds();
     double farthest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -234,7 +240,7 @@ class Measurement {
     const std::size_t vertices = mesh.vertices().size();
     vertices_ =
         share_out(vertices, std::min(vertices, kMostVertices), [](std::size_t) { return 1.0; });
-    const std::size_t more = cutter_ != nullptr ? kPlacesForHidden : 0;
+    const std::size_t more = visible_ != nullptr ? kPlacesForHidden : 0;
     faces_ = spread_over_faces(mesh, kLeastPlaces + more - edges_.size() - vertices_.size());
   }
 
@@ -316,9 +322,12 @@ class Measurement {
     if (squared < 4.0 * kClose * kClose * place.push * place.push) add_star(vertex, place.around);
   }
 
-  /// The surface there lies inside the body: meshes that overlap themselves have such parts.
+  /// The surface there does not bound the body: meshes that overlap themselves have such parts.
   bool is_hidden(const Place& place) const {
-    return cutter_ != nullptr && cutter_->look_at(place.point, place.normal).is_hidden();
+    if (visible_ == nullptr) return false;
+    const bool is_clear = std::ranges::all_of(
+        place.own, [&](std::uint32_t triangle) { return is_whole_[triangle] != 0; });
+    return !is_clear && visible_->cutter->look_at(place.point, place.normal).is_hidden();
   }
 
   void measure_field(std::size_t begin, std::size_t end) {
@@ -456,7 +465,8 @@ class Measurement {
   static constexpr double kClose = 2.2;
 
   Surroundings around_;
-  const SurfaceCutter* cutter_;
+  const VisibleSurface* visible_;
+  std::vector<std::uint8_t> is_whole_;  ///< triangles that are visible as a whole
   const GridField& field_;
   const AccuracySettings& settings_;
   double least_push_ = 0.0;
@@ -479,8 +489,8 @@ class Measurement {
 }  // namespace
 
 Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, PointShell& shell,
-                          const AccuracySettings& settings, const SurfaceCutter* cutter) {
-  return Measurement(mesh, cutter, field, settings).run(shell);
+                          const AccuracySettings& settings, const VisibleSurface* visible) {
+  return Measurement(mesh, visible, field, settings).run(shell);
 }
 
 }  // namespace voxshell

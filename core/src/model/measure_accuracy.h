@@ -16,8 +16,10 @@ struct AccuracySettings {
 
 /// Measures on 100,000 places of the mesh's surface or slightly more: on faces by their area, along
 /// edges by their length, and at vertices. Those that the shell misses by more than the tolerance
-/// become points of it. Places that `cutter` says are hidden are left out; null: there are none.
+/// become points of it. Places that do not bound the body, as `visible` has it, are left out; null:
+/// there are none.
 Accuracy measure_accuracy(const TriangleMesh& mesh, const GridField& field, PointShell& shell,
-                          const AccuracySettings& settings, const SurfaceCutter* cutter = nullptr);
+                          const AccuracySettings& settings,
+                          const VisibleSurface* visible = nullptr);
 
 }  // namespace voxshell

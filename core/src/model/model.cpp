@@ -246,8 +246,7 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
 
   const Accuracy accuracy = measure_accuracy(
       repaired.mesh, field, *shell,
-      {.thickness = thickness, .tolerance = *tolerance, .threads = settings.threads},
-      visible != nullptr ? visible->cutter.get() : nullptr);
+      {.thickness = thickness, .tolerance = *tolerance, .threads = settings.threads}, visible);
   ModelSettings chosen = settings;
   chosen.tolerance = *tolerance;
   return std::shared_ptr<const Model>(new Model(std::move(repaired.mesh), std::move(field),

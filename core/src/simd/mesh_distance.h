@@ -87,6 +87,11 @@ struct MeshDistanceKernels {
   void (*compare_listed)(const float* records, const uint32_t* listed, uint32_t count,
                          const float* places, float reach, float* work, uint8_t* may_be_nearest,
                          float* squared, int32_t* nearest, float* squared_chord);
+
+  /// The signed distances of places (x, y, z of each) from the nearest of listed triangles.
+  void (*evaluate_listed)(const float* records, const float* feature_normals,
+                          const uint32_t* listed, uint32_t count, const float* places,
+                          uint32_t place_count, float* distances);
 };
 
 /// For the active instruction set; all give the same bits.

@@ -387,4 +387,14 @@ inline void compare_listed(const float* records, const uint32_t* listed, uint32_
   store(squared_chord, chord);
 }
 
+inline void evaluate_listed(const float* records, const float* feature_normals,
+                            const uint32_t* listed, uint32_t count, const float* places,
+                            uint32_t place_count, float* distances) {
+  const ListedTriangles list{listed, count, records, feature_normals};
+  for (uint32_t i = 0; i < place_count; ++i) {
+    const float* p = places + 3 * uint64_t{i};
+    distances[i] = evaluate_triangles(list, p[0], p[1], p[2]).distance;
+  }
+}
+
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -3,8 +3,8 @@
 
 namespace voxshell::simd {
 
-const MeshDistanceKernels kPortableMeshDistance{portable::find_nearest, portable::find_blocks,
-                                                portable::measure_brick, portable::measure_listed,
-                                                portable::compare_listed};
+const MeshDistanceKernels kPortableMeshDistance{
+    portable::find_nearest,   portable::find_blocks,    portable::measure_brick,
+    portable::measure_listed, portable::compare_listed, portable::evaluate_listed};
 
 }  // namespace voxshell::simd

@@ -120,16 +120,16 @@ TEST(SurfaceCutter, LinesEndWhereTheyEnterOtherParts) {
 TEST(SurfaceCutter, CavitiesAreNoneOfItsBusiness) {
   const Soup cavity = together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.2, 0.2, 0.2})));
   const TriangleMesh mesh = cavity.mesh();
-  EXPECT_EQ(find_suspects(mesh).size(), 12u);
-  EXPECT_FALSE(SurfaceCutter(mesh).hides_any(find_suspects(mesh), 1));
+  EXPECT_EQ(find_near_parts(mesh).size(), 12u);
+  EXPECT_FALSE(SurfaceCutter(mesh).hides_any(find_near_parts(mesh), 1));
   EXPECT_EQ(cut_all(mesh).size(), 24u);
-  EXPECT_TRUE(find_suspects(make_blob(0.5, 3).mesh()).empty());
+  EXPECT_TRUE(find_near_parts(make_blob(0.5, 3).mesh()).empty());
 }
 
 TEST(SurfaceCutter, TellsShallowOverlapsAndSidesThatTouch) {
   for (const BoxUnion& boxes : {make_touching_boxes(), make_shallow_boxes()}) {
     const TriangleMesh mesh = boxes.soup().mesh();
-    EXPECT_TRUE(SurfaceCutter(mesh).hides_any(find_suspects(mesh), 1));
+    EXPECT_TRUE(SurfaceCutter(mesh).hides_any(find_near_parts(mesh), 1));
   }
 }
 

@@ -60,6 +60,13 @@ TEST(Thickness, OfACupIsItsWall) {
   EXPECT_NEAR(compute_thickness(make_cup(0.04, 0.1, 0.0015).mesh()), 0.0015, 0.00001);
 }
 
+TEST(Thickness, IsNotThatBesideTheEdgeOfAWedgeUnlessItIsSharp) {
+  const double sharp = compute_thickness(make_wedge(1.0, 0.3, 2.0).mesh());
+  EXPECT_GT(sharp, 0.0);
+  EXPECT_LT(sharp, 0.01);
+  EXPECT_NEAR(compute_thickness(make_wedge(1.0, 0.7, 2.0).mesh()), 0.7, 1e-12);
+}
+
 TEST(Thickness, IsThatOfTheThinnestPartOfSomeSize) {
   const Soup plate = moved(make_box({0.3, 0.3, 0.002}), {1.0, 0.0, 0.0});
   EXPECT_NEAR(compute_thickness(together(make_box({0.5, 0.5, 0.5}), plate).mesh()), 0.004, 1e-9);

@@ -90,6 +90,20 @@ TEST(Accuracy, OfATorusShrinksWithTheSquareOfTheVoxels) {
   EXPECT_NEAR(fine.curvature, 1.0 / 0.03, 0.6 / 0.03);
 }
 
+TEST(Accuracy, OfModelsByToleranceKeepsTheToleranceOfTheShell) {
+  for (const Soup& soup :
+       {make_torus(0.1, 0.03, 192, 96), make_blob(0.1, 4), make_icosphere(0.1, 4)}) {
+    const auto model = build(soup, {.tolerance = 0.0003});
+    const double worst = model->accuracy().coverage.worst;
+    EXPECT_LE(worst, 0.0003);
+    EXPECT_GT(worst, 0.0001) << "the test asks for nothing";
+    double area = 0.0;
+    for (const float of_point : model->shell().areas()) area += static_cast<double>(of_point);
+    EXPECT_NEAR(area / model->mesh().compute_area(), 1.0, 1e-4)
+        << "points that are added have none";
+  }
+}
+
 TEST(Accuracy, HasTheSameBitsForAnyNumberOfThreads) {
   const auto model = build(make_blob(0.1, 4), {.resolution = 40});
   const auto measure = [&](unsigned threads) {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/brute_force.h"
 #include "support/flat_loop.h"
 #include "support/meshes.h"
 #include "support/overlapping_boxes.h"
@@ -133,6 +134,66 @@ TEST(OverlappingParts, MeetOthersAsTheFlatLoopHasIt) {
       }
       EXPECT_GT(hits, 30);
     }
+  }
+}
+
+/// One part, closed: a ball whose vertices are moved at random, by more than its triangles are
+/// wide, as in a noisy scan; and a plate, a vertex of whose upper side comes out of the lower one.
+std::vector<Soup> all_that_cross_themselves() {
+  Random random(506);
+  Soup scan = make_icosphere(0.05, 4);
+  for (Vec3& vertex : scan.vertices) vertex += random.in_cube(0.0015);
+  Soup plate = subdivided(make_box({0.02, 0.015, 0.0025}), 4);
+  auto nearest = std::ranges::min_element(plate.vertices, {}, [](const Vec3& v) {
+    return squared_length(v - Vec3{0.001, 0.001, 0.0025});
+  });
+  nearest->z -= 0.006;
+  return {scan, plate};
+}
+
+TEST(SelfCrossingParts, HaveTheSignsOfTheirWindingNumbers) {
+  for (const Soup& soup : all_that_cross_themselves()) {
+    const auto model = build(soup, {});
+    EXPECT_EQ(model->grid().sign_report().method, SignMethod::kWinding);
+    EXPECT_EQ(model->grid().sign_report().confidence, 1.0);
+    const TriangleMesh mesh = soup.mesh();
+    Random random(507);
+    int inside = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto corners = mesh.corners(random.below(mesh.triangles().size()));
+      const Vec3 p = (corners[0] + corners[1] + corners[2]) / 3.0 + random.in_cube(0.001);
+      const bool is_inside = winding_number(p, mesh) > 0.5;
+      if (std::abs(distance_at(*model, p)) > model->grid().surface_error()) {
+        ASSERT_EQ(distance_at(*model, p) < 0.0, is_inside) << p.x << " " << p.y << " " << p.z;
+      }
+      inside += is_inside ? 1 : 0;
+    }
+    EXPECT_GT(inside, 1000);
+  }
+}
+
+TEST(SelfCrossingParts, MeetOthersAsTheFlatLoopHasIt) {
+  const auto cube = build(make_box({0.002, 0.002, 0.002}), {});
+  for (const Soup& soup : all_that_cross_themselves()) {
+    const auto model = build(soup, {});
+    Random random(508);
+    QueryScratch scratch;
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+      Pose pose = random.pose(0.003);
+      pose.translation += soup.vertices[random.below(soup.vertices.size())];
+      hits += !find_contacts_flat(model->field(), cube->shell(), pose).empty();
+      expect_equal_to_flat(model->field(), cube->shell(), pose, 0.0f, scratch);
+    }
+    EXPECT_GT(hits, 50);
+  }
+}
+
+TEST(SelfCrossingParts, AreRefusedAsClosed) {
+  for (const Soup& soup : all_that_cross_themselves()) {
+    const auto model = Model::build(soup.mesh(), {.sign = SignMethod::kClosed});
+    ASSERT_FALSE(model);
+    EXPECT_EQ(model.error().code, ErrorCode::kInvalidMesh);
   }
 }
 

@@ -110,6 +110,28 @@ inline Soup make_spike(double base, double height) {
           {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
 }
 
+/// Each triangle in four, so many times.
+inline Soup subdivided(Soup soup, int subdivisions) {
+  for (int pass = 0; pass < subdivisions; ++pass) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [entry, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(soup.vertices.size()));
+      if (is_new) soup.vertices.push_back(0.5 * (soup.vertices[a] + soup.vertices[b]));
+      return entry->second;
+    };
+    std::vector<Triangle> finer;
+    for (const auto& [a, b, c] : soup.triangles) {
+      const std::uint32_t ab = middle(a, b);
+      const std::uint32_t bc = middle(b, c);
+      const std::uint32_t ca = middle(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+    }
+    soup.triangles = std::move(finer);
+  }
+  return soup;
+}
+
 /// A sphere of 20 * 4^subdivisions triangles; all vertices at `radius`.
 inline Soup make_icosphere(double radius, int subdivisions) {
   const double g = (1.0 + std::sqrt(5.0)) / 2.0;
@@ -128,23 +150,7 @@ inline Soup make_icosphere(double radius, int subdivisions) {
             {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
              {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
              {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
-  for (int pass = 0; pass < subdivisions; ++pass) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [entry, is_new] =
-          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(soup.vertices.size()));
-      if (is_new) soup.vertices.push_back(0.5 * (soup.vertices[a] + soup.vertices[b]));
-      return entry->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [a, b, c] : soup.triangles) {
-      const std::uint32_t ab = middle(a, b);
-      const std::uint32_t bc = middle(b, c);
-      const std::uint32_t ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-    }
-    soup.triangles = std::move(finer);
-  }
+  soup = subdivided(std::move(soup), subdivisions);
   for (Vec3& v : soup.vertices) v = radius * normalized(v);
   return soup;
 }

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/box_finder.h"
+#include "voxshell/triangle_mesh.h"
+
+namespace voxshell {
+
+/// Where triangles of a mesh cross one another, or touch along a line, other than neighbors along
+/// their common side. Keeps no reference to the mesh. Metres.
+class SelfCrossings {
+ public:
+  explicit SelfCrossings(const TriangleMesh& mesh);
+
+  /// What lies nearer together counts as touching, metres.
+  double rounding() const { return rounding_; }
+  const std::array<Vec3, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
+  /// Of unit length; 0 where the triangle has no area.
+  const Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
+  const BoxFinder& finder() const { return finder_; }  ///< of the triangles
+
+  /// A straight line in the plane of a triangle.
+  struct Line {
+    Vec3 from;
+    Vec3 to;
+  };
+
+  /// Where other triangles meet the plane of a triangle, of those that may meet it.
+  std::vector<Line> find_lines(std::uint32_t triangle) const;
+  /// Cuts a line down to what lies well within a convex polygon in the plane of a triangle,
+  /// counter-clockwise. False where nothing does.
+  bool clip(std::span<const Vec3> polygon, const Vec3& normal, Line& line) const;
+  bool is_crossed(std::uint32_t triangle) const;
+
+  /// The triangles that are crossed, ascending.
+  std::vector<std::uint32_t> find_crossed(unsigned threads) const;
+
+ private:
+  double rounding_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::array<Vec3, 3>> corners_;
+  std::vector<Vec3> normals_;
+  BoxFinder finder_;
+};
+
+}  // namespace voxshell
