@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mesh/edges.h"
+#include "mesh/t_vertices.h"
 
 namespace voxshell {
 namespace {
@@ -198,7 +199,13 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh) {
   auto changed =
       TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()}, distinct);
   if (!changed) return repaired;
-  std::vector<Triangle> triangles = distinct;
+  std::vector<Triangle> triangles = cut_at_t_vertices(*changed);
+  if (count_unbalanced(triangles) < count_unbalanced(distinct)) {
+    changed = TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()}, triangles);
+    if (!changed) return repaired;
+  } else {
+    triangles = std::move(distinct);
+  }
   const std::vector<bool> is_wrong = find_wrongly_turned(*changed);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (is_wrong[i]) std::swap(triangles[i][1], triangles[i][2]);

@@ -12,7 +12,8 @@ struct RepairedMesh {
   bool is_balanced = false;  ///< now: at each edge as many triangles run one way as the other
 };
 
-/// Drops triangles that others repeat, facing the same way, unless that would open it, and turns
+/// Drops triangles that others repeat, facing the same way, unless that would open it, cuts those
+/// amid whose open edges vertices of others lie, if that closes some, and turns
 /// triangles so that neighbors agree: of what hangs together by edges of two triangles, those of
 /// the smaller area. What cannot be oriented, as a Moebius strip, stays as it is, and so does what
 /// is inside out as a whole. A closed mesh is returned as it was given.

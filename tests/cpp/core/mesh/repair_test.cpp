@@ -47,6 +47,36 @@ TEST(Repair, ManyTurnedTrianglesAreTurnedBack) {
   EXPECT_NEAR(repaired.mesh.compute_volume(), volume, 1e-12);
 }
 
+TEST(Repair, VerticesAmidTheEdgesOfOthersAreNoOpenings) {
+  for (const Soup& whole : {make_box({0.5, 0.4, 0.3}), make_blob(0.5, 2)}) {
+    Soup soup = whole;
+    Random random(502);
+    for (int i = 0; i < 40; ++i) {
+      // Four for one; the neighbors know nothing of it. Some pieces are cut again.
+      const std::size_t chosen = random.below(soup.triangles.size());
+      const Triangle t = soup.triangles[chosen];
+      const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double share = random.uniform(0.2, 0.8);
+        soup.vertices.push_back((1.0 - share) * soup.vertices[t[k]] +
+                                share * soup.vertices[t[(k + 1) % 3]]);
+      }
+      soup.triangles[chosen] = {first, first + 1, first + 2};
+      soup.triangles.insert(
+          soup.triangles.end(),
+          {{t[0], first, first + 2}, {t[1], first + 1, first}, {t[2], first + 2, first + 1}});
+    }
+    const RepairedMesh repaired = repair_mesh(soup.mesh());
+    EXPECT_GT(repaired.found.open_edges, 40u);
+    EXPECT_TRUE(repaired.is_closed);
+    EXPECT_NEAR(repaired.mesh.compute_volume(), whole.mesh().compute_volume(), 1e-9);
+    EXPECT_NEAR(repaired.mesh.compute_area(), whole.mesh().compute_area(), 1e-9);
+  }
+  // True openings stay open, and all that is around them as it was.
+  const TriangleMesh bowl = opened(make_icosphere(0.5, 3), 0.2).mesh();
+  EXPECT_EQ(triangles_of(repair_mesh(bowl).mesh), triangles_of(bowl));
+}
+
 TEST(Repair, PartsKeepTheirSides) {
   // A cavity, and a body that is inside out as a whole.
   for (const Soup& soup : {together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.2, 0.2, 0.2}))),
