@@ -63,7 +63,7 @@ class EdgeSegments {
 
   /// Places whose distances differ by less than this count as equally deep: the middle of them is
   /// the contact, so that an edge that lies flat touches with its middle.
-  float tie() const { return static_cast<float>(tolerance_ / 64.0); }
+  float tie() const { return static_cast<float>(tolerance_ / 8.0); }
 
   std::size_t nbytes() const;
   simd::EdgeView view() const;

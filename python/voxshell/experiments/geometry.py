@@ -79,7 +79,7 @@ class GeometrySettings:
         judged_pairs: Poses in which thin bodies meet each of two others, for the same; 0 for none.
         pairs: How many pairs of mixed size, in any pose, the first of the list.
         pair_poses: Of all pairs together.
-        optimized: Poses that are tried to make the worst one of a pair worse.
+        optimized: Poses that are tried to make each of the three worst ones of a pair worse.
         builds: How many bodies' builds are timed, the first of the list.
         compared_poses: Of a body on itself, in which queries of a model to a tolerance and of a uniform
             one are timed; 0 leaves that out.

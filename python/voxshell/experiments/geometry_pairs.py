@@ -34,7 +34,10 @@ _OFFSETS = 5
 """Poses of a pair on each of its approaches."""
 
 _LOOKED_AT = 50
-"""Denied overlaps farthest beyond the first touch, of which the one that reaches deepest is made worse."""
+"""Denied overlaps farthest beyond the first touch, of which those that reach deepest are made worse."""
+
+_STARTS = 3
+"""How many are."""
 
 _SHALLOW = 1e-5
 """Metres: no pose is nearer to the first touch by chance."""
@@ -183,7 +186,23 @@ def _worsen(
         for each in farthest
     ]
     random = max(reaches)
-    offset, meeting = farthest[int(np.argmax(reaches))]
+    best = random
+    if settings.optimized > 0:
+        for start in np.argsort(reaches)[::-1][:_STARTS].tolist():
+            best = max(best, _search(settings, pair, order, shell, farthest[start], rng))
+    return (order, random, best)
+
+
+def _search(
+    settings: GeometrySettings,
+    pair: Pair,
+    order: int,
+    shell: Literal["a", "b", "both"],
+    start: _Missed,
+    rng: np.random.Generator,
+) -> float:
+    """The deepest overlap that is denied, near one that is."""
+    offset, meeting = start
     mesh_a, mesh_b = make_body(pair.a), make_body(pair.b)
     step = np.array([0.02, 0.02, 0.02, 0.5 * offset, 0.5 * offset, 0.5 * offset])
 
@@ -200,10 +219,7 @@ def _worsen(
             return 0.0
         return _prove_depth(pair, move(pose, meeting.direction, deepest), order, shell)
 
-    best = random
-    if settings.optimized > 0:
-        best = max(best, -_minimize(lambda change: -judge(change), step, settings.optimized, rng))
-    return (order, random, best)
+    return -_minimize(lambda change: -judge(change), step, settings.optimized, rng)
 
 
 def _turn(angles: NDArray[np.float64]) -> NDArray[np.float64]:
