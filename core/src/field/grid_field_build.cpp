@@ -188,7 +188,9 @@ Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFiel
   };
   if (settings.sign == SignMethod::kClosed) {
     auto closed = build_closed(repaired.mesh, *plan, settings, report, progress);
-    if (closed && find_hidden(repaired.mesh, find_near_parts(repaired.mesh), settings)) {
+    // Only exact cells take their signs from such surface.
+    if (closed && settings.tolerance > 0.0 &&
+        find_hidden(repaired.mesh, find_near_parts(repaired.mesh), settings)) {
       return refuse_crossings(repaired.mesh, settings.threads);
     }
     return finish(std::move(closed));

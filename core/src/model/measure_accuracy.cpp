@@ -195,9 +195,9 @@ class Measurement {
 
  private:
   static constexpr float kLeftOut = -1.0f;
-  /// How often points are added, and at most how many of those there are.
+  /// How often points are added, and at most how many.
   static constexpr int kRounds = 4;
-  static constexpr std::size_t kMostAdded = 4;
+  static constexpr std::size_t kMostAdded = 2'000;
   /// What is this near to a new point, of how far it was from any, waits for the next round.
   static constexpr float kNextTo = 0.5f;
   static constexpr float kSameWay = 0.8f;  // cosine
@@ -381,12 +381,11 @@ class Measurement {
                          [&](std::uint32_t i) { return heights_[i] > tolerance; });
     std::ranges::stable_sort(missed, std::ranges::greater{},
                              [&](std::uint32_t i) { return heights_[i]; });
-    const std::size_t most = shell.size() / kMostAdded + 1;
     std::vector<Vec3f> points;
     std::vector<Vec3f> normals;
     std::vector<float> squared_reaches;
     for (const std::uint32_t i : missed) {
-      if (points.size() == most) break;
+      if (points.size() == kMostAdded) break;
       const auto& [point, normal] = points_[i];
       bool is_new = true;
       for (std::size_t k = 0; k < points.size() && is_new; ++k) {
