@@ -168,6 +168,15 @@ def test_a_wrong_sign_is_refused(sign):
         vx.Model.from_mesh((VERTICES, FACES), sign=sign)
 
 
+@pytest.mark.parametrize("thickness", [0.0, 6.7e-116, 1e-9])
+@pytest.mark.filterwarnings("ignore::voxshell.MeshWarning")
+def test_a_mesh_that_folds_flat_is_no_wire(thickness):
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, thickness]]
+    faces = [[0, 2, 1], [0, 0, 3], [1, 2, 3], [0, 3, 2]]
+    with pytest.raises(vx.MeshError, match="encloses no volume"):
+        vx.Model.from_mesh((vertices, faces), resolution=3, cache=False)
+
+
 TETRAHEDRON = trimesh.Trimesh(VERTICES, FACES)
 COORDINATES = st.one_of(
     st.floats(-2.0, 2.0),

@@ -189,6 +189,10 @@ std::optional<EnclosingSurface> find_enclosing_surface(
   if (!kept) return std::nullopt;
   if (surface.hidden_triangles > 0) {
     if (kept->triangles().size() != visible.size()) return std::nullopt;  // none lost a corner
+    // Slivers narrower than the rounding enclose nothing: the rest of the mesh folds flat.
+    const Vec3 extents = kept->bounds().extents();
+    const double longest = extents[kept->bounds().longest_axis()];
+    if (kept->compute_area() <= cutter->rounding() * longest) return std::nullopt;
     surface.visible = VisibleSurface{*kept, std::move(visible), cutter};
   }
 

@@ -58,7 +58,8 @@ def test_copies_and_orders_are_asked_about_the_same_pose():
     told = [pair.ask(vx.distance, pose, order) for pair in pairs for order in (0, 1)]
     # Two voxels of the larger.
     assert np.ptp([each.distance for each in told]) < 0.0016
-    assert np.ptp([each.distance for each in told[::2]]) > 0.0
+    # Copies are other models; distances to exact cells may be equal to the bit all the same.
+    assert np.ptp([each.point_a for each in told[::2]], axis=0).max() > 0.0
     assert told[0].point_a == pytest.approx(told[1].point_b, abs=0.0016)
 
 
