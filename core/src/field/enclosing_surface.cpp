@@ -11,6 +11,7 @@
 #include "field/brick_entry.h"
 #include "field/surface_bricks.h"
 #include "mesh/distance_tree.h"
+#include "mesh/edges.h"
 
 namespace voxshell {
 namespace {
@@ -50,33 +51,14 @@ double measure_confidence(const TriangleMesh& mesh, const std::vector<Look>& loo
 
 /// Edges that are not of exactly two triangles, as triangles without area.
 std::vector<std::array<Vec3, 3>> find_faulty_edges(const TriangleMesh& mesh) {
-  struct Side {
-    std::uint32_t low, high;
-    bool forward;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles().size());
-  for (const Triangle& t : mesh.triangles()) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = t[i];
-      const std::uint32_t to = t[(i + 1) % 3];
-      sides.push_back({std::min(from, to), std::max(from, to), from < to});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
   std::vector<std::array<Vec3, 3>> faulty;
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].low == sides[begin].low &&
-           sides[end].high == sides[begin].high) {
-      ++end;
-    }
-    if (end - begin == 2 && sides[begin].forward != sides[begin + 1].forward) continue;
-    const Vec3& a = mesh.vertices()[sides[begin].low];
-    const Vec3& b = mesh.vertices()[sides[begin].high];
+  const auto sides = sort_sides(mesh.triangles(), mesh.vertices().size());
+  visit_edges(sides, [&](std::span<const TriangleSide> edge) {
+    if (edge.size() == 2 && edge[0].is_forward != edge[1].is_forward) return;
+    const Vec3& a = mesh.vertices()[edge[0].low];
+    const Vec3& b = mesh.vertices()[edge[0].high];
     faulty.push_back({a, b, b});
-  }
+  });
   return faulty;
 }
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <span>
+
+#include "mesh/edges.h"
 
 namespace voxshell {
 namespace {
@@ -37,74 +38,36 @@ Facets measure_facets(const TriangleMesh& mesh) {
   return facets;
 }
 
-struct Side {
-  std::uint32_t low, high;
-  std::uint32_t triangle;
-  bool is_forward;  ///< from low to high
-
-  bool is_of_same_edge(const Side& other) const { return low == other.low && high == other.high; }
-};
-
-/// By their smaller vertex, then by the larger one, then by triangle.
-std::vector<Side> sort_sides(const TriangleMesh& mesh) {
-  const auto triangles = mesh.triangles();
-  const auto visit = [&](const auto& take) {
-    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-      for (std::size_t side = 0; side < 3; ++side) {
-        const std::uint32_t from = triangles[i][side];
-        const std::uint32_t to = triangles[i][(side + 1) % 3];
-        take(Side{std::min(from, to), std::max(from, to), i, from < to});
-      }
-    }
-  };
-  std::vector<std::size_t> next(mesh.vertices().size() + 1, 0);
-  visit([&](const Side& side) { ++next[side.low + 1]; });
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<Side> sorted(3 * triangles.size());
-  visit([&](const Side& side) { sorted[next[side.low]++] = side; });
-  auto begin = sorted.begin();
-  for (std::size_t vertex = 0; vertex < mesh.vertices().size(); ++vertex) {
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(next[vertex]);
-    std::sort(begin, end, [](const Side& a, const Side& b) {
-      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-    });
-    begin = end;
-  }
-  return sorted;
-}
-
 /// Needles face where the triangle beyond their longest side does.
-void turn_needles(const TriangleMesh& mesh, std::span<const Side> sides, Facets& facets) {
+void turn_needles(const TriangleMesh& mesh, std::span<const TriangleSide> sides, Facets& facets) {
   const std::vector<Vec3> own = facets.normals;
   std::vector<double> longest(own.size(), 0.0);
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].is_of_same_edge(sides[begin])) ++end;
-    if (end - begin != 2) continue;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t needle = sides[i].triangle;
-      const Vec3& beyond = own[sides[begin + end - 1 - i].triangle];
+  visit_edges(sides, [&](std::span<const TriangleSide> edge) {
+    if (edge.size() != 2) return;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::uint32_t needle = edge[i].triangle;
+      const Vec3& beyond = own[edge[1 - i].triangle];
       if (own[needle] != Vec3{} || beyond == Vec3{}) continue;
       const double squared =
-          squared_length(mesh.vertices()[sides[i].high] - mesh.vertices()[sides[i].low]);
+          squared_length(mesh.vertices()[edge[i].high] - mesh.vertices()[edge[i].low]);
       if (squared <= longest[needle]) continue;
       longest[needle] = squared;
       facets.normals[needle] = beyond;
     }
-  }
+  });
 }
 
-std::vector<BentEdge> measure_edges(const TriangleMesh& mesh, std::span<const Side> sides,
+std::vector<BentEdge> measure_edges(const TriangleMesh& mesh, std::span<const TriangleSide> sides,
                                     const Facets& facets) {
   std::vector<BentEdge> edges;
   edges.reserve(sides.size() / 2);
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].is_of_same_edge(sides[begin])) ++end;
-    const Side& first = sides[begin];
-    const Side& second = sides[end - begin > 1 ? begin + 1 : begin];
+  visit_edges(sides, [&](std::span<const TriangleSide> of_edge) {
+    const TriangleSide& first = of_edge.front();
+    const TriangleSide& second = of_edge[of_edge.size() > 1 ? 1 : 0];
     BentEdge edge{.from = first.is_forward ? first.low : first.high,
                   .to = first.is_forward ? first.high : first.low,
                   .triangles = {first.triangle, second.triangle},
-                  .triangle_count = static_cast<std::uint32_t>(end - begin),
+                  .triangle_count = static_cast<std::uint32_t>(of_edge.size()),
                   .bend = 0.0,
                   .width = 0.0};
     const Vec3 along = mesh.vertices()[edge.to] - mesh.vertices()[edge.from];
@@ -120,7 +83,7 @@ std::vector<BentEdge> measure_edges(const TriangleMesh& mesh, std::span<const Si
       if (sine > 0.0) edge.bend = is_flipped || dot(turn, along) > 0.0 ? bend : -bend;
     }
     edges.push_back(edge);
-  }
+  });
   return edges;
 }
 
@@ -298,14 +261,14 @@ std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const BentE
 
 std::vector<BentEdge> find_bent_edges(const TriangleMesh& mesh) {
   Facets facets = measure_facets(mesh);
-  const std::vector<Side> sides = sort_sides(mesh);
+  const std::vector<TriangleSide> sides = sort_sides(mesh.triangles(), mesh.vertices().size());
   turn_needles(mesh, sides, facets);
   return measure_edges(mesh, sides, facets);
 }
 
 Creases find_creases(const TriangleMesh& mesh, double tolerance) {
   Facets facets = measure_facets(mesh);
-  const std::vector<Side> sides = sort_sides(mesh);
+  const std::vector<TriangleSide> sides = sort_sides(mesh.triangles(), mesh.vertices().size());
   turn_needles(mesh, sides, facets);
   const std::vector<BentEdge> edges = measure_edges(mesh, sides, facets);
   std::vector<bool> is_sharp_edge(edges.size());

@@ -6,47 +6,44 @@
 
 namespace voxshell {
 
-std::vector<MeshEdge> find_edges(const TriangleMesh& mesh) {
-  struct HalfEdge {
-    std::uint32_t high;
-    std::uint32_t triangle;
-  };
+std::vector<TriangleSide> sort_sides(std::span<const Triangle> triangles, std::size_t vertices) {
   const auto visit = [&](const auto& take) {
-    for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
-      const Triangle& t = mesh.triangles()[i];
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
       for (std::size_t side = 0; side < 3; ++side) {
-        const std::uint32_t from = t[side];
-        const std::uint32_t to = t[(side + 1) % 3];
-        take(std::min(from, to), HalfEdge{std::max(from, to), static_cast<std::uint32_t>(i)});
+        const std::uint32_t from = triangles[i][side];
+        const std::uint32_t to = triangles[i][(side + 1) % 3];
+        take(TriangleSide{std::min(from, to), std::max(from, to), i, from < to});
       }
     }
   };
   // Few have the same smaller vertex: once these are together, there is little left to sort.
-  std::vector<std::uint32_t> next(mesh.vertices().size() + 1, 0);
-  visit([&](std::uint32_t low, const HalfEdge&) { ++next[low + 1]; });
+  std::vector<std::uint32_t> next(vertices + 1, 0);
+  visit([&](const TriangleSide& side) { ++next[side.low + 1]; });
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<HalfEdge> sorted(3 * mesh.triangles().size());
-  visit([&](std::uint32_t low, const HalfEdge& edge) { sorted[next[low]++] = edge; });
-
-  std::vector<MeshEdge> edges;
-  edges.reserve(sorted.size() / 2 + 1);
-  std::size_t begin = 0;
-  for (std::uint32_t low = 0; low < mesh.vertices().size(); ++low) {
-    const std::size_t end = next[low];
+  std::vector<TriangleSide> sorted(3 * triangles.size());
+  visit([&](const TriangleSide& side) { sorted[next[side.low]++] = side; });
+  auto begin = sorted.begin();
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(next[vertex]);
     // By triangle within an edge, so that any sort gives the same.
-    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin),
-              sorted.begin() + static_cast<std::ptrdiff_t>(end),
-              [](const HalfEdge& a, const HalfEdge& b) {
-                return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-              });
-    while (begin < end) {
-      const HalfEdge& edge = sorted[begin];
-      const bool has_twin = begin + 1 < end && sorted[begin + 1].high == edge.high;
-      edges.push_back(
-          {low, edge.high, edge.triangle, has_twin ? sorted[begin + 1].triangle : kNoTriangle});
-      begin += has_twin ? 2 : 1;
-    }
+    std::sort(begin, end, [](const TriangleSide& a, const TriangleSide& b) {
+      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+    });
+    begin = end;
   }
+  return sorted;
+}
+
+std::vector<MeshEdge> find_edges(const TriangleMesh& mesh) {
+  const auto sides = sort_sides(mesh.triangles(), mesh.vertices().size());
+  std::vector<MeshEdge> edges;
+  edges.reserve(sides.size() / 2 + 1);
+  visit_edges(sides, [&](std::span<const TriangleSide> edge) {
+    for (std::size_t i = 0; i < edge.size(); i += 2) {
+      edges.push_back({edge[i].low, edge[i].high, edge[i].triangle,
+                       i + 1 < edge.size() ? edge[i + 1].triangle : kNoTriangle});
+    }
+  });
   return edges;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,6 +10,30 @@
 namespace voxshell {
 
 inline constexpr std::uint32_t kNoTriangle = ~std::uint32_t{0};
+
+/// One side of a triangle.
+struct TriangleSide {
+  std::uint32_t low;   ///< smaller vertex index
+  std::uint32_t high;  ///< larger vertex index
+  std::uint32_t triangle;
+  bool is_forward;  ///< the triangle has it from low to high
+
+  bool is_of_same_edge(const TriangleSide& other) const {
+    return low == other.low && high == other.high;
+  }
+};
+
+/// The sides of all triangles, by smaller vertex, then by larger vertex, then by triangle.
+std::vector<TriangleSide> sort_sides(std::span<const Triangle> triangles, std::size_t vertices);
+
+/// Visits the sides of each edge, as a span, of what sort_sides() returned.
+template <class Visit>
+void visit_edges(std::span<const TriangleSide> sides, const Visit& visit) {
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && sides[end].is_of_same_edge(sides[begin])) ++end;
+    visit(sides.subspan(begin, end - begin));
+  }
+}
 
 /// An edge of a mesh. Of an edge of three triangles or more there are several, of two each.
 struct MeshEdge {

@@ -43,29 +43,6 @@ std::vector<Triangle> drop_copies(std::span<const Triangle> triangles) {
   return kept;
 }
 
-/// Whether a triangle runs from the smaller vertex of its edge to the larger one.
-bool runs_up(const Triangle& t, const MeshEdge& edge) {
-  for (std::size_t side = 0; side < t.size(); ++side) {
-    if (t[side] == edge.low) return t[(side + 1) % t.size()] == edge.high;
-  }
-  return false;
-}
-
-/// Those edges that are of exactly two triangles.
-std::vector<MeshEdge> find_simple_edges(const TriangleMesh& mesh) {
-  const std::vector<MeshEdge> edges = find_edges(mesh);
-  std::vector<MeshEdge> simple;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const auto is_same = [&](std::size_t other) {
-      return other < edges.size() && edges[other].low == edges[i].low &&
-             edges[other].high == edges[i].high;
-    };
-    if (edges[i].second == kNoTriangle || is_same(i + 1) || (i > 0 && is_same(i - 1))) continue;
-    simple.push_back(edges[i]);
-  }
-  return simple;
-}
-
 /// Triangles joined by edges, each turned or not against the first of its part.
 class Parts {
  public:
@@ -126,11 +103,11 @@ class Parts {
 std::vector<bool> find_wrongly_turned(const TriangleMesh& mesh) {
   const std::size_t count = mesh.triangles().size();
   Parts parts(count);
-  for (const MeshEdge& edge : find_simple_edges(mesh)) {
-    parts.join(edge.first, edge.second,
-               runs_up(mesh.triangles()[edge.first], edge) ==
-                   runs_up(mesh.triangles()[edge.second], edge));
-  }
+  const auto sides = sort_sides(mesh.triangles(), mesh.vertices().size());
+  visit_edges(sides, [&](std::span<const TriangleSide> edge) {
+    if (edge.size() != 2) return;
+    parts.join(edge[0].triangle, edge[1].triangle, edge[0].is_forward == edge[1].is_forward);
+  });
   std::vector<std::array<double, 2>> areas(count, {0.0, 0.0});  // of parts: not turned, turned
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto [a, b, c] = mesh.corners(i);
@@ -147,33 +124,14 @@ std::vector<bool> find_wrongly_turned(const TriangleMesh& mesh) {
 }
 
 /// By how many triangles more run one way along edges than the other, over all edges.
-std::size_t count_unbalanced(std::span<const Triangle> triangles) {
-  struct Side {
-    std::uint32_t low, high;
-    int way;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles) {
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const std::uint32_t from = t[i];
-      const std::uint32_t to = t[(i + 1) % t.size()];
-      sides.push_back({std::min(from, to), std::max(from, to), from < to ? 1 : -1});
-    }
-  }
-  std::ranges::sort(sides, [](const Side& a, const Side& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
+std::size_t count_unbalanced(std::span<const Triangle> triangles, std::size_t vertices) {
   std::size_t count = 0;
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+  const auto sides = sort_sides(triangles, vertices);
+  visit_edges(sides, [&](std::span<const TriangleSide> edge) {
     int sum = 0;
-    for (; end < sides.size() && sides[end].low == sides[begin].low &&
-           sides[end].high == sides[begin].high;
-         ++end) {
-      sum += sides[end].way;
-    }
+    for (const TriangleSide& side : edge) sum += side.is_forward ? 1 : -1;
     count += static_cast<std::size_t>(std::abs(sum));
-  }
+  });
   return count;
 }
 
@@ -183,7 +141,9 @@ RepairedMesh take_as_it_is(TriangleMesh mesh) {
   RepairedMesh repaired{.mesh = std::move(mesh), .found = {}};
   repaired.found = repaired.mesh.compute_defects();
   repaired.is_closed = repaired.found.is_closed();
-  repaired.is_balanced = repaired.is_closed || count_unbalanced(repaired.mesh.triangles()) == 0;
+  const TriangleMesh& taken = repaired.mesh;
+  repaired.is_balanced =
+      repaired.is_closed || count_unbalanced(taken.triangles(), taken.vertices().size()) == 0;
   return repaired;
 }
 
@@ -192,7 +152,8 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh) {
   if (repaired.is_closed) return repaired;
   std::vector<Triangle> distinct = drop_copies(mesh.triangles());
   // Parts that lie side by side may share such a triangle, and would be open without it.
-  if (count_unbalanced(distinct) > count_unbalanced(mesh.triangles())) {
+  const std::size_t vertices = mesh.vertices().size();
+  if (count_unbalanced(distinct, vertices) > count_unbalanced(mesh.triangles(), vertices)) {
     distinct.assign(mesh.triangles().begin(), mesh.triangles().end());
   }
   // Vertices of copies are those of the first: none is left without a triangle.
@@ -200,7 +161,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh) {
       TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()}, distinct);
   if (!changed) return repaired;
   std::vector<Triangle> triangles = cut_at_t_vertices(*changed);
-  if (count_unbalanced(triangles) < count_unbalanced(distinct)) {
+  if (count_unbalanced(triangles, vertices) < count_unbalanced(distinct, vertices)) {
     changed = TriangleMesh::from_parts({mesh.vertices().begin(), mesh.vertices().end()}, triangles);
     if (!changed) return repaired;
   } else {
