@@ -228,6 +228,15 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
   std::vector<std::uint32_t> triangles = work.nearby;
   std::ranges::sort(triangles);
   triangles.erase(std::ranges::unique(triangles).begin(), triangles.end());
+  std::erase_if(triangles, [&](std::uint32_t triangle) {
+    const float* normal = &records_[simd::kTriangleFloats * std::size_t{triangle}];
+    normal += simd::kRecordNormal;
+    return normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f;  // its edges are others'
+  });
+  if (triangles.empty()) {
+    if (job.passed.any()) brick.error = kUnknown;
+    return brick;
+  }
   divide(job, {{0, 0, 0}, kBrickCells}, triangles, brick);
   // Cells were found in the order of octants.
   std::vector<std::size_t> order(brick.cells.size());
@@ -297,11 +306,6 @@ void ExactCellFinder::divide(Job& job, const Cube& cube, std::span<const std::ui
     job.passed[index] = false;
   }
   keep();
-  std::erase_if(kept, [&](std::uint32_t triangle) {
-    const float* normal = &records_[simd::kTriangleFloats * std::size_t{triangle}];
-    normal += simd::kRecordNormal;
-    return normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f;  // its edges are others'
-  });
   decide(job, cube, std::move(kept), brick);
 }
 

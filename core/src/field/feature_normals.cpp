@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "mesh/angle_normals.h"
@@ -35,9 +36,8 @@ Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec
   return normal;
 }
 
-}  // namespace
-
-Features compute_features(const TriangleMesh& mesh) {
+/// Of a closed mesh without needles, which are found by who shares vertices with whom.
+std::vector<float> compute_by_mesh(const TriangleMesh& mesh) {
   const auto triangles = mesh.triangles();
   std::vector<Vec3> of_vertices(mesh.vertices().size());
   std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;  // vertices, triangle and side
@@ -74,39 +74,46 @@ Features compute_features(const TriangleMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) append(edge_normals[3 * i + k]);
     for (const std::uint32_t vertex : triangles[i]) append(of_vertices[vertex]);
   }
-  return {.normals = std::move(normals)};
+  return normals;
 }
 
-Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible) {
-  const Features of_mesh = compute_features(mesh);
-  // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
-  std::vector<bool> is_whole(mesh.triangles().size(), false);
-  for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
-  std::vector<bool> is_cut_at(mesh.vertices().size(), false);
-  for (std::size_t i = 0; i < is_whole.size(); ++i) {
-    for (const std::uint32_t vertex : mesh.triangles()[i]) {
-      if (!is_whole[i]) is_cut_at[vertex] = true;
-    }
+/// Vertices of triangles that are narrower than `rounding`, metres: what is around them is nearer
+/// together than float32 tells apart.
+std::vector<bool> find_needle_vertices(const TriangleMesh& mesh, double rounding) {
+  std::vector<bool> found(mesh.vertices().size(), false);
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    if (measure_height(mesh.corners(i)) > rounding) continue;
+    for (const std::uint32_t vertex : mesh.triangles()[i]) found[vertex] = true;
   }
-  const AngleNormals around(visible.mesh, visible.cutter->rounding());
+  return found;
+}
+
+/// Of the pieces of a mesh, those of triangles that touch no vertex in doubt as the mesh has them,
+/// others by place.
+Features combine(const TriangleMesh& mesh, const TriangleMesh& pieces,
+                 std::span<const VisibleTriangle> of_pieces,
+                 const std::vector<bool>& is_vertex_in_doubt, double rounding) {
+  const std::vector<float> of_mesh = compute_by_mesh(mesh);
+  const AngleNormals around(pieces, rounding);
   Features features;
-  features.normals.reserve(simd::kFeatureNormalFloats * visible.triangles.size());
+  features.normals.reserve(simd::kFeatureNormalFloats * of_pieces.size());
   const auto append = [&](const Vec3& normal) {
     const auto n = static_cast<Vec3f>(normal);
     features.normals.insert(features.normals.end(), {n.x, n.y, n.z});
   };
-  for (std::size_t i = 0; i < visible.triangles.size(); ++i) {
-    const VisibleTriangle& of = visible.triangles[i];
-    const Triangle& t = mesh.triangles()[of.triangle];
-    const bool is_clear = of.is_whole && !is_cut_at[t[0]] && !is_cut_at[t[1]] && !is_cut_at[t[2]];
+  for (std::size_t i = 0; i < of_pieces.size(); ++i) {
+    const VisibleTriangle& of = of_pieces[i];
+    const bool is_clear =
+        of.is_whole && std::ranges::none_of(mesh.triangles()[of.triangle],
+                                            [&](std::uint32_t v) { return is_vertex_in_doubt[v]; });
     features.is_in_doubt.push_back(!is_clear);
     if (is_clear) {
-      const auto from = of_mesh.normals.begin() +
-                        static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
+      const auto from =
+          of_mesh.begin() + static_cast<std::ptrdiff_t>(simd::kFeatureNormalFloats) * of.triangle;
       features.normals.insert(features.normals.end(), from, from + simd::kFeatureNormalFloats);
       continue;
     }
-    const auto corners = visible.mesh.corners(i);
+    const auto corners = pieces.corners(i);
     const Vec3 face = unit_normal(mesh, of.triangle);
     append(face);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -115,6 +122,33 @@ Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visibl
     for (const Vec3& corner : corners) append(around.compute(corner));
   }
   return features;
+}
+
+}  // namespace
+
+Features compute_features(const TriangleMesh& mesh) {
+  const double rounding = measure_rounding(mesh);
+  const std::vector<bool> is_in_doubt = find_needle_vertices(mesh, rounding);
+  if (std::ranges::find(is_in_doubt, true) == is_in_doubt.end()) {
+    return {.normals = compute_by_mesh(mesh)};
+  }
+  std::vector<VisibleTriangle> all;
+  all.reserve(mesh.triangles().size());
+  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) all.push_back({i, true});
+  return combine(mesh, mesh, all, is_in_doubt, rounding);
+}
+
+Features compute_features(const TriangleMesh& mesh, const VisibleSurface& visible) {
+  const double rounding = visible.cutter->rounding();
+  std::vector<bool> is_in_doubt = find_needle_vertices(mesh, rounding);
+  // Where all triangles around a vertex are visible as a whole, their edges are those of the mesh.
+  std::vector<bool> is_whole(mesh.triangles().size(), false);
+  for (const VisibleTriangle& of : visible.triangles) is_whole[of.triangle] = of.is_whole;
+  for (std::size_t i = 0; i < is_whole.size(); ++i) {
+    if (is_whole[i]) continue;
+    for (const std::uint32_t vertex : mesh.triangles()[i]) is_in_doubt[vertex] = true;
+  }
+  return combine(mesh, visible.mesh, visible.triangles, is_in_doubt, rounding);
 }
 
 }  // namespace voxshell

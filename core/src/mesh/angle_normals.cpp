@@ -1,5 +1,6 @@
 #include "mesh/angle_normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +35,15 @@ double measure_angle(const std::array<Vec3, 3>& corners, const Vec3& normal, con
 
 }  // namespace
 
+double measure_height(const std::array<Vec3, 3>& corners) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    longest = std::max(longest, length(corners[next(i)] - corners[i]));
+  }
+  const double doubled = length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  return doubled > 0.0 ? doubled / longest : 0.0;
+}
+
 Vec3 AngleNormals::compute(const Vec3& place) const {
   Bounds box;
   box.extend(place);
@@ -41,7 +51,9 @@ Vec3 AngleNormals::compute(const Vec3& place) const {
   finder_.visit(widen(box, rounding_), [&](std::uint32_t triangle) {
     const std::array<Vec3, 3> corners = mesh_.corners(triangle);
     const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    sum += measure_angle(corners, normal, place, rounding_) * normal;
+    // Needles face anywhere, and count as little as they cover of what is within the rounding.
+    const double weight = std::min(1.0, measure_height(corners) / rounding_);
+    sum += weight * measure_angle(corners, normal, place, rounding_) * normal;
   });
   return sum;
 }

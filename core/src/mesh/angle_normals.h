@@ -8,6 +8,9 @@
 
 namespace voxshell {
 
+/// The least height of a triangle, metres; 0 where it has no area.
+double measure_height(const std::array<Vec3, 3>& corners);
+
 /// The normals of places of a surface, which tell its inside from its outside: the means of the
 /// normals of the triangles there, weighted by their angles (Baerentzen and Aanaes 2005). Triangles
 /// are found by place, so that the corner of one may lie amid the side of another. The mesh

@@ -39,8 +39,9 @@ void write_triangle(const std::array<Vec3, 3>& corners, float* lane) {
   const Vec3 doubled = cross(corners[1] - corners[0], corners[2] - corners[0]);
   const double doubled_area = length(doubled);
   const bool is_thin = doubled_area <= kThinnest * lengths[longest];
+  // That of a triangle that is a point is any.
   const auto along_side = [&](std::size_t i) {
-    return (corners[(i + 1) % 3] - corners[i]) / lengths[i];
+    return lengths[i] > 0.0 ? (corners[(i + 1) % 3] - corners[i]) / lengths[i] : Vec3{1, 0, 0};
   };
   const Vec3 normal = is_thin ? perpendicular(along_side(longest)) : doubled / doubled_area;
 

@@ -43,9 +43,14 @@ bool are_on_one_side(const std::array<double, 3>& heights) {
 
 }  // namespace
 
+double measure_rounding(const TriangleMesh& mesh) {
+  const Bounds& bounds = mesh.bounds();
+  return kRounding * bounds.extents()[bounds.longest_axis()] +
+         kRoundingOfCoordinates * farthest_coordinate(bounds);
+}
+
 SelfCrossings::SelfCrossings(const TriangleMesh& mesh)
-    : rounding_(kRounding * mesh.bounds().extents()[mesh.bounds().longest_axis()] +
-                kRoundingOfCoordinates * farthest_coordinate(mesh.bounds())),
+    : rounding_(measure_rounding(mesh)),
       triangles_(mesh.triangles().begin(), mesh.triangles().end()),
       finder_(bound_triangles(mesh)) {
   corners_.reserve(triangles_.size());

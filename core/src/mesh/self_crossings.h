@@ -10,6 +10,10 @@
 
 namespace voxshell {
 
+/// What lies nearer together than this touches, metres: above the rounding of coordinates, in files
+/// as well, and below what matters.
+double measure_rounding(const TriangleMesh& mesh);
+
 /// Where triangles of a mesh cross one another, or touch along a line, other than neighbors along
 /// their common side. Keeps no reference to the mesh. Metres.
 class SelfCrossings {

@@ -72,6 +72,39 @@ TEST(ExactCells, BringTheSurfaceWithinTheTolerance) {
   }
 }
 
+/// A box with a vertex amid an edge of one of its faces, `aside` of it, and a needle in between.
+Soup make_box_with_needle(double half, const Vec3& aside) {
+  Soup soup = make_box({half, half, half});
+  // The first of the sides' triangles has the lower edge of its face.
+  const std::size_t at = soup.triangles.size() - 8;
+  const auto [a, b, c] = soup.triangles[at];
+  const auto middle = static_cast<std::uint32_t>(soup.vertices.size());
+  soup.vertices.push_back(0.5 * (soup.vertices[a] + soup.vertices[b]) + aside);
+  soup.triangles[at] = {a, middle, c};
+  soup.triangles.push_back({middle, b, c});
+  soup.triangles.push_back({a, b, middle});
+  return soup;
+}
+
+TEST(ExactCells, AreNotTurnedByNeedlesAlongEdges) {
+  const double half = 0.05;
+  for (const double aside : {0.0, 1e-17, 1e-12, 1e-9}) {
+    const TriangleMesh mesh = make_box_with_needle(half, aside * Vec3{1.0, 0.5, 0.3}).mesh();
+    ASSERT_TRUE(mesh.compute_defects().is_closed());
+    const GridField field = build_exact(mesh, 0.001, 2e-5);
+    const Vec3 middle = mesh.vertices().back();
+    Random random(311);
+    for (int i = 0; i < 5'000; ++i) {
+      const Vec3 p = middle + random.in_cube(0.002);
+      const Vec3 q{std::abs(p.x) - half, std::abs(p.y) - half, std::abs(p.z) - half};
+      const Vec3 outside{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)};
+      const double expected = length(outside) + std::min(std::max({q.x, q.y, q.z}), 0.0);
+      // Deeper, samples round the ridge off.
+      ASSERT_NEAR(field.distance(static_cast<Vec3f>(p)), expected, 4e-4) << aside;
+    }
+  }
+}
+
 TEST(ExactCells, LeaveCellsThatAreProvedToBeRight) {
   Random random(310);
   for (const auto& [name, mesh, voxel_size] : bodies()) {

@@ -38,6 +38,23 @@ Soup random_triangles(Random& random, std::size_t count, double reach) {
   return soup;
 }
 
+TEST(DistanceTree, TakesTrianglesThatAreAsSmallAsAPoint) {
+  // A corner cut off by so little that a voxel's coordinates do not show it.
+  const double tiny = 1e-19;
+  const TriangleMesh mesh = Soup{{{tiny, 0, 0}, {0, tiny, 0}, {0, 0, tiny}, {1, 0, 0}, {0, 1, 0}},
+                                 {{0, 3, 4}, {0, 4, 1}, {0, 1, 2}}}
+                                .mesh();
+  const Vec3 origin{-5.0, -5.0, -5.0};
+  const DistanceTree tree(mesh, origin, 0.5, 1);
+  DistanceTree::Scratch scratch;
+  std::vector<float> distances(9 * 9 * 9);
+  const Vec3 centre{10.0, 10.0, 10.0};
+  const float at_centre = tree.find_nearest(centre, 0).distance;
+  ASSERT_NEAR(at_centre, 0.0f, kTolerance);
+  tree.measure_brick(centre, at_centre, scratch, distances);
+  for (const float d : distances) ASSERT_LE(d, 4.0f * std::sqrt(3.0f) + 1e-3f);
+}
+
 TEST(DistanceTree, FindsTheDistanceToAnyTriangles) {
   Random random(200);
   for (const std::size_t count : {1u, 7u, 8u, 9u, 64u, 65u, 1000u}) {
