@@ -108,8 +108,11 @@ class Contacts:
         """Whether depth and normal are ambiguous, (n,): another surface is about as near.
 
         So they are in the middle of a wall, within 9 % of half its thickness; on the axis of a rod;
-        and between faces that meet at less than 60 degrees. What is ambiguous depends on the other
-        body's shape at the contact's place alone, and is looked up at each access.
+        and between faces that meet at less than 60 degrees. Deep inside a model, they are also
+        ambiguous within a cell of the planes on which two faces are equally near, where depth and
+        normal lead to a place that is off the surface by more than a quarter voxel or 1.5 % of the
+        depth. What is ambiguous depends on the other body's shape at the contact's place alone, and
+        is looked up at each access.
 
         So are contacts where no part of the surface is in contact, as one body lies wholly inside
         the other, or in its very place. Such a contact is of a place deep inside its body, with that

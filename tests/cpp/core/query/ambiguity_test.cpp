@@ -1,8 +1,15 @@
 #include "voxshell/ambiguity.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <variant>
+
 #include <gtest/gtest.h>
 
+#include "base/text.h"
 #include "support/meshes.h"
+#include "support/random.h"
 #include "voxshell/model.h"
 
 namespace voxshell {
@@ -55,6 +62,40 @@ TEST(Ambiguity, IsAtTheMiddleOfABallAndNowhereInAPlane) {
   EXPECT_TRUE(is_ambiguous_at(ball, {0.004, 0.003, 0.0}));
   EXPECT_FALSE(is_ambiguous_at(ball, {0.012, 0.016, 0.0}));
   EXPECT_FALSE(is_ambiguous_at(PlaneField{}, {0.0, 0.0, -5.0}));
+}
+
+// Deep inside, samples round off the ridge where two faces are equally near. A contact that is not
+// marked there leads to the surface, by the normal of a face.
+TEST(Ambiguity, IsWhereTheNormalLeadsBesideTheSurface) {
+  const double half = 0.02;
+  auto cube = Model::build(make_box({half, half, half}).mesh(), {.tolerance = 2e-5, .threads = 1});
+  ASSERT_TRUE(cube);
+  const Field& field = (*cube)->field();
+  const double voxel_size = std::get<GridField>(field).voxel_size();
+  Random random(41);
+  std::size_t marked = 0;
+  std::size_t wrong = 0;
+  constexpr std::size_t kPlaces = 4'000;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    const double depth = random.uniform(2.0 * voxel_size, 0.5 * half);
+    const double beside = random.uniform(-2.0, 2.0) * voxel_size;
+    const Vec3 place{half - depth, half - depth - beside, random.uniform(-0.3, 0.3) * half};
+    const Contact contact = contact_at(field, Pose{}, place);
+    const Vec3 reached =
+        place + static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal);
+    const double off = std::abs(std::max(reached.x, reached.y) - half);
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const bool is_wrong =
+        off > 0.3 * voxel_size || std::max(normal.x, normal.y) < 0.98;  // 11 degrees
+    wrong += is_wrong ? 1 : 0;
+    if (is_ambiguous(contact, field, Pose{})) {
+      ++marked;
+    } else {
+      EXPECT_FALSE(is_wrong) << format_point(place) << " reaches " << format_point(reached);
+    }
+  }
+  EXPECT_GT(wrong, kPlaces / 20) << "the test asks for nothing";
+  EXPECT_LT(marked, kPlaces / 2);
 }
 
 // Two faces are as near there, but meet at 90 degrees: depth does not depend on the choice.
