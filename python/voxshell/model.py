@@ -106,8 +106,8 @@ class Model:
                 reads, whose bodies become one mesh.
             tolerance: How far the model may be off the mesh, metres, after ``scale``; not together
                 with any size. The default follows from the longest side and from the wall that is
-                thinnest: a 2,000th of the side, but no more than a third of a millimeter or,
-                above 4 m, a 12,000th of the side; and a 20th of the thickness.
+                thinnest: a 2,000th of the side, but no more than 0.2 mm or, above 4 m, a
+                20,000th of the side; and a 20th of the thickness.
             voxel_size: Edge of the field's grid cells, metres, after ``scale``.
             resolution: Or how many of them along the mesh's longest side; 100 where only the
                 points' spacing or number is given.

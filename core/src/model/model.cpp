@@ -19,12 +19,13 @@ namespace {
 
 constexpr int kDefaultResolution = 100;
 
-/// The tolerance where nothing is given. Of two models less than three of the larger tolerance is
-/// missed (1.4 by a field, one by either shell), which is no more than a millimeter, or of bodies
-/// above 4 m a 4,000th. Walls keep their shape where they are thinnest.
+/// The tolerance where nothing is given. Of two models less than five of the larger tolerance is
+/// missed (1.4 by a field, one by either shell, and what of smooth bodies enters between the points
+/// of both), which is no more than a millimeter, or of bodies above 4 m a 4,000th. Walls keep their
+/// shape where they are thinnest.
 constexpr double kToleranceOfSide = 1.0 / 2000.0;
-constexpr double kToleranceOfLargeSide = 1.0 / 12000.0;
-constexpr double kLargeTolerance = 0.001 / 3.0;  // metres
+constexpr double kToleranceOfLargeSide = 1.0 / 20000.0;
+constexpr double kLargeTolerance = 0.0002;  // metres
 constexpr double kToleranceOfThickness = 1.0 / 20.0;
 
 Error invalid_argument(std::string message) {

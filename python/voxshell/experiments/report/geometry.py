@@ -266,8 +266,17 @@ def _deepest(table: Columns) -> NDArray[np.float64]:
     return np.where(table["count"] > 0.0, table["deepest"], 0.0)
 
 
+def _leave_out_ambiguous(table: Columns) -> tuple[Columns, str]:
+    """The contacts whose depth and normal are said to be clear, and how many others there are."""
+    is_clear = table["ambiguous"] == 0.0
+    left_out = len(is_clear) - int(is_clear.sum())
+    said = f"; {left_out:,} more say that they are ambiguous" if left_out else ""
+    return {name: column[is_clear] for name, column in table.items()}, said
+
+
 def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
     """Normals and places of the contacts of a scene that is for them."""
+    table, said = _leave_out_ambiguous(table)
     if len(table["angle"]) == 0:
         return []
     angles = np.degrees(table["angle"])
@@ -282,7 +291,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
             bar=f"<= {NORMAL_BAR:g}",
             holds=at_most(angle, NORMAL_BAR),
             note=f"{len(angles):,} contacts, median {format_value(float(np.median(angles)))}, worst "
-            f"{format_value(float(angles.max()))}",
+            f"{format_value(float(angles.max()))}{said}",
         ),
         Row(
             f"points_b off b at most, {_mark(scene)}",
@@ -298,6 +307,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
 
 def _judge_thin(body: str, table: Columns) -> list[Row]:
     """Shares of the contacts of a thin body, in any pose, that are right."""
+    table, said = _leave_out_ambiguous(table)
     angles = np.degrees(table["angle"])
     shares = table["b_off"] / table["voxel"]
     others = " or ".join(MET)
@@ -310,7 +320,7 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
             bar=f">= {SHARE_BAR:g}",
             holds=len(values) > 0 and float((values <= bar).mean()) >= 0.01 * SHARE_BAR,
             note=f"{len(values):,} contacts with the {others}; median {format_value(float(np.median(values)))}, "
-            f"worst {format_value(float(values.max()))} {unit}"
+            f"worst {format_value(float(values.max()))} {unit}{said}"
             if len(values)
             else "",
         )
@@ -328,7 +338,11 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
 
 def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
     """Normals of all contacts of a group, for information."""
-    tables = [results[name_scene(s.name)]["contacts"] for s in chosen if s.group == group]
+    tables = [
+        _leave_out_ambiguous(results[name_scene(s.name)]["contacts"])[0]
+        for s in chosen
+        if s.group == group
+    ]
     angles = np.degrees(np.concatenate([np.zeros(0), *(table["angle"] for table in tables)]))
     if len(angles) == 0:
         return None

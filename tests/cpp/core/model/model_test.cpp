@@ -38,14 +38,14 @@ std::shared_ptr<const Model> build(const Soup& soup, const ModelSettings& settin
 
 TEST(Model, IsExactToAToleranceThatFollowsFromSizeAndThicknessUnlessToldOtherwise) {
   const auto model = build(make_box({0.5, 0.25, 0.1}), {});
-  EXPECT_DOUBLE_EQ(model->settings().tolerance, 0.001 / 3.0);
+  EXPECT_DOUBLE_EQ(model->settings().tolerance, 0.0002);
   EXPECT_DOUBLE_EQ(build(make_box({0.2, 0.2, 0.1}), {})->settings().tolerance, 0.4 / 2000.0);
   EXPECT_TRUE(model->grid().has_exact_cells());
   EXPECT_NE(model->shell().edges(), nullptr);
   EXPECT_LT(model->accuracy().distance.worst, model->settings().tolerance);
   EXPECT_LT(model->accuracy().coverage.worst, model->settings().tolerance);
-  EXPECT_DOUBLE_EQ(build(make_box({2.5, 2.5, 2.5}), {})->settings().tolerance, 5.0 / 12000.0);
-  EXPECT_DOUBLE_EQ(build(make_box({1.5, 1.5, 1.5}), {})->settings().tolerance, 0.001 / 3.0);
+  EXPECT_DOUBLE_EQ(build(make_box({2.5, 2.5, 2.5}), {})->settings().tolerance, 5.0 / 20000.0);
+  EXPECT_DOUBLE_EQ(build(make_box({1.5, 1.5, 1.5}), {})->settings().tolerance, 0.0002);
   EXPECT_NEAR(build(make_box({0.5, 0.5, 0.001}), {})->settings().tolerance, 0.0001, 1e-9);
 }
 
