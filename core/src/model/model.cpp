@@ -137,7 +137,9 @@ Result<Openings> close_mesh(RepairedMesh& repaired, const ModelSettings& setting
   if (!thickness) return thickness.error();
   auto solid = thicken(mesh, *thickness);
   if (!solid) return solid.error();
+  const MeshDefects found = repaired.found;
   repaired = take_as_it_is(*std::move(solid));
+  repaired.found = found;
   openings.sheet_thickness = *thickness;
   return openings;
 }

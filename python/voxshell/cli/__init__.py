@@ -37,7 +37,7 @@ app = App(
     For example, from a mesh in millimetres to bodies that fall:
 
         voxshell info part.stl --scale 0.001 --advise
-        voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
+        voxshell build part.stl -o part.vxs --scale 0.001 --tolerance 0.0001
         voxshell query part.vxs plane --a-pose 0 0 0.01
         voxshell simulate scene.toml --out result
     """,

@@ -217,12 +217,9 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
 
     best = recommend(estimates)
     arguments = "" if scale is None else f" --scale {scale:g}"
-    command = (
-        f"  voxshell build {file}{arguments} -o {file.with_suffix('.vxs').name}"
-        f" --voxel-size {best.size:.4g}"
-    )
+    command = f"  voxshell build {file}{arguments} -o {file.with_suffix('.vxs').name}"
     if is_model_file(file):
-        command = f"  voxshell build MESH -o {file.name} --voxel-size {best.size:.4g}"
+        command = f"  voxshell build MESH -o {file.name}"
     return "\n".join(
         [
             f"{MEASURED_FIELD:16} measured: 99 % of the surface has a smaller error",
@@ -233,6 +230,9 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
             f"{'~':16} extrapolated from coarser models",
             f"{'*':16} the finest built in {MOST_BUILD_SECONDS:g} s that takes "
             f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)}:",
+            f"{command} --voxel-size {best.size:.4g}",
+            "These are uniform models. Without sizes, a model is built to a tolerance: edges and corners",
+            "are elements of its shell, and cells at creases and in thin walls are exact. For most uses:",
             command,
         ]
     )
