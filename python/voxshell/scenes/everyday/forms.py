@@ -350,3 +350,9 @@ def matter(form: Form, mass: float) -> MassProperties:
     """Of the uniform solid that the form's mesh encloses, body frame."""
     assert form.mesh is not None
     return compute_mass_properties(GImpact(form.mesh), mass, "solid")
+
+
+def spheroid_points(half_axes: tuple[float, ...]) -> NDArray[np.float64]:
+    """Of an ellipsoid, for engines without one: 1,986 points of its surface, (n, 3), metres."""
+    sphere = import_manifold().Manifold.sphere(1.0, 64)
+    return as_mesh(sphere).vertices * half_axes
