@@ -249,11 +249,11 @@ def _carton(placement: int) -> Stage:
         offset = 0.03 * min(time / 0.5, 1.0) * math.sin(4.0 * math.pi * time)
         return shift(*(offset * direction).tolist())
 
-    kinds = (forms.box(0.05, 0.04, 0.03), forms.ball(0.02), forms.cylinder(0.015, 0.04))
+    kinds = (forms.box(0.04, 0.035, 0.03), forms.ball(0.02), forms.cylinder(0.015, 0.04))
     items = [Item("carton", carton, path=path)]
     for i in range(14):
         k = 14 * placement + i
-        place = shift(0.08 * (i % 3 - 1), 0.055 * (i // 3 % 3 - 1), -0.06 + 0.065 * (i // 9))
+        place = shift(0.1 * (i % 3 - 1), 0.1 * (i // 3 % 2 - 0.5), 0.066 * (i // 6 - 1))
         pose = place @ turn(Z, heading(k)) @ turn(X, 3.0 * share(k))
         items.append(Item(f"object {i + 1}", kinds[i % 3], pose, 0.05))
     return Stage(tuple(items), friction=0.4)
