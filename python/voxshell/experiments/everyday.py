@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from voxshell.experiments.part import Tables
     from voxshell.scenes.everyday.scene import Engine, EverydayScene
 
-_CROWD = 8
-"""A stage with more bodies than this that move is a crowd."""
+_SECONDS_A_STEP = {"voxshell": 3e-4, "bullet": 1e-4, "mujoco": 1.5e-4}
+"""About what a step takes; only tells how far a run is."""
 
-_SECONDS_A_STEP = 6e-5
-"""About what a step of one body takes; only tells how far a run is."""
+_HEAVY = 50.0
+"""How much longer a step of a heavy scene takes with models."""
 
 
 @dataclass(frozen=True)
@@ -41,28 +41,32 @@ class EverydaySettings:
     Attributes:
         scenes: Names of scenes; empty for all.
         placements: Headings or places of each scene, at most.
-        crowd_placements: Of scenes with more than eight bodies that move, at most.
-        longest: Seconds that a scene lasts at most; those that wait for a creep last a minute.
+        heavy_placements: Of scenes whose steps take milliseconds, at most.
+        longest: Seconds that a scene lasts at most, unless its truth needs longer; those that wait for a
+            creep last a minute.
         rates: Steps a second, of those of each scene; empty for all of them.
+        heavy_rates: The same of scenes whose steps take milliseconds.
         engines: Which run, of "voxshell", "bullet", "mujoco".
         shown_rate: Steps a second of what is recorded.
     """
 
     scenes: tuple[str, ...] = ()
     placements: int = 20
-    crowd_placements: int = 3
+    heavy_placements: int = 3
     longest: float = 60.0
     rates: tuple[float, ...] = ()
+    heavy_rates: tuple[float, ...] = ()
     engines: tuple[str, ...] = ENGINES
     shown_rate: float = 200.0
 
     def __post_init__(self) -> None:
-        for name in ("placements", "crowd_placements"):
+        for name in ("placements", "heavy_placements"):
             as_integer(getattr(self, name), name, 1, 1_000)
         for name in ("longest", "shown_rate"):
             as_positive(getattr(self, name), name)
-        for rate in self.rates:
-            as_positive(rate, "rates")
+        for name in ("rates", "heavy_rates"):
+            for rate in getattr(self, name):
+                as_positive(rate, name)
         for name in self.scenes:
             if name not in SCENES:
                 raise SettingsError(f"scenes: unknown scene {name!r}")
@@ -79,7 +83,10 @@ class EverydaySettings:
 
     def rates_of(self, scene: EverydayScene) -> tuple[float, ...]:
         """Steps a second at which a scene is run."""
-        return tuple(rate for rate in scene.rates if not self.rates or rate in self.rates)
+        wanted = self.rates or scene.rates
+        if scene.heavy and self.heavy_rates:
+            wanted = tuple(rate for rate in wanted if rate in self.heavy_rates)
+        return tuple(rate for rate in scene.rates if rate in wanted)
 
     def engines_of(self, scene: EverydayScene) -> tuple[Engine, ...]:
         """Engines that can represent a scene and are wanted, installed or not."""
@@ -87,7 +94,12 @@ class EverydaySettings:
 
     def seconds_of(self, scene: EverydayScene) -> float:
         """How long a scene lasts."""
-        return min(scene.seconds, self.longest)
+        return min(scene.seconds, max(self.longest, scene.needs))
+
+    def placements_of(self, scene: EverydayScene) -> int:
+        """In how many placements a scene is run."""
+        most = min(self.placements, scene.most)
+        return min(most, self.heavy_placements) if scene.heavy else most
 
 
 def plan(settings: EverydaySettings) -> list[Part]:
@@ -102,7 +114,7 @@ def plan(settings: EverydaySettings) -> list[Part]:
                         name_part(scene.name, engine),
                         measure_scene,
                         {"settings": settings, "name": scene.name, "engine": engine},
-                        cost=_estimate(settings, scene),
+                        cost=_estimate(settings, scene, engine),
                     )
                 )
         if scene.shown and "voxshell" in settings.engines_of(scene):
@@ -117,10 +129,11 @@ def plan(settings: EverydaySettings) -> list[Part]:
     return parts
 
 
-def _estimate(settings: EverydaySettings, scene: EverydayScene) -> float:
+def _estimate(settings: EverydaySettings, scene: EverydayScene, engine: Engine) -> float:
     """Seconds, about."""
     steps = settings.seconds_of(scene) * sum(settings.rates_of(scene))
-    return 0.5 + steps * min(settings.placements, scene.most) * _SECONDS_A_STEP
+    slowness = _HEAVY if scene.heavy and engine == "voxshell" else 1.0
+    return 0.5 + steps * settings.placements_of(scene) * _SECONDS_A_STEP[engine] * slowness
 
 
 def name_part(scene: str, engine: str) -> str:
@@ -133,13 +146,6 @@ def name_part(scene: str, engine: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", scene.lower()).strip("-") + f"-{engine}"
 
 
-def count_placements(settings: EverydaySettings, scene: EverydayScene) -> int:
-    """Of a scene that are run."""
-    most = min(settings.placements, scene.most)
-    moving = sum(item.moves for item in scene.stage(0).items)
-    return min(most, settings.crowd_placements) if moving > _CROWD else most
-
-
 def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tables:
     """Runs a scene at its rates in its placements.
 
@@ -150,7 +156,7 @@ def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tabl
     """
     scene = SCENES[name]
     rows = []
-    for placement in range(count_placements(settings, scene)):
+    for placement in range(settings.placements_of(scene)):
         stage = scene.stage(placement)
         for rate in settings.rates_of(scene):
             with warnings.catch_warnings():
@@ -172,4 +178,5 @@ def record_scene(settings: EverydaySettings, name: str) -> Tables:
     scene = SCENES[name]
     rates = settings.rates_of(scene)
     rate = min(rates, key=lambda each: abs(math.log(each / settings.shown_rate)))
-    return record_stage(scene.stage(0), rate, min(settings.seconds_of(scene), 5.0))
+    seconds = min(settings.seconds_of(scene), 1.0 if scene.heavy else 4.0)
+    return record_stage(scene.stage(0), rate, seconds)

@@ -166,7 +166,9 @@ def test_gap_to_the_terrain_is_zero_at_its_vertices():
     top = make_body("terrain 5 m").vertices[: 101**2]
     inside = top[(np.abs(top[:, :2]) < 2.49).all(axis=1)]
     np.testing.assert_allclose(drops.gap_to_terrain(inside), 0.0, atol=1e-9)
-    np.testing.assert_allclose(drops.gap_to_terrain(inside + np.array((0.0, 0.0, 0.3))), 0.3, atol=1e-9)
+    np.testing.assert_allclose(
+        drops.gap_to_terrain(inside + np.array((0.0, 0.0, 0.3))), 0.3, atol=1e-9
+    )
 
 
 def test_placements_differ_and_the_first_is_straight():

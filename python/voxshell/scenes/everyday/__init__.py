@@ -11,6 +11,7 @@ from voxshell.scenes.everyday import (
     held_out,
     impacts,
     machines,
+    overlaps,
     rolling,
     sliding,
     spinning,
@@ -20,7 +21,7 @@ from voxshell.scenes.everyday.scene import EverydayScene
 
 SCENES: dict[str, EverydayScene] = {
     scene.name: scene
-    for module in (sliding, rolling, impacts, spinning, stacks, machines, drops, held_out)
+    for module in (sliding, rolling, impacts, spinning, stacks, overlaps, machines, drops, held_out)
     for scene in module.SCENES
 }
 """All scenes by name, in the order of the report."""

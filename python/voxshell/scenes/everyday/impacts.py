@@ -298,6 +298,8 @@ SCENES = (
             Measure("fastest at the end", "mm/s", _dice_speed, nothing, 5e-3, scale=1e3),
         ),
         most=10,
+        needs=4.0,
+        heavy=True,
     ),
     EverydayScene(
         "ten dominoes fall",
@@ -308,6 +310,8 @@ SCENES = (
         (Measure("fallen", "of 10", _fallen, _all_dominoes, 0.0),),
         most=10,
         shown=True,
+        needs=3.0,
+        heavy=True,
     ),
     EverydayScene(
         "ten dominoes stand",
@@ -317,5 +321,6 @@ SCENES = (
         5.0,
         (Measure("fallen", "of 10", _fallen, nothing, 0.0),),
         most=5,
+        heavy=True,
     ),
 )

@@ -356,6 +356,8 @@ SCENES = (
         rates=(1000.0, 200.0, 60.0),
         most=3,
         shown=True,
+        needs=8.0,
+        heavy=True,
     ),
     EverydayScene(
         "40 dented balls run down a Galton board",
@@ -366,6 +368,8 @@ SCENES = (
         (Measure("balls through", "of 40", _through, _all_balls, 0.0),),
         rates=(200.0, 60.0),
         most=2,
+        needs=8.0,
+        heavy=True,
     ),
     EverydayScene(
         "carton of 2 mm shaken with 14 objects",
@@ -382,5 +386,6 @@ SCENES = (
         rates=(200.0, 60.0),
         most=3,
         shown=True,
+        heavy=True,
     ),
 )

@@ -352,6 +352,7 @@ SCENES = (
         (Measure("period", "s", _bowl_motion, _bowl_period, 0.03, relative=True),),
         engines=("voxshell",),
         most=5,
+        needs=3.0,
     ),
     EverydayScene(
         "ball goes round a loop",
@@ -390,5 +391,6 @@ SCENES = (
             Measure("speed at the end", "mm/s", last_speed, nothing, 5e-3, scale=1e3),
         ),
         most=10,
+        needs=6.0,
     ),
 )

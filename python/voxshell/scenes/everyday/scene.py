@@ -253,6 +253,8 @@ class EverydayScene:
         shown: Whether its first placement is recorded, at 200 Hz or the nearest rate.
         held_out: Whether someone who has not seen the code chose it, and nothing may be tuned by it.
         smooth: Whether nothing touches, so that MuJoCo can integrate with Runge and Kutta's method.
+        needs: Seconds below which the truth does not hold yet, so that short runs must last as long.
+        heavy: Whether a step takes milliseconds, so that short runs leave out most of it.
     """
 
     name: str
@@ -267,6 +269,8 @@ class EverydayScene:
     shown: bool = False
     held_out: bool = False
     smooth: bool = False
+    needs: float = 0.0
+    heavy: bool = False
 
 
 # ---- placements ----------------------------------------------------------------------------------
