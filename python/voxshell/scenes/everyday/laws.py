@@ -39,8 +39,8 @@ def way(speed: float, acceleration: float, seconds: float, time_step: float) -> 
     """Covered with a constant acceleration, metres: n v h + a h2 n (n + 1) / 2 after n steps h.
 
     Example:
-        >>> way(0.0, 2.0, 1.0, 1e-6), way(0.0, 2.0, 1.0, 0.1)
-        (1.000001..., 1.1)
+        >>> round(way(0.0, 2.0, 1.0, 1e-4), 4), round(way(0.0, 2.0, 1.0, 0.1), 4)
+        (1.0001, 1.1)
     """
     steps = round(seconds / time_step)
     return steps * speed * time_step + 0.5 * acceleration * time_step**2 * steps * (steps + 1)
@@ -53,7 +53,7 @@ def way_to_stop(speed: float, deceleration: float, time_step: float) -> float:
 
     Example:
         >>> round(way_to_stop(1.0, 0.5 * G, 1e-5), 4), round(way_to_stop(1.0, 0.5 * G, 1 / 30), 4)
-        (0.1019, 0.0858)
+        (0.1019, 0.0855)
     """
     loss = deceleration * time_step
     steps = math.floor(speed / loss)
