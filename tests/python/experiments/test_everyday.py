@@ -14,9 +14,8 @@ from voxshell.experiments.everyday import EverydaySettings, measure_scene, name_
 from voxshell.experiments.part import compute_part
 from voxshell.experiments.report.everyday import EVERYDAY, TABLE
 from voxshell.experiments.report.everyday_table import Line, Worst, format_error
-from voxshell.scenes import everyday as scenes
-from voxshell.scenes.everyday import SCENES, drops, forms, laws
-from voxshell.scenes.everyday.scene import ENGINES, Measure, heading, turn
+from voxshell.scenes.everyday import SCENES, drops, forms, held_out, laws
+from voxshell.scenes.everyday.scene import ENGINES, Engine, Measure, Track, heading, turn
 from voxshell.scenes.geometry_bodies import make_body
 from voxshell.scenes.solids import import_manifold
 
@@ -29,7 +28,7 @@ SMALL = EverydaySettings(
 )
 
 
-def errors(name: str, engine: str, rates: tuple[float, ...], placements: int = 1) -> np.ndarray:
+def errors(name: str, engine: Engine, rates: tuple[float, ...], placements: int = 1) -> np.ndarray:
     """The worst error over the bar of each measure."""
     settings = EverydaySettings(placements=placements, rates=rates, longest=6.0)
     runs = measure_scene(settings, name, engine)["runs"]
@@ -127,11 +126,10 @@ def test_bodies_begin_apart(name):
     for placement in range(2):
         placed = [
             solids.Manifold(
-                solids.Mesh64(
-                    np.array(item.form.vertices), np.array(item.form.mesh.faces, dtype=np.uint64)
-                )
+                solids.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.uint64))
             ).transform(item.pose[:3])
             for item in SCENES[name].stage(placement).items
+            if (mesh := item.form.mesh) is not None
         ]
         for a, b in itertools.combinations(placed, 2):
             assert (a ^ b).volume() < 1e-12
@@ -171,6 +169,20 @@ def test_gap_to_the_terrain_is_zero_at_its_vertices():
     )
 
 
+def test_a_turn_about_the_normal_is_no_tipping():
+    scene = SCENES["tall box slides, does not tip"]
+    stage = scene.stage(1)
+    start = stage.items[1].pose
+    ramp = np.eye(4)
+    ramp[:3, :3] = stage.world_from_ramp
+    about_normal = np.array([ramp @ turn((0.0, 0.0, 1.0), a) @ ramp.T @ start for a in (0.0, 1.0)])
+    across = np.array([ramp @ turn((0.0, 1.0, 0.0), a) @ ramp.T @ start for a in (0.0, 1.0)])
+    still = {"body": np.zeros((2, 3))}
+    upright = scene.measures[0].value
+    assert upright(Track(stage, 0.005, {"body": about_normal}, still, still)) == 1.0
+    assert upright(Track(stage, 0.005, {"body": across}, still, still)) == 0.0
+
+
 def test_placements_differ_and_the_first_is_straight():
     assert heading(0) == 0.0
     poses = [SCENES["mug on a table"].stage(i).items[1].pose for i in range(4)]
@@ -203,7 +215,7 @@ def test_wrong_settings_are_refused(wrong):
 
 
 def test_held_out_scenes_are_last_and_marked():
-    assert all(scene.held_out for scene in scenes.held_out.SCENES)
+    assert all(scene.held_out for scene in held_out.SCENES)
     marked = [scene.held_out for scene in SCENES.values()]
     assert marked == sorted(marked)
 
@@ -249,7 +261,9 @@ def test_figures_tables_and_replays_are_written(results, tmp_path):
     }
     assert all((tmp_path / picture.path).stat().st_size > 1000 for picture in pictures)
     table = (tmp_path / TABLE).read_text()
-    assert table.count("\n| ") == 5 + 3
+    # A heading for the counts and for each of three groups, two engines, five measures.
+    assert table.count("\n| ") == 4 + 2 + 5
+    assert "| engine | 200 Hz | 30 Hz | all rates |" in table
     assert "| cube stops, plane: way to stop | <= 5 % |" in table
 
 
@@ -257,7 +271,7 @@ def test_verdict_says_whether_another_engine_is_better():
     measure = Measure("way", "m", lambda _: 0.0, lambda _: 0.0, 0.1)
 
     def judge(ours: float, other: float) -> str:
-        worst = {
+        worst: dict[Engine, Worst] = {
             "voxshell": Worst(ours, 0.0, 0.0, 200.0, 0),
             "bullet": Worst(other, 0.0, 0.0, 200.0, 0),
         }
@@ -275,5 +289,7 @@ def test_errors_read_as_the_bar_is_meant():
     assert format_error(way, math.inf) == "no value"
     assert format_error(way, 123.0) == "> 10 m"
     assert format_error(replace(way, relative=True), 0.05) == "5 %"
+    assert format_error(replace(way, relative=True), 54.0) == "> 1,000 %"
+    assert format_error(replace(way, bar=0.0, unit="of 40"), 2.0) == "2 off"
     yes = Measure("stands", "", lambda _: 1.0, lambda _: 1.0, 0.0)
     assert (format_error(yes, 0.0), format_error(yes, 1.0)) == ("right", "wrong")

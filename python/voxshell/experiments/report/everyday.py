@@ -15,6 +15,7 @@ from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.motion import restore
 from voxshell.experiments.report.everyday_table import (
     ENGINE_NAMES,
+    count_holding,
     format_bar,
     format_error,
     make_lines,
@@ -64,21 +65,24 @@ def reduce(settings: EverydaySettings, results: Results) -> list[Row]:
 
 def _summarize(settings: EverydaySettings, lines: Sequence[Line]) -> list[Row]:
     rows = []
+    rates = sorted({rate for line in lines for rate in line.by_rate["voxshell"]}, reverse=True)
     for engine in ENGINES:
         if engine not in settings.engines:
             continue
-        told = [held for line in lines if (held := line.holds(engine)) is not None]
+        held, count = count_holding(lines, engine, None)
         ours = engine == "voxshell"
-        absent = "" if told else "not installed, or no scene that it can represent was run"
+        note = ", ".join(
+            "{:g} Hz {} of {}".format(rate, *count_holding(lines, engine, rate)) for rate in rates
+        )
         rows.append(
             Row(
                 f"measures within their bars, {ENGINE_NAMES[engine]}",
                 None,
-                float(sum(told)),
-                f"of {len(told)}",
-                bar=f"{len(told)}" if ours else "",
-                holds=all(told) if ours else None,
-                note=absent,
+                float(held),
+                f"of {count}",
+                bar=f"{count}" if ours else "",
+                holds=held == count if ours else None,
+                note=note if count else "not installed, or no scene that it can represent was run",
             )
         )
     fair = [line for line in lines if line.holds("voxshell") or line.verdict == "falls short, best"]

@@ -64,11 +64,16 @@ class Line:
     worst: dict[Engine, Worst]
     by_rate: dict[Engine, dict[float, float]]
 
-    def holds(self, engine: Engine) -> bool | None:
-        """Whether an engine's worst error is within the bar; None where it did not run."""
+    def holds(self, engine: Engine, rate: float | None = None) -> bool | None:
+        """Whether an engine's worst error, at a rate or all, is within the bar; None where it did not run."""
         if engine not in self.worst:
             return None
-        return self.worst[engine].error <= self.measure.bar * (1.0 + _SHARE_OF_BAR)
+        error = self.worst[engine].error
+        if rate is not None:
+            if rate not in self.by_rate[engine]:
+                return None
+            error = self.by_rate[engine][rate]
+        return error <= self.measure.bar * (1.0 + _SHARE_OF_BAR)
 
     @property
     def is_best(self) -> bool:
@@ -134,7 +139,9 @@ def format_error(measure: Measure, error: float | None) -> str:
     if math.isinf(error):
         return "no value"
     if measure.relative:
-        return f"{format_value(round(error * 100.0, 3))} %"
+        return "> 1,000 %" if error > 10.0 else f"{format_value(round(error * 100.0, 3))} %"
+    if measure.bar == 0.0:
+        return f"{error:g} off"
     shown = error * measure.scale
     if shown >= 1e4:
         return f"> {'10 m' if measure.unit == 'mm' else f'10,000 {measure.unit}'}"
@@ -148,9 +155,15 @@ def format_bar(measure: Measure) -> str:
     return f"<= {format_error(measure, measure.bar)}"
 
 
+def count_holding(lines: Sequence[Line], engine: Engine, rate: float | None) -> tuple[int, int]:
+    """Measures within their bars, and how many an engine ran, at a rate or at all."""
+    told = [held for line in lines if (held := line.holds(engine, rate)) is not None]
+    return sum(told), len(told)
+
+
 def write_table(lines: Sequence[Line]) -> str:
-    """Tables as Markdown, one a group: good and bad rows alike."""
-    parts = []
+    """Tables as Markdown: counts by rate and engine, then one a group, good and bad rows alike."""
+    parts = ["### Measures within their bars", _write_counts(lines)]
     for group, members in groupby(lines, key=lambda line: line.scene.group):
         parts.append(f"### {group}")
         rows = [
@@ -161,6 +174,20 @@ def write_table(lines: Sequence[Line]) -> str:
         rows += map(_write_row, members)
         parts.append("\n".join(rows))
     return "\n\n".join(parts) + "\n"
+
+
+def _write_counts(lines: Sequence[Line]) -> str:
+    rates = sorted({rate for line in lines for rate in line.by_rate["voxshell"]}, reverse=True)
+    rows = [
+        f"| engine | {' | '.join(f'{rate:g} Hz' for rate in rates)} | all rates |",
+        "|---" * (len(rates) + 2) + "|",
+    ]
+    for engine, name in ENGINE_NAMES.items():
+        counts = [count_holding(lines, engine, rate) for rate in (*rates, None)]
+        if counts[-1][1]:
+            cells = " | ".join(f"{held} of {count}" for held, count in counts)
+            rows.append(f"| {name} | {cells} |")
+    return "\n".join(rows)
 
 
 def _write_row(line: Line) -> str:

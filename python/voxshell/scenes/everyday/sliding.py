@@ -284,12 +284,18 @@ def _tall_box(placement: int, mu: float, degrees: float) -> Stage:
     )
 
 
+def _most_tilted(track: Track) -> float:
+    """The largest angle between the body's axis and the ramp's normal, radians; turns about that are none."""
+    axes = track.poses["body"][:, :3, 2] @ track.stage.world_from_ramp[:, 2]
+    return float(np.arccos(np.clip(axes, -1.0, 1.0)).max())
+
+
 def _has_tipped(track: Track) -> float:
-    return float(track.turned("body").max() > math.radians(45.0))
+    return float(_most_tilted(track) > math.radians(45.0))
 
 
 def _has_not_tipped(track: Track) -> float:
-    return float(track.turned("body").max() < math.radians(5.0))
+    return float(_most_tilted(track) < math.radians(5.0))
 
 
 SCENES = (
