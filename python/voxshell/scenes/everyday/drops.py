@@ -141,11 +141,14 @@ def _lands(
 
 
 def _stairs() -> Form:
+    """With a floor before the lowest tread and behind the highest one, so that nothing falls beside."""
     steps = tuple(
-        ((0.125 + 0.25 * i - 1.0, 0.0, 0.5 * (0.25 * i - 0.25)), (0.25, 2.0, 0.25 * (i + 1)))
+        ((0.125 + 0.25 * i - 1.0, 0.0, 0.5 * (0.25 * i - 0.25)), (0.25, 3.0, 0.25 * (i + 1)))
         for i in range(8)
     )
-    return forms.boxes("stairs of eight boxes", steps)
+    floor = ((-1.875, 0.0, -0.125), (2.25, 3.0, 0.25))
+    landing = ((1.375, 0.0, 0.75), (1.25, 3.0, 2.0))
+    return forms.boxes("stairs of boxes", (*steps, floor, landing))
 
 
 def _table() -> Form:
@@ -178,7 +181,7 @@ SCENES = (
         2.2,
         1e-4,
     ),
-    _lands("screw of 5 mm on a table", lambda: forms.named("screw 5 mm"), _table, 0.3, 1e-4),
+    _lands("screw of 5 mm on a table", lambda: forms.named("screw 5 mm"), _table, 0.2, 1e-4),
     _lands(
         "ball of 30 mm on a slab of 1 m",
         lambda: forms.ball(0.015),
@@ -195,7 +198,7 @@ SCENES = (
         gap_to_stairs,
     ),
     _lands("mug on stairs of 2 m", forms.mug, _stairs, 0.8, 5e-4, gap_to_stairs, shown=True),
-    _lands("mug on a table", forms.mug, _table, 0.25, 5e-4),
+    _lands("mug on a table", forms.mug, _table, 0.15, 5e-4),
     _lands(
         "bunny of 0.2 m on a slab of 3 m",
         lambda: forms.named("bunny 0.2 m"),
@@ -207,7 +210,7 @@ SCENES = (
         "cube of 50 mm on a terrain of 5 m",
         lambda: forms.box(0.05, 0.05, 0.05),
         _terrain,
-        2.0,
+        1.8,
         1.25e-3,
         gap_to_terrain,
         engines=_ALONE,
@@ -216,7 +219,7 @@ SCENES = (
         "bunny of 0.2 m on a terrain of 5 m",
         lambda: forms.named("bunny 0.2 m"),
         _terrain,
-        2.0,
+        1.8,
         1.25e-3,
         gap_to_terrain,
         engines=_ALONE,

@@ -171,9 +171,9 @@ def _fastest_other(track: Track) -> float:
 
 
 def _dice(placement: int) -> Stage:
-    """Five dice of 16 mm thrown onto a slab of 1 m."""
+    """Five dice of 16 mm thrown onto a slab of 2 m, which none of them can leave."""
     die = forms.box(0.016, 0.016, 0.016)
-    items = [Item("ground", forms.slab(1.0), mass=0.0)]
+    items = [Item("ground", forms.slab(2.0), mass=0.0)]
     for i in range(5):
         k = 5 * placement + i
         pose = (

@@ -194,18 +194,18 @@ def _free_slip(track: Track) -> float:
 # ---- crowds --------------------------------------------------------------------------------------
 
 _BALLS = 40
-_GALTON = (8, 0.03, 0.003, 0.02)
+_GALTON = (8, 0.05, 0.004, 0.02)
 
 
 def _galton(placement: int, ball: Form) -> Stage:
-    """40 balls of 16 mm in a block over eight rows of pegs, 30 mm apart."""
+    """40 balls of 16 mm in a block over eight rows of pegs, 50 mm apart: 42 mm are free between two."""
     items = [Item("board", forms.galton(*_GALTON), mass=0.0)]
     for i in range(_BALLS):
         x = (i % 5 - 2) * 0.02 + 0.002 * share(40 * placement + i)
         z = 0.03 + (i // 5) * 0.02
         pose = shift(x, 0.001 * share(40 * placement + i, 2), z) @ turn(X, 3.0 * share(i, 3))
         items.append(Item(f"ball {i + 1}", ball, pose, 0.01))
-    return Stage(tuple(items), friction=0.2, restitution=0.3)
+    return Stage(tuple(items), friction=0.1, restitution=0.3)
 
 
 def _through(track: Track) -> float:
@@ -349,7 +349,7 @@ SCENES = (
     EverydayScene(
         "40 balls run down a Galton board",
         CROWD,
-        "The gaps are wider than a ball: all leave below.",
+        "The gaps are 2.6 balls wide: no two balls make an arch over them, and all leave below.",
         lambda i: _galton(i, forms.ball(0.008)),
         8.0,
         (Measure("balls through", "of 40", _through, _all_balls, 0.0),),
@@ -362,7 +362,7 @@ SCENES = (
     EverydayScene(
         "40 dented balls run down a Galton board",
         CROWD,
-        "The gaps are wider than a ball: all leave below.",
+        "The gaps are 2.6 balls wide: no two balls make an arch over them, and all leave below.",
         lambda i: _galton(i, forms.dented_ball(0.008)),
         8.0,
         (Measure("balls through", "of 40", _through, _all_balls, 0.0),),
