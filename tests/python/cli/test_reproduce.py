@@ -99,6 +99,12 @@ pair_poses = 20
 optimized = 0
 builds = 1
 compared_poses = 0
+[everyday]
+scenes = ["cube stops, plane", "cradle of five balls"]
+placements = 1
+longest = 0.2
+rates = [200.0, 60.0]
+engines = ["voxshell", "bullet"]
 [scaling]
 orientations = 1
 points = [500, 1000]
@@ -191,6 +197,7 @@ DEMANDED = {
     "gears": ("turns of the driven gear", "deepest true overlap"),
     "accuracy": ("depth off the truth",),
     "geometry": ("first contact beyond the first touch", "answers wrong beyond the stated bounds"),
+    "everyday": ("measures within their bars, voxshell", "sliding and stopping, cube stops"),
 }
 
 

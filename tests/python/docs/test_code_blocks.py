@@ -25,6 +25,7 @@ NOT_RUN = {
     r"(export PKG_CONFIG_PATH|g\+\+ -O2 app.cpp)": "C++ test: build_example.cmake does so",
     r"\.venv/bin/voxshell reproduce all ": "takes minutes; tests/python/cli runs its parts",
     r"voxshell reproduce geometry ": "takes minutes; tests/python/cli runs it small",
+    r"voxshell reproduce everyday ": "takes minutes; tests/python/cli runs it small",
     r"pip install \"\$\(ls build/dist/": "./dev wheel installs what it makes",
     r"voxshell simulate examples/": "tests/python/cli/test_simulate_scene.py runs the scenes",
 }

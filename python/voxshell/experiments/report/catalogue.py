@@ -6,6 +6,7 @@ from voxshell.experiments.experiment import Experiment
 from voxshell.experiments.report.accuracy import ACCURACY
 from voxshell.experiments.report.ball import BALL
 from voxshell.experiments.report.bunny import BUNNY
+from voxshell.experiments.report.everyday import EVERYDAY
 from voxshell.experiments.report.gears import GEARS
 from voxshell.experiments.report.geometry import GEOMETRY
 from voxshell.experiments.report.nut import NUT
@@ -32,5 +33,6 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     GEARS,
     ACCURACY,
     GEOMETRY,
+    EVERYDAY,
     SCALING,
 )

@@ -1,0 +1,203 @@
+"""Closed forms of everyday scenes. SI units and radians.
+
+Where time steps change the result, the form is that of semi-implicit Euler steps, which Bullet and MuJoCo
+take: first the velocity, then the place with the new velocity.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+G = 9.81
+"""Gravity, m/s2."""
+
+
+def slide_acceleration(slope: float, friction: float) -> float:
+    """Down a slope with Coulomb friction: g (sin a - mu cos a), m/s2 (any textbook of mechanics).
+
+    Example:
+        >>> round(slide_acceleration(math.radians(35.0), 0.5), 3)
+        1.609
+    """
+    return G * (math.sin(slope) - friction * math.cos(slope))
+
+
+def roll_acceleration(slope: float, inertia_share: float) -> float:
+    """Down a slope without sliding: g sin a / (1 + I / (m r2)), m/s2.
+
+    Args:
+        slope: Radians.
+        inertia_share: I / (m r2), of the axis of rolling and the radius of rolling: 2/5 of a ball.
+    """
+    return G * math.sin(slope) / (1.0 + inertia_share)
+
+
+def way(speed: float, acceleration: float, seconds: float, time_step: float) -> float:
+    """Covered with a constant acceleration, metres: n v h + a h2 n (n + 1) / 2 after n steps h.
+
+    Example:
+        >>> round(way(0.0, 2.0, 1.0, 1e-4), 4), round(way(0.0, 2.0, 1.0, 0.1), 4)
+        (1.0001, 1.1)
+    """
+    steps = round(seconds / time_step)
+    return steps * speed * time_step + 0.5 * acceleration * time_step**2 * steps * (steps + 1)
+
+
+def way_to_stop(speed: float, deceleration: float, time_step: float) -> float:
+    """Until friction has stopped a body, metres: h times the sum of the speeds after each step.
+
+    Without steps it is v2 / (2 a).
+
+    Example:
+        >>> round(way_to_stop(1.0, 0.5 * G, 1e-5), 4), round(way_to_stop(1.0, 0.5 * G, 1 / 30), 4)
+        (0.1019, 0.0855)
+    """
+    loss = deceleration * time_step
+    steps = math.floor(speed / loss)
+    return time_step * (steps * speed - 0.5 * loss * steps * (steps + 1))
+
+
+def bowled_speed(speed: float, inertia_share: float) -> float:
+    """Of a ball that is bowled without spin, once it rolls: v / (1 + I / (m r2)), m/s; 5/7 v of a ball.
+
+    Friction does not enter: the angular momentum about the contact's line stays.
+    """
+    return speed / (1.0 + inertia_share)
+
+
+def ring_spin_down(spin: float, friction: float, outer: float, inner: float) -> float:
+    """Seconds until a flat ring that spins about its vertical axis stands still.
+
+    Uniform pressure: torque mu m g (2/3) (R3 - r3) / (R2 - r2), inertia m (R2 + r2) / 2. For a thin ring
+    the pressure's distribution does not matter.
+    """
+    lever = 2.0 / 3.0 * (outer**3 - inner**3) / (outer**2 - inner**2)
+    return spin * 0.5 * (outer**2 + inner**2) / (friction * G * lever)
+
+
+def wedge_acceleration(slope: float, block: float, wedge: float) -> float:
+    """Of a wedge on a floor while a block slides down it, both without friction, m/s2.
+
+    m g sin a cos a / (M + m sin2 a) (Lagrange's equations; any textbook).
+
+    Example:
+        >>> round(wedge_acceleration(math.radians(30.0), 1.0, 1e9), 6)
+        0.0
+    """
+    sine = math.sin(slope)
+    return block * G * sine * math.cos(slope) / (wedge + block * sine**2)
+
+
+def oblique_impact(
+    speed: float, offset: float, radius: float, restitution: float
+) -> tuple[float, float]:
+    """Speeds of two equal smooth balls after one has hit the other, which stood.
+
+    Along the line of centers (1 -+ e) / 2 of the component, across it all of it.
+
+    Args:
+        speed: Of the first, m/s.
+        offset: Between its path and the other's center, metres.
+        radius: Of both, metres.
+        restitution: e.
+
+    Returns:
+        Speed of the one that came and of the one that stood, m/s.
+
+    Example:
+        >>> oblique_impact(1.0, 0.0, 0.1, 1.0)
+        (0.0, 1.0)
+    """
+    sine = offset / (2.0 * radius)
+    along = speed * math.sqrt(1.0 - sine**2)
+    across = speed * sine
+    return math.hypot(0.5 * (1.0 - restitution) * along, across), 0.5 * (1.0 + restitution) * along
+
+
+def pendulum_period(length: float, amplitude: float) -> float:
+    """Of a pendulum with any amplitude, seconds: 2 pi sqrt(l / g) / agm(1, cos(A / 2)) (Gauss).
+
+    Args:
+        length: Of the mathematical pendulum, I / (m d), metres.
+        amplitude: Radians.
+
+    Example:
+        >>> round(pendulum_period(1.0, 1e-6), 4), round(pendulum_period(1.0, 1.0), 4)
+        (2.0061, 2.1391)
+    """
+    a, b = 1.0, math.cos(0.5 * amplitude)
+    for _ in range(40):
+        a, b = 0.5 * (a + b), math.sqrt(a * b)
+    return 2.0 * math.pi * math.sqrt(length / G) / a
+
+
+def bowl_period(bowl: float, radius: float) -> float:
+    """Of a ball that rolls to and fro in a bowl with small amplitude: 2 pi sqrt(7 (R - r) / (5 g)), s."""
+    return 2.0 * math.pi * math.sqrt(1.4 * (bowl - radius) / G)
+
+
+def precession(spin: float, axial: float, lateral: float, moment: float, tilt: float) -> float:
+    """Slow steady precession of a heavy top about a fixed point, rad/s.
+
+    The smaller root of I1 cos(t) W2 - I3 w W + M = 0 (Goldstein, Classical Mechanics, 5.7).
+
+    Args:
+        spin: w, angular velocity along the top's axis, rad/s.
+        axial: I3, about the axis, kg m2.
+        lateral: I1, about the fixed point across the axis, kg m2.
+        moment: M = m g l, newton metres.
+        tilt: t, of the axis from the vertical, radians.
+    """
+    a, b = lateral * math.cos(tilt), axial * spin
+    return (b - math.sqrt(b * b - 4.0 * a * moment)) / (2.0 * a)
+
+
+@cache
+def tumble(
+    inertia: tuple[float, float, float], spin: tuple[float, float, float], seconds: float
+) -> tuple[tuple[float, ...], ...]:
+    """The attitude of a free body, (3, 3) ``world_from_principal`` as rows, integrated with fine steps.
+
+    Euler's equations and the attitude by Runge and Kutta's method of fourth order with steps of 1 ms:
+    halving them changes the attitude after 30 s by less than 1e-6 rad.
+
+    Args:
+        inertia: Principal moments, kg m2.
+        spin: Angular velocity at the start, rad/s, in principal axes, which coincide with the world's.
+        seconds: How long.
+    """
+    i = np.array(inertia)
+    # Quaternion w x y z and angular velocity in the body.
+    state = np.array([1.0, 0.0, 0.0, 0.0, *spin])
+
+    def rate(s: np.ndarray) -> np.ndarray:
+        w, x, y, z, p, q, r = s.tolist()
+        return np.array(
+            [
+                0.5 * (-x * p - y * q - z * r),
+                0.5 * (w * p + y * r - z * q),
+                0.5 * (w * q + z * p - x * r),
+                0.5 * (w * r + x * q - y * p),
+                (i[1] - i[2]) / i[0] * q * r,
+                (i[2] - i[0]) / i[1] * r * p,
+                (i[0] - i[1]) / i[2] * p * q,
+            ]
+        )
+
+    steps = max(round(seconds / 1e-3), 1)
+    h = seconds / steps
+    for _ in range(steps):
+        k1 = rate(state)
+        k2 = rate(state + 0.5 * h * k1)
+        k3 = rate(state + 0.5 * h * k2)
+        k4 = rate(state + h * k3)
+        state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    w, x, y, z = (state[:4] / np.linalg.norm(state[:4])).tolist()
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
