@@ -78,7 +78,8 @@ ContactRule::ContactRule(const PosedPair& pair, const ContactSettings& settings,
       std::max(length(motion_a_.velocity_of_forces), length(motion_b_.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillWithin * rest_margin_;
   is_still_ = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
-  sweeps_ = farthest_way_ > (settings.sweep_beyond >= 0.0 ? settings.sweep_beyond : detail_);
+  sweeps_ =
+      farthest_way_ > (settings.ccd_motion_threshold >= 0.0 ? settings.sweep_beyond : detail_);
   // The solver may make points faster than they are.
   constexpr double kTurned = 2.0;
   margin_ = sweeps_ ? std::max(rest_margin_, kTurned * farthest_way_) : rest_margin_;
