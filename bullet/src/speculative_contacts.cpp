@@ -1,0 +1,130 @@
+#include "speculative_contacts.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <variant>
+
+#include "impact.h"
+#include "second_shell.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// Where a place touches a field on its way, by conservative advancement.
+struct Touch {
+  double fraction;  ///< of the displacement
+  Vec3f place;
+  double gap;  ///< that is left there, metres
+};
+
+/// @param gap     From the start to the surface, metres.
+/// @param offset  How much less that is than the field's distance: of balls, and of Bullet's
+/// margins.
+template <class F>
+std::optional<Touch> find_touch(const F& field, const Vec3& start, const Vec3& displacement,
+                                double gap, double offset, double touching) {
+  constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
+  constexpr int kMostSteps = 64;
+  const double farthest = length(displacement);
+  Touch touch{0.0, static_cast<Vec3f>(start), gap};
+  for (int i = 0; touch.gap > touching && i < kMostSteps; ++i) {
+    touch.fraction += kOfDistance * touch.gap / farthest;
+    if (!(touch.fraction <= 1.0)) return std::nullopt;
+    touch.place = static_cast<Vec3f>(start + touch.fraction * displacement);
+    touch.gap = static_cast<double>(field.distance(touch.place)) - offset;
+  }
+  return touch;
+}
+
+/// Whether the points of the shell are those of the larger body. Triangles are no bodies.
+bool is_shell_larger(const PairStep& step) {
+  return !step.pair->has_triangles() && step.larger == &step.pair->shell_side();
+}
+
+/// Moves a contact, along the surface, to where a place of the field's body is now. Of two places
+/// that will touch, solvers are to see that of the smaller body where it is: with the lever of the
+/// other it would be turned, not stopped.
+void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) {
+  const Vec3 now = step.field_from_shell.inverse().transform_point(on_field);
+  contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
+}
+
+/// Of a feature, or a point of the second shell, in the field of the shell's model.
+std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& feature,
+                                          std::uint32_t id) {
+  const PosedPair& pair = *step.pair;
+  const GridField& field = pair.shell_side().model()->grid();
+  const Vec3 displacement =
+      -step.time_step * (step.motion.velocity_at(feature.place) + step.motion.velocity_of_forces);
+  const double offset = feature.radius + step.thickness;
+  const double gap =
+      static_cast<double>(field.distance(static_cast<Vec3f>(feature.place))) - offset;
+  const auto touch =
+      find_touch(field, feature.place, displacement, gap, offset, step.touching_gap());
+  if (!touch) return std::nullopt;
+  const Vec3f outwards = normalized(field.gradient(touch->place));
+  const double closing = -dot(displacement, static_cast<Vec3>(outwards));
+  if (!(closing > 0.0)) return std::nullopt;
+  const double gap_then = std::max(touch->gap, 0.0);
+  Contact touching =
+      contact_of(feature, id, outwards, -(touch->fraction * closing + gap_then) - step.thickness);
+  // The shell's place, as in put_on_field().
+  if (id < kFirstFeature && step.larger == &pair.field_side()) {
+    touching.point = touch->place - static_cast<float>(gap_then) * outwards;
+  }
+  return touching;
+}
+
+}  // namespace
+
+std::optional<Contact> find_speculative(const PairStep& step, std::span<const Feature> features,
+                                        const Contact& contact) {
+  if (contact.id >= kFirstFeature) {
+    return find_in_shell_body(step, features[contact.id - kFirstFeature], contact.id);
+  }
+  if (contact.id >= kFirstOfSecond) {
+    return find_in_shell_body(step, {place_of_second(contact), 0.0}, contact.id);
+  }
+  const auto point = static_cast<Vec3>(contact.point);
+  const Vec3 displacement = step.field_from_shell.rotate(
+      step.time_step * (step.motion.velocity_at(point) + step.motion.velocity_of_forces));
+  const Vec3 start = step.field_from_shell.transform_point(point);
+  const double gap = -static_cast<double>(contact.depth) - step.thickness;
+  return std::visit(
+      [&](const auto& field) -> std::optional<Contact> {
+        const auto touch =
+            find_touch(field, start, displacement, gap, step.thickness, step.touching_gap());
+        if (!touch) return std::nullopt;
+        const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(touch->place)));
+        const double closing = -dot(displacement, normal);
+        if (!(closing > 0.0)) return std::nullopt;
+        Contact touching = contact;
+        touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(normal));
+        touching.depth = static_cast<float>(
+            -(touch->fraction * closing + std::max(touch->gap, 0.0)) - step.thickness);
+        if (is_shell_larger(step)) {
+          const double apart = std::max(touch->gap, 0.0) + step.thickness;
+          put_on_field(step, static_cast<Vec3>(touch->place) - apart * normal, touching);
+        }
+        return touching;
+      },
+      step.pair->field());
+}
+
+void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {
+  const Pose field_from_shell_then = step.field_from_shell_after(fraction);
+  for (Contact& contact : contacts) {
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const double gap = -static_cast<double>(contact.depth) - step.thickness;
+    const Vec3 on_field = field_from_shell_then.transform_point(
+        static_cast<Vec3>(contact.point) + static_cast<double>(contact.depth) * normal);
+    put_on_field(step, on_field, contact);
+    const double closing = closing_of(step, impact_of(step, contact));
+    contact.depth = static_cast<float>(-std::max(gap, 0.0) - fraction * closing - step.thickness);
+    put_on_field(step, on_field, contact);
+  }
+  std::erase_if(contacts,
+                [&](const Contact& contact) { return impact_of(step, contact).gap < 0.0; });
+}
+
+}  // namespace voxshell::bullet
