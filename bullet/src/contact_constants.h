@@ -5,9 +5,6 @@
 /// Every number that the adapter's contacts depend on and that neither Bullet nor a user gives. A
 /// comment says the unit, the reason, and what breaks when the number changes. Decision 3
 /// (docs/decisions/0003-contact-rule.md) argues them unless another decision is named.
-///
-/// Numbers of the geometry that queries rest on are not among them: those of triangles stand in
-/// triangle_contacts.cpp, those of hulls in hull.cpp.
 
 namespace voxshell::bullet {
 
@@ -38,6 +35,19 @@ inline constexpr double kCcdReach = 2.0;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
 /// more steps of conservative advancement. Larger: fast bodies stop visibly early.
 inline constexpr double kTouchingOfDetail = 0.05;
+/// Conservative advancement moves by this fraction of the gap where the field's own lower bound
+/// says that it is safe: two voxels and more from the surface, and in every analytic field. Larger:
+/// the bound refuses it more often. Smaller: more steps.
+inline constexpr double kBoldOfGap = 0.9;
+/// The same without asking: one over the square root of three. A field's values are means of
+/// distances at nodes, and no two nodes differ by more than they are apart; so along each axis it
+/// is no steeper than 1. Larger: fast bodies may pass thin walls. Decision 14.
+inline constexpr double kSafeOfGap = 0.577;
+/// Most steps of one advancement; where they are not enough, there is a contact with the gap that
+/// is left. Smaller: bodies that graze a surface are kept away from it.
+inline constexpr int kMostAdvances = 64;
+/// Features inside a model have left it where they are at most this deep, in voxels.
+inline constexpr double kLeftOfVoxel = 1e-3;
 /// Triangles farther from the model than this many touching gaps where the model first touches
 /// count as planes. Decision 13.
 inline constexpr float kPlaneBeyondGaps = 2.0f;
@@ -97,6 +107,45 @@ inline constexpr float kOpposedByLess = -0.3f;
 /// It does if the shell's own surface is nearer than this to a place one spacing in front of it, in
 /// spacings.
 inline constexpr float kFreeInFront = 0.3f;
+
+// ---- features of Bullet's shapes ----------------------------------------------------------------
+
+/// A rim whose plane and the model's surface are within this sine of each other lies flat: it has
+/// no deepest point. Larger: the deepest point of a tilted rim is missed.
+inline constexpr double kFlatRim = 0.1;
+/// Far from the surface a grid's distances are rough: a ball is looked for this fraction of its
+/// radius farther away. Smaller: large balls are missed. Larger: slower.
+inline constexpr double kBallSlack = 0.5;
+/// Most steps along a ball's surface to the place that is deepest in the model. Each at least
+/// halves the error on smooth surfaces.
+inline constexpr int kBallSteps = 8;
+/// A feature inside a model leaves it by the line to its shape's middle, up to this many times the
+/// way there: the shape's other end.
+inline constexpr double kToOtherEnd = 2.0;
+
+// ---- Bullet's triangles -------------------------------------------------------------------------
+// Decision 13.
+
+/// Samples of triangles are at most this fraction of a model's longest side apart, or a voxel.
+/// Smaller: what is between them is found more surely, more slowly.
+inline constexpr double kSampleOfSize = 1.0 / 32.0;
+/// The same of the field's lower bound where that is more: far away coarser samples will do.
+inline constexpr float kSampleOfBound = 0.5f;
+/// Most cells along a model's longest side, with a contact each.
+inline constexpr int kMostCellsAlongSide = 16;
+/// A piece whose longest edge is twice its shortest, so that their squares have this ratio, is
+/// halved, not quartered: thin slivers would stay thin.
+inline constexpr float kSlenderSquared = 4.0f;
+/// How often a triangle may be split; more than any finite triangle needs.
+inline constexpr int kMostSplits = 64;
+/// How often the best piece of a cell is quartered to find its deepest place: to a 32nd of it.
+inline constexpr int kQuarterings = 5;
+/// A place is on an edge of its triangle if it is nearer to it than this, relative to the
+/// triangle's size: there the field's normal counts.
+inline constexpr float kOnEdge = 1e-4f;
+/// Inside a triangle its own normal counts where its cosine with the field's is at least this.
+/// Larger: kinks that edges make in the field give a contact the normal of a face beside it.
+inline constexpr float kMostKink = 0.5f;
 
 // ---- facing normals -----------------------------------------------------------------------------
 

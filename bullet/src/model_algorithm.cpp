@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include "conservative_advancement.h"
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
@@ -229,8 +230,6 @@ std::span<const Contact> ModelAlgorithm::ask(const Field& field, const PointShel
 /// by conservative advancement of the whole body: its first contact need not be where it is nearest
 /// now. Returns the fraction of the step that is over then.
 double ModelAlgorithm::find_on_the_way(const PairStep& step) {
-  constexpr double kOfDistance = 0.8;  // grids' distances are rough far from the surface
-  constexpr int kMostSteps = 32;
   const PosedPair& pair = *step.pair;
   const Model& model = *pair.field_side().model();
   const double farthest = step.farthest_displacement;
@@ -241,15 +240,14 @@ double ModelAlgorithm::find_on_the_way(const PairStep& step) {
   features_.clear();
   triangle_contacts_.gather(*pair.shell_side().triangles(), model, pair.field_from_shell(),
                             reach(0.0));
-  double fraction = 0.0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  const auto touch = advance(farthest, step.touching_gap(), 1.0, [&](double fraction) {
     const double gap =
         triangle_contacts_.distance(model, step.field_from_shell_after(fraction), reach(fraction)) -
         step.thickness;
-    if (gap <= step.touching_gap()) break;
-    fraction += kOfDistance * gap / farthest;
-    if (!(fraction < 1.0)) return 0.0;
-  }
+    return Clearance{gap, kSafeOfGap * gap};
+  });
+  if (!touch) return 0.0;
+  const double fraction = touch->fraction;
   const std::vector<Contact>& found = triangle_contacts_.find(
       model, step.field_from_shell_after(fraction), level(), reach(fraction),
       kPlaneBeyondGaps * static_cast<float>(step.touching_gap()));

@@ -4,36 +4,39 @@
 #include <cstdint>
 #include <variant>
 
+#include "conservative_advancement.h"
 #include "impact.h"
 #include "second_shell.h"
 
 namespace voxshell::bullet {
 namespace {
 
-/// Where a place touches a field on its way, by conservative advancement.
+/// Where a place touches a field within the step.
 struct Touch {
-  double fraction;  ///< of the displacement
   Vec3f place;
-  double gap;  ///< that is left there, metres
+  double gap;      ///< that is left there, not negative, metres
+  double closing;  ///< how much of the gap the displacement closes up to there, metres
+  Vec3 outwards;   ///< the field's normal
 };
 
-/// @param gap     From the start to the surface, metres.
-/// @param offset  How much less that is than the field's distance: of balls, and of Bullet's
-/// margins.
+/// @param offset  How much nearer the surface is than the field's zero: for balls, and for Bullet's
+/// margins. Metres.
 template <class F>
-std::optional<Touch> find_touch(const F& field, const Vec3& start, const Vec3& displacement,
-                                double gap, double offset, double touching) {
-  constexpr double kOfDistance = 0.6;  // fields of grids may change faster than the distance
-  constexpr int kMostSteps = 64;
-  const double farthest = length(displacement);
-  Touch touch{0.0, static_cast<Vec3f>(start), gap};
-  for (int i = 0; touch.gap > touching && i < kMostSteps; ++i) {
-    touch.fraction += kOfDistance * touch.gap / farthest;
-    if (!(touch.fraction <= 1.0)) return std::nullopt;
-    touch.place = static_cast<Vec3f>(start + touch.fraction * displacement);
-    touch.gap = static_cast<double>(field.distance(touch.place)) - offset;
-  }
-  return touch;
+std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3& start,
+                                const Vec3& displacement, double offset) {
+  const auto place_at = [&](double fraction) {
+    return static_cast<Vec3f>(start + fraction * displacement);
+  };
+  const auto reached =
+      advance(length(displacement), step.touching_gap(), 1.0,
+              [&](double fraction) { return clearance_of(field, place_at(fraction), offset); });
+  if (!reached) return std::nullopt;
+  const Vec3f place = place_at(reached->fraction);
+  const auto outwards = static_cast<Vec3>(field.gradient(place));
+  const Vec3 normal = normalized(outwards);
+  const double closing = -dot(displacement, normal);
+  if (!(closing > 0.0)) return std::nullopt;
+  return Touch{place, std::max(reached->gap, 0.0), reached->fraction * closing, normal};
 }
 
 /// Whether the points of the shell are those of the larger body. Triangles are no bodies.
@@ -56,21 +59,15 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& f
   const GridField& field = pair.shell_side().model()->grid();
   const Vec3 displacement =
       -step.time_step * (step.motion.velocity_at(feature.place) + step.motion.velocity_of_forces);
-  const double offset = feature.radius + step.thickness;
-  const double gap =
-      static_cast<double>(field.distance(static_cast<Vec3f>(feature.place))) - offset;
   const auto touch =
-      find_touch(field, feature.place, displacement, gap, offset, step.touching_gap());
+      find_touch(step, field, feature.place, displacement, feature.radius + step.thickness);
   if (!touch) return std::nullopt;
-  const Vec3f outwards = normalized(field.gradient(touch->place));
-  const double closing = -dot(displacement, static_cast<Vec3>(outwards));
-  if (!(closing > 0.0)) return std::nullopt;
-  const double gap_then = std::max(touch->gap, 0.0);
+  const auto outwards = static_cast<Vec3f>(touch->outwards);
   Contact touching =
-      contact_of(feature, id, outwards, -(touch->fraction * closing + gap_then) - step.thickness);
+      contact_of(feature, id, outwards, -(touch->closing + touch->gap) - step.thickness);
   // The shell's place, as in put_on_field().
   if (id < kFirstFeature && step.larger == &pair.field_side()) {
-    touching.point = touch->place - static_cast<float>(gap_then) * outwards;
+    touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
   }
   return touching;
 }
@@ -89,26 +86,20 @@ std::optional<Contact> find_speculative(const PairStep& step, std::span<const Fe
   const Vec3 displacement = step.field_from_shell.rotate(
       step.time_step * (step.motion.velocity_at(point) + step.motion.velocity_of_forces));
   const Vec3 start = step.field_from_shell.transform_point(point);
-  const double gap = -static_cast<double>(contact.depth) - step.thickness;
-  return std::visit(
-      [&](const auto& field) -> std::optional<Contact> {
-        const auto touch =
-            find_touch(field, start, displacement, gap, step.thickness, step.touching_gap());
-        if (!touch) return std::nullopt;
-        const Vec3 normal = normalized(static_cast<Vec3>(field.gradient(touch->place)));
-        const double closing = -dot(displacement, normal);
-        if (!(closing > 0.0)) return std::nullopt;
-        Contact touching = contact;
-        touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(normal));
-        touching.depth = static_cast<float>(
-            -(touch->fraction * closing + std::max(touch->gap, 0.0)) - step.thickness);
-        if (is_shell_larger(step)) {
-          const double apart = std::max(touch->gap, 0.0) + step.thickness;
-          put_on_field(step, static_cast<Vec3>(touch->place) - apart * normal, touching);
-        }
-        return touching;
+  const auto touch = std::visit(
+      [&](const auto& field) {
+        return find_touch(step, field, start, displacement, step.thickness);
       },
       step.pair->field());
+  if (!touch) return std::nullopt;
+  Contact touching = contact;
+  touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(touch->outwards));
+  touching.depth = static_cast<float>(-(touch->closing + touch->gap) - step.thickness);
+  if (is_shell_larger(step)) {
+    const double apart = touch->gap + step.thickness;
+    put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
+  }
+  return touching;
 }
 
 void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {

@@ -110,11 +110,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x07504197718f1e53, 0x57b5ecd5a2fee8f2, 0x4992b44e809d4629, 0x8ac882abee395526,
-        0x2fc10b4268acd535}},
+       {0x737af304d0cb8170, 0xdd7529a75fba296d, 0x9af25f79a0beedfe, 0xfcb9c55de3fc48a4,
+        0x94c7cf9e2ec7ecd0}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x8111a9af200e263b, 0x47d303d48f8cc365, 0x1576ef1f9ea13dd2, 0xd5c6998b01ef6bf1,
-        0xcc0bc475aa77e7fe}},
+       {0x1ebcbb3f80052eef, 0x6c5aa3e618d48b9d, 0x55cb3f089fe1abed, 0xe0ba06a40e6297a2,
+        0x73456ee181aa2e42}},
   };
   return hashes;
 }
