@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 /// Every number that the adapter's contacts depend on and that neither Bullet nor a user gives. A
@@ -146,6 +147,29 @@ inline constexpr float kOnEdge = 1e-4f;
 /// Inside a triangle its own normal counts where its cosine with the field's is at least this.
 /// Larger: kinks that edges make in the field give a contact the normal of a face beside it.
 inline constexpr float kMostKink = 0.5f;
+
+// ---- flat elements ------------------------------------------------------------------------------
+
+/// Normals of surfaces that touch have at most this cosine; others are looked at: within a quarter
+/// of a degree. Larger angles: a ball that drops straight on a flat ground leaves sideways.
+inline constexpr float kAlignedCosine = -0.99999f;
+/// Distances at which two surfaces are told apart, as fractions of the smaller body's radius. The
+/// first one spans the facets that stand for a curved surface.
+inline constexpr std::array kFlatScales{0.1, 0.3, 1.0};
+/// A surface is flat at a distance if it is no farther from its tangent plane than this fraction of
+/// that distance. A ball bends by a 20th at the first scale.
+inline constexpr double kFlatBend = 0.01;
+/// Depths along a normal are found to this fraction of the rest margin.
+inline constexpr double kDepthPrecision = 0.01;
+/// They are looked for up to this many rest margins inside.
+inline constexpr double kDeepestColumn = 100.0;
+/// Of a speculative contact they are looked for up to this many touching gaps.
+inline constexpr double kColumnGaps = 4.0;
+/// A depth along an element's normal counts if the shell's own surface is at least this fraction of
+/// it away where it ends: else another face of the shell is nearer there.
+inline constexpr double kOwnDepth = 0.5;
+/// The least slope, as a cosine, by which the rest of a depth is divided.
+inline constexpr double kLeastSlope = 0.1;
 
 // ---- facing normals -----------------------------------------------------------------------------
 

@@ -29,12 +29,18 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (is_contact(step, impact)) {
       touch(contact);
     } else if (step.uses_ccd) {
-      if (!(closing_of(step, impact) >= impact.gap)) {
+      const double closing = closing_of(step, impact);
+      const bool is_followed = !step.pair->has_triangles();
+      if (closing >= impact.gap) {
+        if (!is_followed) {
+          touch(contact);
+        } else if (const auto speculative = find_speculative(step, features, contact, 1.0)) {
+          touch(*speculative);
+        }
+      } else if (is_followed && kCcdReach * closing >= impact.gap) {
+        keep(find_speculative(step, features, contact, kCcdReach).value_or(contact));
+      } else {
         keep(contact);
-      } else if (const auto speculative = step.pair->has_triangles()
-                                              ? contact
-                                              : find_speculative(step, features, contact)) {
-        touch(*speculative);
       }
     }
   }

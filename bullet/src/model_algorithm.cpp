@@ -90,7 +90,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   if (!simulates) {
     const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
-    find_near(pair, margin, 0.0, Wanted::kAll);
+    find_near(pair, margin, TouchScale{}, Wanted::kAll);
     report(pair, *result);
     return;
   }
@@ -108,8 +108,9 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   if (uses_ccd_ && pair.has_triangles()) {
     fraction = find_on_the_way(step);
   } else {
-    const bool has_swapped_roles = find_near(pair, step.margin, step.rest_margin,
-                                             takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    const bool has_swapped_roles =
+        find_near(pair, step.margin, {step.radius, step.rest_margin, step.thickness},
+                  takes_all ? Wanted::kAll : Wanted::kOneASegment);
     if (has_swapped_roles) step = describe();
   }
   const auto rest_margin = static_cast<float>(step.rest_margin);
@@ -158,9 +159,11 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
 }
 
 /// Fills contacts_, ascending by id, with the points within the margin or the deepest of these of
-/// each segment. `facing` is the reach of face_elements(), metres. Returns whether the roles of the
+/// each segment. `touch` is that of FlatElements, and its
+/// margin the reach of face_elements(); 0 in contact tests. Returns whether the roles of the
 /// pair were swapped for it.
-bool ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wanted wanted) {
+bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale& touch,
+                               Wanted wanted) {
   // Of surfaces thickened by Bullet's margins, contacts are points that near.
   const auto reach = static_cast<float>(margin + pair.thickness());
   if (pair.has_triangles()) {
@@ -176,7 +179,9 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wa
         ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
     face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
-                  pair.field_side().has_sharp_field() ? facing : 0.0, pair.thickness());
+                  pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
+                      pair.field_from_shell(), touch);
   };
   take();
   if (pair.asks_both) {
@@ -186,7 +191,9 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wa
             second_scratch_);
     second_found_.assign(found.begin(), found.end());
     face_elements(second_found_, pair.second_field(), pair.second_shell(), second_field_from_shell,
-                  pair.shell_side().has_sharp_field() ? facing : 0.0, pair.thickness());
+                  pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
+                       pair.field_side().model()->grid(), second_field_from_shell, touch);
     second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
              pair.swap_roles_if_enclosed()) {

@@ -10,6 +10,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "contact_rule.h"
+#include "flat_elements.h"
 #include "hull.h"
 #include "second_shell.h"
 #include "shape_features.h"
@@ -58,7 +59,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
-  bool find_near(PosedPair& pair, double margin, double facing, Wanted wanted);
+  bool find_near(PosedPair& pair, double margin, const TouchScale& touch, Wanted wanted);
   void append_inner(const PosedPair& pair);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,
@@ -82,6 +83,8 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   QueryScratch scratch_;
   QueryScratch second_scratch_;
   SecondShell second_;
+  FlatElements first_flat_;
+  FlatElements second_flat_;
   bool uses_ccd_ = false;    ///< in this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
