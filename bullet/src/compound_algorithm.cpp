@@ -53,17 +53,17 @@ void CompoundAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   const Ball ball = std::min(Ball::about(compound), Ball::about(other),
                              [](const Ball& x, const Ball& y) { return x.radius < y.radius; });
   const auto time_step = static_cast<double>(info.m_timeStep);
-  const double way =
-      find_farthest_way(Motion::of(*compound.getCollisionObject(), time_step),
-                        Motion::of(*other.getCollisionObject(), time_step), ball, time_step);
-  find_on_the_way(compound, other, way);
+  const double farthest = find_farthest_displacement(
+      Motion::of(*compound.getCollisionObject(), time_step),
+      Motion::of(*other.getCollisionObject(), time_step), ball, time_step);
+  find_on_the_way(compound, other, farthest);
   try_on_the_way(compound, other, info, *result);
 }
 
-/// Fills children_ with those that Bullet has left out and whose bounds the way may bring to those
-/// of the other shape.
+/// Fills children_ with those that Bullet has left out and whose bounds a displacement of this
+/// length may bring to those of the other shape.
 void CompoundAlgorithm::find_on_the_way(const btCollisionObjectWrapper& compound,
-                                        const btCollisionObjectWrapper& other, double way) {
+                                        const btCollisionObjectWrapper& other, double farthest) {
   children_.clear();
   const auto& shape = *static_cast<const btCompoundShape*>(compound.getCollisionShape());
   btVector3 lower;
@@ -71,7 +71,7 @@ void CompoundAlgorithm::find_on_the_way(const btCollisionObjectWrapper& compound
   const btTransform compound_from_other =
       compound.getWorldTransform().inverse() * other.getWorldTransform();
   other.getCollisionShape()->getAabb(compound_from_other, lower, upper);
-  const auto reach = static_cast<btScalar>(way);
+  const auto reach = static_cast<btScalar>(farthest);
   lower -= btVector3(reach, reach, reach);
   upper += btVector3(reach, reach, reach);
   const auto try_child = [&](int index) {

@@ -28,7 +28,7 @@ class CompoundAlgorithm : public btCompoundCollisionAlgorithm {
   };
 
   void find_on_the_way(const btCollisionObjectWrapper& compound,
-                       const btCollisionObjectWrapper& other, double way);
+                       const btCollisionObjectWrapper& other, double farthest);
   void try_on_the_way(const btCollisionObjectWrapper& compound,
                       const btCollisionObjectWrapper& other, const btDispatcherInfo& info,
                       btManifoldResult& result);

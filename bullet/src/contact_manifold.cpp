@@ -9,6 +9,7 @@
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include "contact_constants.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -115,8 +116,6 @@ btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
   point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
   point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
   if (contact.is_resting) {
-    // Pulled back at once, bodies on four points rest less calmly.
-    constexpr double kPulledBack = 0.75;
     point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
     point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));
   }

@@ -10,10 +10,6 @@
 
 namespace voxshell::bullet {
 
-/// Of the impulses of the step before, the share that Bullet's solver begins with: the default of
-/// btContactSolverInfo.
-constexpr double kWarmStartingFactor = 0.85;
-
 /// A contact as Bullet wants it, between the wrapped objects a and b. Metres, world frame.
 struct WorldContact {
   std::uint32_t id;  ///< of the shell's point, a feature (kFirstFeature) or a cell of triangles

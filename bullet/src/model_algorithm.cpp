@@ -9,10 +9,14 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include "conservative_advancement.h"
+#include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
 #include "facing_normals.h"
+#include "pair_step.h"
 #include "posed_pair.h"
+#include "rolling_lever.h"
 #include "shape_features.h"
 #include "stage_clock.h"
 #include "voxshell/bullet/convert.h"
@@ -20,11 +24,6 @@
 
 namespace voxshell::bullet {
 namespace {
-
-constexpr int kDefaultLevel = 4;
-/// In steps that sweep: a body that turns while it is stopped is held by more points.
-constexpr int kDefaultSweptLevel = 5;
-constexpr float kCarriesOn = 0.25f;  // of the rest margin
 
 /// The depth of the deepest of `points`.
 float depth_of(const ManifoldPoints& points, std::span<const Contact> contacts) {
@@ -52,11 +51,10 @@ ManifoldPoints points_before(std::span<const Contact> contacts,
 /// rocking: those of the step before stay as long as none is deeper by more than `band`.
 ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
                       const btPersistentManifold& manifold, float band) {
-  constexpr std::size_t kCarrying = 3;
   const ManifoldPoints before = points_before(contacts, manifold);
   const float deepest = find_deepest(contacts).depth;
   const bool carries_on = before.count <= most && deepest <= depth_of(before, contacts) + band;
-  if (carries_on && before.count >= std::min(kCarrying, most)) return before;
+  if (carries_on && before.count >= std::min(kCarryingPoints, most)) return before;
   const ManifoldPoints chosen = select_manifold(contacts, most);
   return carries_on && before.count >= chosen.count ? before : chosen;
 }
@@ -92,31 +90,36 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   if (!simulates) {
     const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
-    find_near(pair, margin, 0.0, Wanted::kAll);
+    find_near(pair, margin, TouchScale{}, Wanted::kAll);
     report(pair, *result);
     return;
   }
 
   StageClock clock(settings_.timings);
-  ContactRule rule(pair, settings_, static_cast<double>(info.m_timeStep), memory_);
-  sweeps_ = rule.sweeps();
+  const auto describe = [&] {
+    return describe_step(pair, settings_, static_cast<double>(info.m_timeStep),
+                         memory_.owed_energy);
+  };
+  PairStep step = describe();
+  uses_ccd_ = step.uses_ccd;
   // A point a segment is what kSegmented promises of bodies that move.
-  const bool takes_all = !sweeps_ && (settings_.mode != ContactMode::kSegmented || rule.is_still());
-  double share = 0.0;  // of the step, after which contacts are looked for
-  if (sweeps_ && pair.has_triangles()) {
-    share = find_on_the_way(pair, rule);
+  const bool takes_all = !uses_ccd_ && (settings_.mode != ContactMode::kSegmented || step.is_still);
+  double fraction = 0.0;  // of the step, after which contacts are looked for
+  if (uses_ccd_ && pair.has_triangles()) {
+    fraction = find_on_the_way(step);
   } else {
-    find_near(pair, rule.margin(), rule.rest_margin(),
-              takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    const bool has_swapped_roles =
+        find_near(pair, step.margin, {step.radius, step.rest_margin, step.thickness},
+                  takes_all ? Wanted::kAll : Wanted::kOneASegment);
+    if (has_swapped_roles) step = describe();
   }
-  if (pair.asks_both) second_.drop_doubles(static_cast<float>(rule.rest_margin()), contacts_);
+  const auto rest_margin = static_cast<float>(step.rest_margin);
+  if (pair.asks_both) second_.drop_doubles(rest_margin, contacts_);
   clock.end(&NarrowPhaseTimings::query);
-  rule.apply(contacts_, features_, share);
+  const StepContacts of_step = apply_contact_rule(step, features_, fraction, contacts_, memory_);
   // Of bodies in a pile that move a little, such points carry in the next step.
-  const bool lies = rule.is_still() || settings_.mode == ContactMode::kRegular;
-  if (takes_all && lies && !contacts_.empty()) {
-    drop_idle_points(static_cast<float>(rule.rest_margin()) / 5.0f);
-  }
+  const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
+  if (takes_all && lies && !contacts_.empty()) drop_idle_points(kIdleOfMargin * rest_margin);
   if (shell_was_a_ != pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
     release_manifolds();
@@ -133,9 +136,9 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
   const bool is_regular = takes_all && settings_.mode == ContactMode::kRegular;
   assign_manifolds(pair, is_regular);
-  choose_points(rule, is_regular);
+  choose_points(step, is_regular);
   clock.end(&NarrowPhaseTimings::reduction);
-  fill(pair, rule);
+  fill(step, of_step);
   clock.end(&NarrowPhaseTimings::manifold);
 }
 
@@ -156,8 +159,11 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
 }
 
 /// Fills contacts_, ascending by id, with the points within the margin or the deepest of these of
-/// each segment. `facing` is the reach of face_elements(), metres.
-void ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wanted wanted) {
+/// each segment. `touch` is that of FlatElements, and its
+/// margin the reach of face_elements(); 0 in contact tests. Returns whether the roles of the
+/// pair were swapped for it.
+bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale& touch,
+                               Wanted wanted) {
   // Of surfaces thickened by Bullet's margins, contacts are points that near.
   const auto reach = static_cast<float>(margin + pair.thickness());
   if (pair.has_triangles()) {
@@ -165,14 +171,17 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wa
     const std::vector<Contact>& found = triangle_contacts_.find(
         *pair.shell_side().triangles(), model, pair.field_from_shell(), level(), reach);
     contacts_.assign(found.begin(), found.end());
-    return;
+    return false;
   }
+  bool has_swapped_roles = false;
   const auto take = [&] {
     const std::span<const Contact> found =
         ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
     face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
-                  pair.field_side().has_sharp_field() ? facing : 0.0, pair.thickness());
+                  pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
+                      pair.field_from_shell(), touch);
   };
   take();
   if (pair.asks_both) {
@@ -182,16 +191,19 @@ void ModelAlgorithm::find_near(PosedPair& pair, double margin, double facing, Wa
             second_scratch_);
     second_found_.assign(found.begin(), found.end());
     face_elements(second_found_, pair.second_field(), pair.second_shell(), second_field_from_shell,
-                  pair.shell_side().has_sharp_field() ? facing : 0.0, pair.thickness());
+                  pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
+                       pair.field_side().model()->grid(), second_field_from_shell, touch);
     second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
              pair.swap_roles_if_enclosed()) {
+    has_swapped_roles = true;
     take();
   }
   if (settings_.shell == ShellRule::kAutomatic && contacts_.empty()) append_inner(pair);
   find_features(pair, features_);
-  if (features_.empty()) return;
-  append_feature_contacts(features_, pair, reach, contacts_);
+  if (!features_.empty()) append_feature_contacts(features_, pair, reach, contacts_);
+  return has_swapped_roles;
 }
 
 /// Of models of which one lies wholly inside the other, or in its very place.
@@ -221,42 +233,40 @@ std::span<const Contact> ModelAlgorithm::ask(const Field& field, const PointShel
   return find_deepest_per_segment(field, shell, field_from_shell, level(), reach, scratch);
 }
 
-/// Fills contacts_ with those of the pose at which triangles first touch the model on its way
-/// through the step, by conservative advancement of the whole body: its first contact need not be
-/// where it is nearest now. Returns how much of the step is over then.
-double ModelAlgorithm::find_on_the_way(const PosedPair& pair, const ContactRule& rule) {
-  constexpr double kOfDistance = 0.8;  // grids' distances are rough far from the surface
-  constexpr int kMostSteps = 32;
+/// Fills contacts_ with those of the pose at which triangles first touch the model within the step,
+/// by conservative advancement of the whole body: its first contact need not be where it is nearest
+/// now. Returns the fraction of the step that is over then.
+double ModelAlgorithm::find_on_the_way(const PairStep& step) {
+  const PosedPair& pair = *step.pair;
   const Model& model = *pair.field_side().model();
-  const double way = rule.farthest_way();
-  const auto reach = [&](double share) {
-    return static_cast<float>((1.0 - share) * way + rule.rest_margin() + pair.thickness());
+  const double farthest = step.farthest_displacement;
+  const auto reach = [&](double fraction) {
+    return static_cast<float>((1.0 - fraction) * farthest + step.rest_margin + step.thickness);
   };
   contacts_.clear();
   features_.clear();
   triangle_contacts_.gather(*pair.shell_side().triangles(), model, pair.field_from_shell(),
                             reach(0.0));
-  double share = 0.0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  const auto touch = advance(farthest, step.touching_gap(), 1.0, [&](double fraction) {
     const double gap =
-        triangle_contacts_.distance(model, rule.field_from_shell_after(share), reach(share)) -
-        pair.thickness();
-    if (gap <= rule.touching_gap()) break;
-    share += kOfDistance * gap / way;
-    if (!(share < 1.0)) return 0.0;
-  }
-  const std::vector<Contact>& found =
-      triangle_contacts_.find(model, rule.field_from_shell_after(share), level(), reach(share),
-                              2.0f * static_cast<float>(rule.touching_gap()));
+        triangle_contacts_.distance(model, step.field_from_shell_after(fraction), reach(fraction)) -
+        step.thickness;
+    return Clearance{gap, kSafeOfGap * gap};
+  });
+  if (!touch) return 0.0;
+  const double fraction = touch->fraction;
+  const std::vector<Contact>& found = triangle_contacts_.find(
+      model, step.field_from_shell_after(fraction), level(), reach(fraction),
+      kPlaneBeyondGaps * static_cast<float>(step.touching_gap()));
   contacts_.assign(found.begin(), found.end());
-  return share;
+  return fraction;
 }
 
 int ModelAlgorithm::level() const {
   if (settings_.level > 0) return std::min(settings_.level, PointSphereTree::kMaxLevel);
   // What kSegmented promises does not change from step to step.
-  const bool finer = sweeps_ && settings_.mode != ContactMode::kSegmented;
-  return finer ? kDefaultSweptLevel : kDefaultLevel;
+  const bool finer = uses_ccd_ && settings_.mode != ContactMode::kSegmented;
+  return finer ? kDefaultCcdLevel : kDefaultLevel;
 }
 
 ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair,
@@ -337,30 +347,28 @@ void ModelAlgorithm::assign_manifolds(const PosedPair& pair, bool is_regular) {
 }
 
 /// Those of its contacts that each of active_ is to hold.
-void ModelAlgorithm::choose_points(const ContactRule& rule, bool is_regular) {
-  // On a few segments a body may rest on more points than one of some of them.
-  constexpr std::size_t kFew = 4;
-  const bool is_few = is_regular || active_.size() <= kFew;
-  const float band = kCarriesOn * static_cast<float>(rule.rest_margin());
+void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular) {
+  const bool is_few = is_regular || active_.size() <= kFewSegments;
+  const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
   std::span<const Contact> left(contacts_);
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    entry.lever = is_few ? rule.lever_of(group) : 0.0;
+    entry.rolling_lever = is_few ? rolling_lever_of(step, group) : 0.0;
     entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
 }
 
 /// Fills the manifolds of active_ with the points that were chosen for them.
-void ModelAlgorithm::fill(const PosedPair& pair, const ContactRule& rule) {
-  const ManifoldFiller filler(pair.a.wrap(), pair.b.wrap());
+void ModelAlgorithm::fill(const PairStep& step, const StepContacts& of_step) {
+  const ManifoldFiller filler(step.pair->a.wrap(), step.pair->b.wrap());
   chosen_.clear();
   const Contact* group = contacts_.data();
   std::array<WorldContact, kManifoldSize> world;
   for (const SegmentManifold& entry : active_) {
     for (std::size_t i = 0; i < entry.chosen.count; ++i) {
       const Contact& contact = group[entry.chosen.indices[i]];
-      world[i] = rule.to_world(contact, entry.lever);
+      world[i] = to_world(step, of_step, contact, entry.rolling_lever);
       chosen_.push_back(contact);
     }
     filler.fill(*entry.manifold, std::span(world).first(entry.chosen.count));

@@ -10,6 +10,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "contact_rule.h"
+#include "flat_elements.h"
 #include "hull.h"
 #include "second_shell.h"
 #include "shape_features.h"
@@ -53,36 +54,38 @@ class ModelAlgorithm : public btCollisionAlgorithm {
     btPersistentManifold* manifold;
     std::size_t contact_count;
     ManifoldPoints chosen{};
-    double lever = 0.0;  ///< see ContactRule::to_world()
+    double rolling_lever = 0.0;  ///< see to_world()
   };
   enum class Wanted { kAll, kOneASegment };
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
-  void find_near(PosedPair& pair, double margin, double facing, Wanted wanted);
+  bool find_near(PosedPair& pair, double margin, const TouchScale& touch, Wanted wanted);
   void append_inner(const PosedPair& pair);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,
                                QueryScratch& scratch) const;
-  double find_on_the_way(const PosedPair& pair, const ContactRule& rule);
+  double find_on_the_way(const PairStep& step);
   int level() const;
   Segment segment_of(const PosedPair& pair, const Contact& contact) const;
   void report(const PosedPair& pair, btManifoldResult& result);
   void release_manifolds();
   void drop_idle_points(float band);
   void assign_manifolds(const PosedPair& pair, bool is_regular);
-  void choose_points(const ContactRule& rule, bool is_regular);
-  void fill(const PosedPair& pair, const ContactRule& rule);
+  void choose_points(const PairStep& step, bool is_regular);
+  void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 
   const ContactSettings& settings_;
   Purpose purpose_;
   std::shared_ptr<const Hull> hull_;
   std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
-  ContactRule::Memory memory_;
+  PairMemory memory_;
   QueryScratch scratch_;
   QueryScratch second_scratch_;
   SecondShell second_;
-  bool sweeps_ = false;      ///< this step
+  FlatElements first_flat_;
+  FlatElements second_flat_;
+  bool uses_ccd_ = false;    ///< in this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;

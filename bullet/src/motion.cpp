@@ -56,8 +56,8 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
           time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass};
 }
 
-Pose Motion::moved(const Pose& world_from_x, double share, double time_step) const {
-  const Vec3 turn = share * time_step * angular_velocity;
+Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) const {
+  const Vec3 turn = fraction * time_step * angular_velocity;
   const double angle = length(turn);
   const Vec3 axis = normalized(turn);
   const auto turned = [&](const Vec3& v) {  // Rodrigues' formula
@@ -67,11 +67,12 @@ Pose Motion::moved(const Pose& world_from_x, double share, double time_step) con
   const Matrix3 columns = world_from_x.rotation.transposed();
   const Matrix3 rotation =
       Matrix3{turned(columns.row_x), turned(columns.row_y), turned(columns.row_z)}.transposed();
-  const Vec3 way = share * time_step * (velocity + velocity_of_forces);
-  return {rotation, centre + way + turned(world_from_x.translation - centre)};
+  const Vec3 displacement = fraction * time_step * (velocity + velocity_of_forces);
+  return {rotation, centre + displacement + turned(world_from_x.translation - centre)};
 }
 
-double find_farthest_way(const Motion& a, const Motion& b, const Ball& ball, double time_step) {
+double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
+                                  double time_step) {
   // The relative velocity is affine in the place.
   const Vec3 of_centre = a.velocity_at(ball.centre) + a.velocity_of_forces -
                          b.velocity_at(ball.centre) - b.velocity_of_forces;

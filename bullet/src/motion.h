@@ -23,13 +23,14 @@ struct Motion {
     return velocity + cross(angular_velocity, world_point - centre);
   }
 
-  /// Where something of the body that is at `world_from_x` is after a share of the step.
-  Pose moved(const Pose& world_from_x, double share, double time_step) const;
+  /// Where something of the body that is at `world_from_x` is after a fraction of the step.
+  Pose moved(const Pose& world_from_x, double fraction, double time_step) const;
 };
 
-/// No place of a ball that one of the bodies is in moves by more in the step, as the other sees it,
+/// No place of a ball that one of the bodies is in moves farther in the step, as the other sees it,
 /// metres.
-double find_farthest_way(const Motion& a, const Motion& b, const Ball& ball, double time_step);
+double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
+                                  double time_step);
 
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
 struct RelativeMotion {

@@ -12,6 +12,7 @@
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
+#include "contact_constants.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
 
@@ -174,11 +175,9 @@ double Side::thinnest() const {
 }
 
 double Side::detail() const {
-  if (model_ == nullptr) return 0.125 * thinnest();
-  constexpr double kOfThickness = 0.4;
-  constexpr double kOfSize = 0.02;
+  if (model_ == nullptr) return kCcdOfInnerDiameter * thinnest();
   const Vec3 sides = model_->bounds().extents();
-  return std::min(kOfThickness * thinnest(), kOfSize * std::max({sides.x, sides.y, sides.z}));
+  return std::min(kCcdOfThickness * thinnest(), kCcdOfSize * std::max({sides.x, sides.y, sides.z}));
 }
 
 PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,

@@ -4,16 +4,12 @@
 #include <bit>
 #include <cstddef>
 
+#include "contact_constants.h"
 #include "contact_list.h"
 
 namespace voxshell::bullet {
 
 void RestingPatch::settle(std::span<Contact> contacts, double thickness, double band) {
-  // Of what has moved since, in each step: else errors of the solver add up to a tilt of the patch
-  // that it is then held to.
-  constexpr double kForgotten = 0.01;
-  // Points that hold do so for a while beyond the band, or a body rocks about its edge.
-  constexpr double kLetGo = 2.0;
   const float deepest = find_deepest(contacts).depth;
   const double nearest = std::max(-static_cast<double>(deepest) - thickness, 0.0);
   const auto gap_of = [&](const Contact& contact) {
@@ -28,9 +24,11 @@ void RestingPatch::settle(std::span<Contact> contacts, double thickness, double 
     const std::size_t place = find_from_id(contacts, held.id);
     if (place == contacts.size() || contacts[place].id != held.id) continue;
     double& lift = lifts_[place];
-    if (lift <= kLetGo * band) lift = std::min(held.lift + kForgotten * (lift - held.lift), band);
+    if (lift <= kPatchHeldWithin * band) {
+      lift = std::min(held.lift + kPatchForgets * (lift - held.lift), band);
+    }
   }
-  // Without a branch: which points the patch takes in is anybody's guess.
+  // Branchless: membership is unpredictable.
   held_.resize(contacts.size());
   std::size_t count = 0;
   for (std::size_t place = 0; place < contacts.size(); ++place) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact_constants.h"
 #include "contact_list.h"
 
 namespace voxshell::bullet {
@@ -21,7 +22,6 @@ void SecondShell::append(std::span<const Contact> found, const Pose& field_from_
 }
 
 void SecondShell::drop_doubles(float margin, std::vector<Contact>& contacts) {
-  constexpr float kSame = 0.985f;  // cosine of ten degrees
   const auto second =
       contacts.begin() + static_cast<std::ptrdiff_t>(find_from_id(contacts, kFirstOfSecond));
   if (second == contacts.begin() || second == contacts.end()) return;
@@ -33,7 +33,7 @@ void SecondShell::drop_doubles(float margin, std::vector<Contact>& contacts) {
     for (auto near = std::ranges::lower_bound(by_x_, x - margin, {}, x_of);
          near != by_x_.end() && near->point.x <= x + margin; ++near) {
       if (squared_length(near->point - contact.point) <= margin * margin &&
-          dot(near->normal, contact.normal) >= kSame) {
+          dot(near->normal, contact.normal) >= kDoubleCosine) {
         return true;
       }
     }

@@ -7,6 +7,9 @@
 #include <type_traits>
 #include <variant>
 
+#include "conservative_advancement.h"
+#include "contact_constants.h"
+
 namespace voxshell::bullet {
 namespace {
 
@@ -31,9 +34,7 @@ void add_rim(double radius, double height, const Pose& model_from_shape, const G
   const Matrix3 shape_from_model = model_from_shape.rotation.transposed();
   const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(centre)));
   const double across = std::sqrt(out.x * out.x + out.y * out.y);
-  // Of a rim that lies flat, no point is the deepest.
-  constexpr double kFlat = 0.1;
-  if (across > kFlat) {
+  if (across > kFlatRim) {
     add(-out.x / across, -out.y / across);
   } else {
     add(1.0, 0.0);
@@ -49,14 +50,13 @@ struct Hold {
 /// The nearest surface. Balls, by steps along their surface to its deepest place (Frank and Wolfe
 /// 1956).
 Hold hold_nearest(const Feature& feature, double distance, const GridField& field) {
-  constexpr int kMostSteps = 8;
   Hold hold{distance, normalized(field.gradient(static_cast<Vec3f>(feature.place)))};
   if (feature.radius == 0.0) return hold;
   const auto below = [&](const Vec3f& normal) {
     return static_cast<Vec3f>(feature.place - feature.radius * static_cast<Vec3>(normal));
   };
   hold.distance = static_cast<double>(field.distance(below(hold.outwards)));
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kBallSteps; ++i) {
     const Vec3f next = normalized(field.gradient(below(hold.outwards)));
     const auto at_next = static_cast<double>(field.distance(below(next)));
     if (!(at_next < hold.distance)) break;
@@ -69,24 +69,19 @@ Hold hold_nearest(const Feature& feature, double distance, const GridField& fiel
 /// what `otherwise` says where it does not.
 Hold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const GridField& field,
                         const Hold& otherwise) {
-  constexpr int kMostSteps = 32;
-  constexpr double kToOtherEnd = 2.0;
-  const Vec3 way = middle - feature.place;
-  const double length_of_way = length(way);
-  double share = 0.0;
-  for (int i = 0; i < kMostSteps; ++i) {
-    const Vec3 place = feature.place + share * way;
-    const auto distance = static_cast<double>(field.distance(static_cast<Vec3f>(place)));
-    if (!(distance < -1e-3 * field.voxel_size())) {
-      const Vec3f outwards = normalized(field.gradient(static_cast<Vec3f>(place)));
-      const double depth = share * dot(way, static_cast<Vec3>(outwards));
-      if (!(depth > 0.0)) break;
-      return {-depth - feature.radius, outwards};
-    }
-    share -= distance / length_of_way;
-    if (!(share < kToOtherEnd)) break;
-  }
-  return otherwise;
+  const Vec3 way_in = middle - feature.place;
+  const double left = kLeftOfVoxel * field.voxel_size();
+  const auto place_at = [&](double fraction) {
+    return static_cast<Vec3f>(feature.place + fraction * way_in);
+  };
+  const auto reached = advance(length(way_in), left, kToOtherEnd, [&](double fraction) {
+    const double depth = -static_cast<double>(field.distance(place_at(fraction)));
+    return Clearance{depth, kSafeOfGap * depth};
+  });
+  if (!reached || reached->gap > left) return otherwise;
+  const Vec3f outwards = normalized(field.gradient(place_at(reached->fraction)));
+  const double depth = reached->fraction * dot(way_in, static_cast<Vec3>(outwards));
+  return depth > 0.0 ? Hold{-depth - feature.radius, outwards} : otherwise;
 }
 
 }  // namespace
@@ -143,7 +138,7 @@ void append_feature_contacts(const std::vector<Feature>& features, const PosedPa
     for (std::size_t i = first; i < std::min(first + kLanes, count); ++i) {
       const Feature& feature = features[i];
       // Far from the surface a grid's distances are rough: those of balls are found near it.
-      const double slack = 0.5 * feature.radius;
+      const double slack = kBallSlack * feature.radius;
       const double distance = static_cast<double>(distances[i - first]) - feature.radius;
       if (!(distance < margin + slack)) continue;
       Hold hold = hold_nearest(feature, distance, field);

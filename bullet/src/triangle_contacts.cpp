@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact_constants.h"
 #include "transform_bounds.h"
 #include "voxshell/bullet/convert.h"
 
@@ -12,7 +13,6 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr float kThird = 1.0f / 3.0f;
-constexpr int kMostSplits = 64;
 constexpr std::uint32_t kNone = UINT32_MAX;
 constexpr std::size_t kLanes = 8;  ///< places that the field is asked for at once
 
@@ -53,8 +53,7 @@ Vec3f normal_within(const Triangle3f& triangle, const Vec3f& place, const Vec3f&
   if (!(twice_area > 0.0f)) return {};
   const Vec3f normal = area / twice_area;
   const auto is_beside = [&](const Vec3f& from, const Vec3f& to) {
-    constexpr float kOfSize = 1e-4f;
-    return dot(cross(to - from, place - from), normal) > kOfSize * twice_area;
+    return dot(cross(to - from, place - from), normal) > kOnEdge * twice_area;
   };
   const bool is_within = is_beside(triangle.a, triangle.b) && is_beside(triangle.b, triangle.c) &&
                          is_beside(triangle.c, triangle.a);
@@ -74,7 +73,7 @@ Bounds bounds_within(const Model& model, float margin) {
 float TriangleContacts::sample_spacing(const Model& model) {
   const Vec3 size = model.bounds().extents();
   return static_cast<float>(
-      std::max(model.grid().voxel_size(), std::max({size.x, size.y, size.z}) / 32.0));
+      std::max(model.grid().voxel_size(), kSampleOfSize * std::max({size.x, size.y, size.z})));
 }
 
 std::vector<Contact>& TriangleContacts::find(const btConcaveShape& mesh, const Model& model,
@@ -104,7 +103,6 @@ double TriangleContacts::distance(const Model& model, const Pose& model_from_mes
 
 std::vector<Contact>& TriangleContacts::find(const Model& model, const Pose& model_from_mesh,
                                              int level, float margin, float apart) {
-  constexpr int kMostCellsAlongSide = 16;
   field_ = &model.grid();
   margin_ = margin;
   spacing_ = sample_spacing(model);
@@ -195,8 +193,7 @@ struct TriangleContacts::Batch {
     const std::array<float, 3> edges{squared_length(t.b - t.a), squared_length(t.c - t.b),
                                      squared_length(t.a - t.c)};
     const auto longest = std::max_element(edges.begin(), edges.end());
-    constexpr float kSlender = 4.0f;
-    if (*longest < kSlender * *std::min_element(edges.begin(), edges.end())) {
+    if (*longest < kSlenderSquared * *std::min_element(edges.begin(), edges.end())) {
       for_each_quarter(t, add_part);
       return;
     }
@@ -229,7 +226,7 @@ struct TriangleContacts::Batch {
 
   /// Far from the surface, where margins are those of fast bodies, coarser samples will do.
   bool is_leaf(std::size_t i, float least_spacing) const {
-    const float spacing = std::max(least_spacing, 0.5f * values.lower_bound[i]);
+    const float spacing = std::max(least_spacing, kSampleOfBound * values.lower_bound[i]);
     return splits[i] == 0 || squared_edge[i] <= spacing * spacing;
   }
 
@@ -327,7 +324,6 @@ TriangleContacts::Piece* TriangleContacts::room_for(const Vec3f& middle, float d
 
 /// Goes into the quarter of each piece whose middle is deeper, again and again; two pieces at once.
 void TriangleContacts::refine_best() {
-  constexpr int kQuarterings = 5;
   constexpr std::size_t kParts = kLanes / 2;
   refined_.resize(2 * best_.size());
   for (std::size_t i = 0; i < best_.size(); ++i) {
@@ -387,7 +383,6 @@ void TriangleContacts::refine_best() {
 /// that of the triangle's plane and the model's point nearest to the place.
 Contact TriangleContacts::contact_of(std::uint32_t cell, const Refined& refined, float apart,
                                      const Pose& mesh_from_model) const {
-  constexpr float kMostKink = 0.5f;
   const Vec3f outwards = normalized(field_->gradient(refined.deepest));
   const Vec3f of_triangle = normal_within(triangles_[refined.triangle], refined.deepest, outwards);
   const float agreement = dot(of_triangle, outwards);

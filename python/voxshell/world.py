@@ -81,11 +81,11 @@ class World:
             "auto" 5 in steps in which bodies are fast.
         margin: How near slow points count as contacts, metres; a thousandth of the smaller body's
             diameter by default, but no more than a 20th of either one's thickness. Without it, resting bodies rock.
-        sweep_beyond: Where bodies move farther than this in a step, metres, points that will touch
-            within the step are contacts before they do, so that nothing tunnels; by default two fifths
-            of a model's thickness or a 50th of its longest side, or a quarter of the inner radius of a
-            box, ball or hull, whichever is least. Infinity: never, as the thesis
-            does it.
+        ccd_motion_threshold: A pair of bodies that moves farther than this in a step, metres, gets
+            continuous collision detection (CCD): points that will touch within the step are
+            speculative contacts, so that nothing tunnels. By default two fifths of a model's
+            thickness or a 50th of its longest side, or a quarter of the inner radius of a box, ball
+            or hull, whichever is least. Infinity: no CCD, as in the thesis.
         sleeping: Whether bodies at rest are put to sleep.
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
             here, penetration is resolved without adding velocity, which models need to rebound
@@ -134,7 +134,7 @@ class World:
         shell: Literal["auto", "fewest"] = "auto",
         level: int | None = None,
         margin: float | None = None,
-        sweep_beyond: float | None = None,
+        ccd_motion_threshold: float | None = None,
         sleeping: bool = True,
         split_impulse_threshold: float = 0.0,
         solver: Literal[
@@ -183,7 +183,9 @@ class World:
             shell=_SHELL_RULES[shell],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
             margin=-1.0 if margin is None else as_not_negative(margin, "margin"),
-            sweep_beyond=-1.0 if sweep_beyond is None else _as_reach(sweep_beyond),
+            ccd_motion_threshold=-1.0
+            if ccd_motion_threshold is None
+            else _as_reach(ccd_motion_threshold),
         )
 
     def add(
@@ -699,4 +701,4 @@ def _models_of(shape: Shape) -> list[Model]:
 
 def _as_reach(value: float) -> float:
     """A length of at least 0, or infinity, metres."""
-    return math.inf if value == math.inf else as_not_negative(value, "sweep_beyond")
+    return math.inf if value == math.inf else as_not_negative(value, "ccd_motion_threshold")

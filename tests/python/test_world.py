@@ -345,8 +345,8 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
         ({"level": 13}, "level"),
         ({"contact": "regular", "level": 3}, "level"),
         ({"margin": -1e-3}, "margin"),
-        ({"sweep_beyond": -1e-3}, "sweep_beyond"),
-        ({"sweep_beyond": float("nan")}, "sweep_beyond"),
+        ({"ccd_motion_threshold": -1e-3}, "ccd_motion_threshold"),
+        ({"ccd_motion_threshold": float("nan")}, "ccd_motion_threshold"),
         ({"split_impulse_threshold": "x"}, "split_impulse_threshold"),
         ({"solver": "none"}, "'sequential_impulse', 'nncg', 'dantzig'"),
         ({"iterations": 0}, "iterations"),
@@ -430,16 +430,16 @@ def test_ctrl_c_stops_a_long_run():
     assert "KeyboardInterrupt" in errors
 
 
-@pytest.mark.parametrize("sweep_beyond", [None, np.inf])
-def test_without_sweeping_fast_bodies_penetrate_first(ball, sweep_beyond):
+@pytest.mark.parametrize("ccd_motion_threshold", [None, np.inf])
+def test_without_ccd_fast_bodies_penetrate_first(ball, ccd_motion_threshold):
     # At 2 m/s and 200 Hz a step is 10 mm; it begins 4 mm above the ground.
-    world = vx.World(gravity=(0, 0, 0), sweep_beyond=sweep_beyond)
+    world = vx.World(gravity=(0, 0, 0), ccd_motion_threshold=ccd_motion_threshold)
     world.add(vx.Plane(), mass=0)
     body = world.add(ball, pose=trimesh.transformations.translation_matrix([0, 0, 0.104]))
     body.linear_velocity = (0.0, 0.0, -2.0)
     world.step()
-    assert (body.pose[2, 3] < 0.095) == (sweep_beyond == np.inf)
-    assert body.pose[2, 3] > 0.0995 or sweep_beyond == np.inf
+    assert (body.pose[2, 3] < 0.095) == (ccd_motion_threshold == np.inf)
+    assert body.pose[2, 3] > 0.0995 or ccd_motion_threshold == np.inf
 
 
 def test_two_bodies_of_one_model_warn_once():

@@ -122,7 +122,7 @@ void bind_simulation(nb::module_& module) {
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
              bool two_friction_directions, bullet::ContactMode mode, bullet::ShellRule shell,
-             int level, double margin, double sweep_beyond) {
+             int level, double margin, double ccd_motion_threshold) {
             new (self)
                 Simulation({.gravity = to_vec3(gravity),
                             .time_step = time_step,
@@ -135,13 +135,13 @@ void bind_simulation(nb::module_& module) {
                                         .shell = shell,
                                         .level = level,
                                         .margin = margin,
-                                        .sweep_beyond = sweep_beyond,
+                                        .ccd_motion_threshold = ccd_motion_threshold,
                                         .rolling_at_rest = solver != ConstraintSolver::kNncg}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
           nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"), nb::arg("level"),
-          nb::arg("margin"), nb::arg("sweep_beyond"))
+          nb::arg("margin"), nb::arg("ccd_motion_threshold"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,

@@ -184,7 +184,7 @@ def time_falling(settings: PairSettings) -> Tables:
     assert isinstance(model, Model)
     falls = find_falls(settings, model, shapes.mass_properties)
     warm = [[np.concatenate([x[:1].repeat(UNTIMED_STEPS, 0), x]) for x in fall] for fall in falls]
-    worlds = QUICK_WORLDS | {UNFOLLOWED: ("vps-fine", {"sweep_beyond": math.inf})}
+    worlds = QUICK_WORLDS | {UNFOLLOWED: ("vps-fine", {"ccd_motion_threshold": math.inf})}
     return _time_states(settings, shapes, worlds, warm, GRAVITY, lambda times: times)
 
 

@@ -248,7 +248,7 @@ def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:
     if mode.startswith("level "):
         arguments = {"contact": "segmented", "level": int(mode.removeprefix("level "))}
     if rule == "published":
-        arguments |= {"margin": 0.0, "sweep_beyond": math.inf}
+        arguments |= {"margin": 0.0, "ccd_motion_threshold": math.inf}
     return arguments
 
 

@@ -39,7 +39,12 @@ Landing = Literal["pole", "beside"]
 """Where the shell's lowest point is at the start: straight below the centre; or, with the ball turned as
 its mesh is, beside that, by 42 mm with 275 points."""
 
-PUBLISHED_RULE = {"contact": "segmented", "level": 1, "margin": 0.0, "sweep_beyond": math.inf}
+PUBLISHED_RULE = {
+    "contact": "segmented",
+    "level": 1,
+    "margin": 0.0,
+    "ccd_motion_threshold": math.inf,
+}
 """As arguments of World."""
 
 
@@ -141,7 +146,7 @@ def build_world(
         landing: Where the shell's lowest point is.
     """
     # The reported rebounds are of bodies that are followed from a voxel a step on.
-    contact_rule: dict[str, Any] = {"sweep_beyond": settings.voxel_size}
+    contact_rule: dict[str, Any] = {"ccd_motion_threshold": settings.voxel_size}
     if rule == "published":
         contact_rule = PUBLISHED_RULE
     world = World(

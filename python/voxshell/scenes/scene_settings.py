@@ -22,7 +22,7 @@ class WorldSettings:
         duration: Simulated seconds.
         rate: Steps a second.
         gravity: Three numbers, m/s2.
-        contact, shell, level, solver, iterations, sleeping, sweep_beyond: As for the world.
+        contact, shell, level, solver, iterations, sleeping, ccd_motion_threshold: As for the world.
     """
 
     title: str = ""
@@ -37,7 +37,7 @@ class WorldSettings:
     )
     iterations: int | None = None
     sleeping: bool = True
-    sweep_beyond: float | None = None
+    ccd_motion_threshold: float | None = None
 
     def __post_init__(self) -> None:
         as_positive(self.duration, "duration")
@@ -56,8 +56,10 @@ class WorldSettings:
                 raise SettingsError(
                     "level is for segmented contacts; leave it out or change contact"
                 )
-        if self.sweep_beyond is not None and not self.sweep_beyond >= 0.0:
-            raise SettingsError(f"sweep_beyond must be at least 0, not {self.sweep_beyond:g}")
+        if self.ccd_motion_threshold is not None and not self.ccd_motion_threshold >= 0.0:
+            raise SettingsError(
+                f"ccd_motion_threshold must be at least 0, not {self.ccd_motion_threshold:g}"
+            )
 
     @property
     def steps(self) -> int:

@@ -52,7 +52,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
         solver=settings.solver,
         iterations=settings.iterations,
         sleeping=settings.sleeping,
-        sweep_beyond=settings.sweep_beyond,
+        ccd_motion_threshold=settings.ccd_motion_threshold,
     )
     for name, body in scene.bodies.items():
         try:

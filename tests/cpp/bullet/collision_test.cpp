@@ -110,7 +110,7 @@ TEST_P(Collision, WithinTheMarginAFastApproachIsNoContactYet) {
     TouchingPair pair(c, -0.002,
                       {.shell = ShellRule::kFewest,
                        .margin = 0.003,
-                       .sweep_beyond = std::numeric_limits<double>::infinity()});
+                       .ccd_motion_threshold = std::numeric_limits<double>::infinity()});
     pair.world.world.getDispatchInfo().m_timeStep = scalar(0.005);
     // Of 0.6 m/s, 3 mm a step: the limit. Whichever body moves, the other comes to rest relative.
     btRigidBody& moving = c.cube_mass > 0 ? *pair.cube : *pair.partner;

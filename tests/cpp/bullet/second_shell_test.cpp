@@ -82,7 +82,7 @@ TEST(SecondShell, FindsASpikeBetweenThePointsOfASlab) {
 
 // Its points are followed as well: thrown at 50 m/s, a body of coarse points does not pass between
 // those of what it meets.
-TEST(SecondShell, IsSwept) {
+TEST(SecondShell, HasSpeculativeContacts) {
   meshes::Random random(9);
   for (int i = 0; i < 20; ++i) {
     TestWorld world({}, {});

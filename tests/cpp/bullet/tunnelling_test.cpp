@@ -48,7 +48,7 @@ void add_ground(TestWorld& world, Ground ground) {
   }
 }
 
-// Without the sweep, a step of 5 or 50 m/s at 60 Hz is 8 and 83 cm.
+// Without CCD, a step of 5 or 50 m/s at 60 Hz is 8 and 83 cm.
 TEST_P(Throws, StayOnTheirSideOfASlab) {
   Random random(3);
   for (const double speed : {5.0, 50.0}) {
@@ -170,8 +170,8 @@ TEST(Throws, PassBesideAnEdge) {
   EXPECT_NEAR(body.getLinearVelocity().x(), 0.0, 1e-3);
 }
 
-TEST(Throws, PenetrateFirstWhereSweepsAreOff) {
-  TestWorld world({.sweep_beyond = std::numeric_limits<double>::infinity()});
+TEST(Throws, PenetrateFirstWithoutCcd) {
+  TestWorld world({.ccd_motion_threshold = std::numeric_limits<double>::infinity()});
   add_ground(world, Ground::kPlane);
   world.add_model(ball_model(), 1, {{}, {0, 0, 0.6}});
   double deepest = 0.0;

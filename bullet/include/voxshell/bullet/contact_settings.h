@@ -5,11 +5,11 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  /// What rests most calmly: segmented, with up to four points a segment on few segments, but for
-  /// steps that sweep.
+  /// What rests most calmly: segmented, with up to four points a segment on few segments. In steps
+  /// with CCD, one point a segment.
   kAutomatic,
-  /// One manifold of at most four points: the deepest, then area. Segmented in steps that sweep
-  /// (see ContactSettings::sweep_beyond).
+  /// One manifold of at most four points: the deepest, then area. Segmented in steps with CCD (see
+  /// ContactSettings::ccd_motion_threshold).
   kRegular,
   /// A manifold of one point, the deepest, for each segment of a level; of up to four where a body
   /// lies still on few segments.
@@ -38,7 +38,7 @@ struct ContactSettings {
   ShellRule shell = ShellRule::kAutomatic;
 
   /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments, and,
-  /// unless contacts are kSegmented, level 5, up to 256, in steps that sweep.
+  /// unless contacts are kSegmented, level 5, up to 256, in steps with CCD.
   int level = 0;
 
   /// Slow points this close to a surface count as contacts, metres: without them a resting body
@@ -50,11 +50,12 @@ struct ContactSettings {
   /// with setMargin() too: compounds skip children whose bounds are apart.
   double margin = -1.0;
 
-  /// Where bodies move farther than this in a step, metres, points that are going to touch within
-  /// the step are contacts before they do, so that fast bodies stop at surfaces, thin ones
-  /// included. Negative: two fifths of a model's thickness or a 50th of its longest side, or a
-  /// quarter of the inner radius of a box, ball, hull ..., whichever is least. Infinity: never.
-  double sweep_beyond = -1.0;
+  /// A pair that moves farther than this in a step, metres, gets continuous collision detection
+  /// (CCD): points that will touch within the step are speculative contacts, so that fast bodies
+  /// stop at surfaces, thin ones included. Negative: two fifths of a model's thickness or a 50th of
+  /// its longest side, or a quarter of the inner radius of a box, ball, hull ..., whichever is
+  /// least. Infinity: no CCD.
+  double ccd_motion_threshold = -1.0;
 
   /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from
   /// rocking. Not for btNNCGConstraintSolver, which applies it beyond its limits.

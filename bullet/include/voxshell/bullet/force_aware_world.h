@@ -7,7 +7,7 @@ namespace voxshell::bullet {
 /// A dynamics world of Bullet's that looks for pairs as far as forces take bodies within the step.
 ///
 /// Bullet itself looks as far as bodies get by the velocity from before the step. Gravity takes
-/// them g dt^2 farther, 0.2 mm at 200 Hz but 40 cm at 5 Hz, and what is not found cannot be swept.
+/// them g dt^2 farther, 0.2 mm at 200 Hz but 40 cm at 5 Hz, and CCD cannot stop what is not found.
 template <class World = btDiscreteDynamicsWorld>
 class ForceAwareWorld : public World {
  public:

@@ -52,7 +52,7 @@ def describe(settings: PairSettings) -> str:
         "(trees of oriented boxes with swept spheres)."
         + f" Falling: one of them falls {settings.falls} times on the other, which is fixed; timed are the steps in "
         "which they touch, at the speed that it has there. Models that move by more than a voxel in a step are "
-        "followed through it, hulls are not; so the fine shell falls once more without (`sweep_beyond`)."
+        "followed through it, hulls are not; so the fine shell falls once more without (`ccd_motion_threshold`)."
         + (_describe_rest(settings) if pair.rests(settings) else "")
     )
 

@@ -1,0 +1,198 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+/// Every number that the adapter's contacts depend on and that neither Bullet nor a user gives. A
+/// comment says the unit, the reason, and what breaks when the number changes. Decision 3
+/// (docs/decisions/0003-contact-rule.md) argues them unless another decision is named.
+
+namespace voxshell::bullet {
+
+// ---- rest margin --------------------------------------------------------------------------------
+
+/// Default rest margin as a fraction of the smaller body's diameter. Smaller: resting bodies lose
+/// and find their contacts in turn and rock. Larger: bodies visibly float.
+inline constexpr double kRestMarginOfDiameter = 1e-3;
+/// Most of it as a fraction of the thinner body's thickness. Larger: both sides of a plate come
+/// within the margin, and it rests on either. Decision 26.
+inline constexpr double kRestMarginOfThickness = 0.05;
+
+// ---- continuous collision detection (CCD) -------------------------------------------------------
+
+/// A pair needs CCD where it moves in a step by more than this fraction of a model's thickness.
+/// Larger: a body may pass the middle of a wall in one step, and is pushed out of its far side.
+inline constexpr double kCcdOfThickness = 0.4;
+/// The same as a fraction of a model's longest side. Larger: bodies penetrate visibly before they
+/// stop. Of a 20th, rebounds of a ball of 0.2 m were no longer those of its restitution. Decision
+/// 26.
+inline constexpr double kCcdOfSize = 0.02;
+/// The same as a fraction of the diameter of the ball that fits into a shape of Bullet's.
+inline constexpr double kCcdOfInnerDiameter = 0.125;
+/// In steps with CCD, points count up to this many times the farthest displacement, because the
+/// solver may make a point faster than it is: an impulse at one end of a rod turns it about its
+/// middle. Smaller: the other end of a rod that falls flat goes into the ground. Larger: slower.
+inline constexpr double kCcdReach = 2.0;
+/// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
+/// more steps of conservative advancement. Larger: fast bodies stop visibly early.
+inline constexpr double kTouchingOfDetail = 0.05;
+/// Conservative advancement moves by this fraction of the gap where the field's own lower bound
+/// says that it is safe: two voxels and more from the surface, and in every analytic field. Larger:
+/// the bound refuses it more often. Smaller: more steps.
+inline constexpr double kBoldOfGap = 0.9;
+/// The same without asking: one over the square root of three. A field's values are means of
+/// distances at nodes, and no two nodes differ by more than they are apart; so along each axis it
+/// is no steeper than 1. Larger: fast bodies may pass thin walls. Decision 14.
+inline constexpr double kSafeOfGap = 0.577;
+/// Most steps of one advancement; where they are not enough, there is a contact with the gap that
+/// is left. Smaller: bodies that graze a surface are kept away from it.
+inline constexpr int kMostAdvances = 64;
+/// Features inside a model have left it where they are at most this deep, in voxels.
+inline constexpr double kLeftOfVoxel = 1e-3;
+/// Triangles farther from the model than this many touching gaps where the model first touches
+/// count as planes. Decision 13.
+inline constexpr float kPlaneBeyondGaps = 2.0f;
+
+// ---- rebound ------------------------------------------------------------------------------------
+
+/// Contacts that touch within this fraction of the step after the first one rebound as well; later
+/// ones only stop approaching. Larger: ten iterations of the solver leave a body that lands on
+/// several points with too much energy. 0: only one of the points of a flat landing rebounds.
+inline constexpr double kFirstTouchWithin = 0.05;
+/// The fraction of the last step's impulses that Bullet's solver starts from: the default of
+/// btContactSolverInfo::m_warmstartingFactor. Another value there than here: still bodies rock.
+inline constexpr double kWarmStartingFactor = 0.85;
+
+// ---- rest ---------------------------------------------------------------------------------------
+
+/// A pair is still if its kinetic energy could lift it by at most this fraction of the rest margin.
+/// Larger: a ball that rolls slowly is stopped. Smaller: bodies on rounded bellies rock for longer.
+inline constexpr double kStillOfMargin = 0.15;
+/// Points of a still body carry it if they are farther from the surface than the nearest by at most
+/// this fraction of the rest margin. Smaller: bodies tip from one set of points to the next.
+inline constexpr double kPatchOfMargin = 0.5;
+/// Points that carried the body before do so up to this many times that. 1: bodies rock about the
+/// patch's edge.
+inline constexpr double kPatchHeldWithin = 2.0;
+/// The fraction of what a point has moved since that the patch forgets in each step. 0: errors of
+/// the solver add up to a tilt of the patch that the body is then held to. 1: there is no patch.
+inline constexpr double kPatchForgets = 0.01;
+/// Contacts of a still body that are farther from the surface than the nearest by this fraction of
+/// the rest margin are left out. Larger: they span the largest area, and the ones that carry the
+/// body go without a place in the manifold.
+inline constexpr float kIdleOfMargin = 0.2f;
+/// A manifold keeps its points while none is deeper by more than this fraction of the rest margin.
+/// 0: points change from step to step, and bodies rock. Larger: bodies rest on shallow points.
+inline constexpr float kCarriesOnOfMargin = 0.25f;
+/// A manifold with as many points as this need not look for more.
+inline constexpr std::size_t kCarryingPoints = 3;
+/// On at most this many segments each has up to four points, as a body may rest on several points
+/// of one segment. Larger: more contacts than the solver needs.
+inline constexpr std::size_t kFewSegments = 4;
+/// Friction holds a pair while some point has slipped by at most this fraction of the rest margin.
+/// Larger: a body on a slope creeps farther before it slides.
+inline constexpr double kHeldOfMargin = 1.0 / 30.0;
+/// The fraction of its slip that a held point is pulled back by in a step. 1: bodies on four points
+/// rest less calmly.
+inline constexpr double kPulledBack = 0.75;
+/// Patches that are smaller than this fraction of the smaller body's radius resist rolling: the
+/// solver's iterations hardly feel levers that are short beside the body. Larger: bodies that stand
+/// on an edge do not tip.
+inline constexpr double kSmallPatchOfRadius = 0.1;
+
+// ---- side contacts ------------------------------------------------------------------------------
+
+/// A contact may lie beside the other body if the normals of the two surfaces oppose each other by
+/// less than this cosine.
+inline constexpr float kOpposedByLess = -0.3f;
+/// It does if the shell's own surface is nearer than this to a place one spacing in front of it, in
+/// spacings.
+inline constexpr float kFreeInFront = 0.3f;
+
+// ---- features of Bullet's shapes ----------------------------------------------------------------
+
+/// A rim whose plane and the model's surface are within this sine of each other lies flat: it has
+/// no deepest point. Larger: the deepest point of a tilted rim is missed.
+inline constexpr double kFlatRim = 0.1;
+/// Far from the surface a grid's distances are rough: a ball is looked for this fraction of its
+/// radius farther away. Smaller: large balls are missed. Larger: slower.
+inline constexpr double kBallSlack = 0.5;
+/// Most steps along a ball's surface to the place that is deepest in the model. Each at least
+/// halves the error on smooth surfaces.
+inline constexpr int kBallSteps = 8;
+/// A feature inside a model leaves it by the line to its shape's middle, up to this many times the
+/// way there: the shape's other end.
+inline constexpr double kToOtherEnd = 2.0;
+
+// ---- Bullet's triangles -------------------------------------------------------------------------
+// Decision 13.
+
+/// Samples of triangles are at most this fraction of a model's longest side apart, or a voxel.
+/// Smaller: what is between them is found more surely, more slowly.
+inline constexpr double kSampleOfSize = 1.0 / 32.0;
+/// The same of the field's lower bound where that is more: far away coarser samples will do.
+inline constexpr float kSampleOfBound = 0.5f;
+/// Most cells along a model's longest side, with a contact each.
+inline constexpr int kMostCellsAlongSide = 16;
+/// A piece whose longest edge is twice its shortest, so that their squares have this ratio, is
+/// halved, not quartered: thin slivers would stay thin.
+inline constexpr float kSlenderSquared = 4.0f;
+/// How often a triangle may be split; more than any finite triangle needs.
+inline constexpr int kMostSplits = 64;
+/// How often the best piece of a cell is quartered to find its deepest place: to a 32nd of it.
+inline constexpr int kQuarterings = 5;
+/// A place is on an edge of its triangle if it is nearer to it than this, relative to the
+/// triangle's size: there the field's normal counts.
+inline constexpr float kOnEdge = 1e-4f;
+/// Inside a triangle its own normal counts where its cosine with the field's is at least this.
+/// Larger: kinks that edges make in the field give a contact the normal of a face beside it.
+inline constexpr float kMostKink = 0.5f;
+
+// ---- flat elements ------------------------------------------------------------------------------
+
+/// Normals of surfaces that touch have at most this cosine; others are looked at: within a quarter
+/// of a degree. Larger angles: a ball that drops straight on a flat ground leaves sideways.
+inline constexpr float kAlignedCosine = -0.99999f;
+/// Distances at which two surfaces are told apart, as fractions of the smaller body's radius. The
+/// first one spans the facets that stand for a curved surface.
+inline constexpr std::array kFlatScales{0.1, 0.3, 1.0};
+/// A surface is flat at a distance if it is no farther from its tangent plane than this fraction of
+/// that distance. A ball bends by a 20th at the first scale.
+inline constexpr double kFlatBend = 0.01;
+/// Depths along a normal are found to this fraction of the rest margin.
+inline constexpr double kDepthPrecision = 0.01;
+/// They are looked for up to this many rest margins inside.
+inline constexpr double kDeepestColumn = 100.0;
+/// Of a speculative contact they are looked for up to this many touching gaps.
+inline constexpr double kColumnGaps = 4.0;
+/// A depth along an element's normal counts if the shell's own surface is at least this fraction of
+/// it away where it ends: else another face of the shell is nearer there.
+inline constexpr double kOwnDepth = 0.5;
+/// The least slope, as a cosine, by which the rest of a depth is divided.
+inline constexpr double kLeastSlope = 0.1;
+
+// ---- facing normals -----------------------------------------------------------------------------
+
+/// Normals of surfaces that touch have at most this cosine: within eight degrees.
+inline constexpr float kFacingCosine = -0.99f;
+/// Contacts outside by more than this many reaches lie beside the field's body, not along its rim.
+inline constexpr double kFacingOutside = 0.1;
+/// Contacts deeper than this many reaches keep their normals.
+inline constexpr double kFacingInside = 8.0;
+/// How often the reach is doubled to get out of the field: up to kFacingInside.
+inline constexpr int kFacingDoublings = 3;
+
+// ---- both shells --------------------------------------------------------------------------------
+
+/// A contact of the second shell is a double if its normal and that of one of the first have at
+/// least this cosine: within ten degrees. Decision 26.
+inline constexpr float kDoubleCosine = 0.985f;
+
+// ---- segments -----------------------------------------------------------------------------------
+
+/// Level of the segments, up to 64.
+inline constexpr int kDefaultLevel = 4;
+/// The same in steps with CCD: a body that turns while it is stopped is held by more points.
+inline constexpr int kDefaultCcdLevel = 5;
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,71 @@
+#include "pair_step.h"
+
+#include <algorithm>
+
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
+#include "contact_constants.h"
+#include "rest_margin.h"
+
+namespace voxshell::bullet {
+
+double PairStep::touching_gap() const { return kTouchingOfDetail * detail; }
+
+Pose PairStep::field_from_shell_after(double fraction) const {
+  const auto moved = [&](const Side& side) {
+    const Motion& of_side = &side == &pair->a ? motion_a : motion_b;
+    return of_side.moved(side.world_from_geometry(), fraction, time_step);
+  };
+  return moved(pair->field_side()).inverse() * moved(pair->shell_side());
+}
+
+PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
+                       double owed_energy) {
+  const btCollisionObject* const object_a = pair.a.wrap().getCollisionObject();
+  const btCollisionObject* const object_b = pair.b.wrap().getCollisionObject();
+  const Ball ball_a = pair.a.bounding_ball();
+  const Ball ball_b = pair.b.bounding_ball();
+  PairStep step{};
+  step.pair = &pair;
+  step.time_step = time_step;
+  step.motion_a = Motion::of(*object_a, time_step);
+  step.motion_b = Motion::of(*object_b, time_step);
+  if (ball_a.radius != ball_b.radius) {
+    step.larger = ball_b.radius < ball_a.radius ? &pair.a : &pair.b;
+  }
+  // Bodies touch within the smaller one's ball.
+  const Ball& ball = step.larger == &pair.a ? ball_b : ball_a;
+  step.radius = ball.radius;
+  step.thickness = pair.thickness();
+  step.rest_margin =
+      settings.margin >= 0.0
+          ? settings.margin
+          : default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
+  step.farthest_displacement =
+      find_farthest_displacement(step.motion_a, step.motion_b, ball, time_step);
+  step.detail = std::min(pair.a.detail(), pair.b.detail());
+  step.uses_ccd =
+      step.farthest_displacement >
+      (settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : step.detail);
+  step.margin = step.uses_ccd ? std::max(step.rest_margin, kCcdReach * step.farthest_displacement)
+                              : step.rest_margin;
+
+  const double fastest =
+      length(step.motion_a.velocity_at(ball.centre) - step.motion_b.velocity_at(ball.centre)) +
+      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.radius;
+  const double weight =
+      std::max(length(step.motion_a.velocity_of_forces), length(step.motion_b.velocity_of_forces));
+  const double energy_to_lift = weight / time_step * kStillOfMargin * step.rest_margin;
+  step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
+  step.rolls_at_rest = settings.rolling_at_rest;
+
+  step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
+  step.owed_energy = owed_energy;
+  step.field_from_shell = pair.field_from_shell();
+  step.motion = RelativeMotion::of(pair.shell_is_a ? step.motion_a : step.motion_b,
+                                   pair.shell_is_a ? step.motion_b : step.motion_a,
+                                   pair.shell_side().world_from_geometry());
+  return step;
+}
+
+}  // namespace voxshell::bullet

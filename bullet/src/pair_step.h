@@ -1,0 +1,41 @@
+#pragma once
+
+#include "motion.h"
+#include "posed_pair.h"
+#include "voxshell/bullet/contact_settings.h"
+
+namespace voxshell::bullet {
+
+/// What is known of a pair at the start of a step, before any contact is looked for. All parts of
+/// the contact rule are functions of it; none of them changes it. Metres, seconds.
+struct PairStep {
+  const PosedPair* pair;  ///< outlives this
+  double time_step;
+  Motion motion_a;
+  Motion motion_b;
+  const Side* larger;  ///< the body with the larger bounding ball; null where they are as large
+  double radius;       ///< of the smaller body's bounding ball
+  double thickness;    ///< of both bodies' margins in Bullet
+  double rest_margin;  ///< slow points count as contacts up to this gap
+  /// No place of the smaller body moves farther in the step, as the other body sees it.
+  double farthest_displacement;
+  double detail;       ///< of the finer body; see Side::detail()
+  bool uses_ccd;       ///< points that will touch within the step are contacts
+  double margin;       ///< points may be contacts up to this gap
+  bool is_still;       ///< the bodies hardly move, and come to rest on the points that they lie on
+  bool rolls_at_rest;  ///< ContactSettings::rolling_at_rest
+  double restitution;  ///< of the two objects
+  double owed_energy;  ///< of a rebound that the last step stopped at the surface, J/kg
+  Pose field_from_shell;
+  RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
+
+  /// The gap at which surfaces count as touching.
+  double touching_gap() const;
+  /// Where the bodies are after a fraction of the step, if nothing stops them.
+  Pose field_from_shell_after(double fraction) const;
+};
+
+PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
+                       double owed_energy);
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,66 @@
+#include "rebound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact_constants.h"
+
+namespace voxshell::bullet {
+
+bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
+  const double of_impact = impact.time();
+  return of_impact < kNever && of_impact <= time + kFirstTouchWithin * step.time_step;
+}
+
+FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts) {
+  FirstTouch first;
+  for (const Contact& contact : contacts) {
+    first.time = std::min(first.time, impact_of(step, contact).time());
+  }
+  return first;
+}
+
+Rebound rebound_of(const PairStep& step, const Impact& impact) {
+  const double v = impact.approach;
+  const double gap = std::max(impact.gap, 0.0);
+  // Without a step there is nothing that a gap is crossed in.
+  if (step.time_step == 0.0 || (gap == 0.0 && step.owed_energy == 0.0)) {
+    return {step.restitution * v, 0.0};
+  }
+  const double g_dt = impact.approach_of_forces;
+  const double climb = 2.0 * gap * g_dt / step.time_step;
+  const double energy =
+      std::max(step.restitution * step.restitution * (v * v + climb + g_dt * v), step.owed_energy);
+  const double square = 0.25 * g_dt * g_dt + energy - climb;
+  const double speed = square > 0.0 ? std::sqrt(square) - 0.5 * g_dt : -1.0;
+  if (speed < 0.0) return {-gap / step.time_step, energy};
+  return {speed, 0.0};
+}
+
+SolverRebound rebound_for_solver(const PairStep& step, const FirstTouch& first,
+                                 const Impact& impact) {
+  SolverRebound rebound{step.restitution, 0.0};
+  if (!(impact.approach > 0.0) || step.time_step == 0.0) return rebound;
+  // A point that only stops approaching: if those that come later rebounded as well, ten iterations
+  // of Bullet's solver would leave the body with too much energy.
+  if (!first.includes(step, impact)) return {0.0, 0.0};
+  const double speed = rebound_of(step, impact).speed;
+  // The solver of multibodies takes the approach with what forces have added to it.
+  const double of_gap = impact.gap > 0.0 ? impact.gap / step.time_step : 0.0;
+  const bool has_link = step.motion_a.is_link || step.motion_b.is_link;
+  const double approach = impact.approach + (has_link ? impact.approach_of_forces : 0.0);
+  if ((of_gap > 0.0 || step.owed_energy > 0.0 || has_link) && approach > 0.0) {
+    rebound.restitution = (speed + of_gap) / approach;
+  }
+  // From 0, ten iterations leave a body that lands on several points at once some per cent too
+  // fast; from equal shares of what turns its velocity round, they have little left to do.
+  const double inverse_mass = step.motion_a.inverse_mass + step.motion_b.inverse_mass;
+  if (inverse_mass > 0.0) {
+    const double turned = speed + impact.approach + impact.approach_of_forces;
+    rebound.first_impulse = std::max(turned, 0.0) /
+                            (inverse_mass * kWarmStartingFactor * static_cast<double>(first.count));
+  }
+  return rebound;
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,165 @@
+#include "speculative_contacts.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <variant>
+
+#include "conservative_advancement.h"
+#include "contact_constants.h"
+#include "flatness.h"
+#include "impact.h"
+#include "second_shell.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// Where a place touches a field within the step.
+struct Touch {
+  Vec3f place;
+  double gap;      ///< that is left there, not negative, metres
+  double closing;  ///< how much of the gap the displacement closes up to there, metres
+  Vec3 outwards;   ///< the field's normal
+};
+
+/// A point of a shell that is followed, in its own body's frame.
+struct ShellPoint {
+  const GridField* own;
+  Vec3 place;
+  Vec3 normal;
+  Vec3 out_of_field;  ///< the normal turned over, in the field's frame
+};
+
+/// @param point   What is followed; null for features.
+/// @param steps   For how long it is followed.
+/// @param offset  How much nearer the surface is than the field's zero: for balls, and for Bullet's
+/// margins. Metres.
+template <class F>
+std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3& start,
+                                const Vec3& displacement, double steps, double offset,
+                                const ShellPoint* point) {
+  const auto place_at = [&](double fraction) {
+    return static_cast<Vec3f>(start + fraction * displacement);
+  };
+  const auto reached =
+      advance(length(displacement), step.touching_gap(), steps,
+              [&](double fraction) { return clearance_of(field, place_at(fraction), offset); });
+  if (!reached) return std::nullopt;
+  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}};
+  touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
+  if (point != nullptr &&
+      dot(touch.outwards, point->out_of_field) < -static_cast<double>(kAlignedCosine)) {
+    const auto place = static_cast<Vec3>(touch.place);
+    const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
+    const std::size_t bends = bends_from(*point->own, point->place, point->normal, step.radius);
+    if (bends_before(field, on_field, touch.outwards, step.radius, bends)) {
+      const auto depth =
+          depth_along(field, place, point->out_of_field, offset, kColumnGaps * step.touching_gap());
+      if (!depth) return std::nullopt;
+      touch.outwards = point->out_of_field;
+      touch.gap = std::max(-*depth, 0.0);
+    }
+  }
+  const double closing = -dot(displacement, touch.outwards);
+  if (!(closing > 0.0)) return std::nullopt;
+  touch.closing = reached->fraction * closing;
+  return touch;
+}
+
+/// Whether the points of the shell are those of the larger body. Triangles are no bodies.
+bool is_shell_larger(const PairStep& step) {
+  return !step.pair->has_triangles() && step.larger == &step.pair->shell_side();
+}
+
+/// Moves a contact, along the surface, to where a place of the field's body is now. Of two places
+/// that will touch, solvers are to see that of the smaller body where it is: with the lever of the
+/// other it would be turned, not stopped.
+void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) {
+  const Vec3 now = step.field_from_shell.inverse().transform_point(on_field);
+  contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
+}
+
+/// None of edges and inner points, which have no one normal.
+std::optional<ShellPoint> shell_point_of(const Side& side, std::uint32_t id, const Vec3& place,
+                                         const Pose& field_from_own) {
+  const PointShell& shell = *side.participant().shell;
+  if (!shell.is_point(id)) return std::nullopt;
+  const auto normal = static_cast<Vec3>(shell.normals()[id]);
+  return ShellPoint{&side.model()->grid(), place, normal, -field_from_own.rotate(normal)};
+}
+
+/// Of a feature, or a point of the second shell, in the field of the shell's model.
+std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& feature,
+                                          std::uint32_t id, double steps, const ShellPoint* point) {
+  const PosedPair& pair = *step.pair;
+  const GridField& field = pair.shell_side().model()->grid();
+  const Vec3 displacement =
+      -step.time_step * (step.motion.velocity_at(feature.place) + step.motion.velocity_of_forces);
+  const auto touch = find_touch(step, field, feature.place, displacement, steps,
+                                feature.radius + step.thickness, point);
+  if (!touch) return std::nullopt;
+  const auto outwards = static_cast<Vec3f>(touch->outwards);
+  Contact touching =
+      contact_of(feature, id, outwards, -(touch->closing + touch->gap) - step.thickness);
+  // The shell's place, as in put_on_field().
+  if (id < kFirstFeature && step.larger == &pair.field_side()) {
+    touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
+  }
+  return touching;
+}
+
+}  // namespace
+
+std::optional<Contact> find_speculative(const PairStep& step, std::span<const Feature> features,
+                                        const Contact& contact, double steps) {
+  if (contact.id >= kFirstFeature) {
+    return find_in_shell_body(step, features[contact.id - kFirstFeature], contact.id, steps,
+                              nullptr);
+  }
+  const PosedPair& pair = *step.pair;
+  if (contact.id >= kFirstOfSecond) {
+    const Vec3 place = place_of_second(contact);
+    const std::uint32_t id = contact.id - kFirstOfSecond;
+    const auto point =
+        shell_point_of(pair.field_side(), id, step.field_from_shell.transform_point(place),
+                       step.field_from_shell.inverse());
+    return find_in_shell_body(step, {place, 0.0}, contact.id, steps, point ? &*point : nullptr);
+  }
+  const auto point = static_cast<Vec3>(contact.point);
+  const Vec3 displacement = step.field_from_shell.rotate(
+      step.time_step * (step.motion.velocity_at(point) + step.motion.velocity_of_forces));
+  const Vec3 start = step.field_from_shell.transform_point(point);
+  const auto element = shell_point_of(pair.shell_side(), contact.id, point, step.field_from_shell);
+  const auto touch = std::visit(
+      [&](const auto& field) {
+        return find_touch(step, field, start, displacement, steps, step.thickness,
+                          element ? &*element : nullptr);
+      },
+      pair.field());
+  if (!touch) return std::nullopt;
+  Contact touching = contact;
+  touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(touch->outwards));
+  touching.depth = static_cast<float>(-(touch->closing + touch->gap) - step.thickness);
+  if (is_shell_larger(step)) {
+    const double apart = touch->gap + step.thickness;
+    put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
+  }
+  return touching;
+}
+
+void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {
+  const Pose field_from_shell_then = step.field_from_shell_after(fraction);
+  for (Contact& contact : contacts) {
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const double gap = -static_cast<double>(contact.depth) - step.thickness;
+    const Vec3 on_field = field_from_shell_then.transform_point(
+        static_cast<Vec3>(contact.point) + static_cast<double>(contact.depth) * normal);
+    put_on_field(step, on_field, contact);
+    const double closing = closing_of(step, impact_of(step, contact));
+    contact.depth = static_cast<float>(-std::max(gap, 0.0) - fraction * closing - step.thickness);
+    put_on_field(step, on_field, contact);
+  }
+  std::erase_if(contacts,
+                [&](const Contact& contact) { return impact_of(step, contact).gap < 0.0; });
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,107 @@
+#include "flat_elements.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/models.h"
+#include "support/world.h"
+#include "voxshell/contacts.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+using voxshell::test_support::make_box;
+
+constexpr double kMargin = 2e-4;
+constexpr double kSunk = 1e-4;
+
+/// What of a slab touches a body that stands on it, before and after.
+struct Touching {
+  Touching(const Model& slab, const Field& field, double radius, const Pose& slab_from_body,
+           float margin = static_cast<float>(kMargin)) {
+    const Pose body_from_slab = slab_from_body.inverse();
+    QueryScratch scratch;
+    const auto found =
+        find_contacts(field, slab.shell(), body_from_slab, {.margin = margin}, scratch);
+    before.assign(found.begin(), found.end());
+    after = before;
+    FlatElements().align(after, field, slab.shell(), slab.grid(), body_from_slab,
+                         {radius, kMargin, 0.0});
+  }
+
+  std::vector<Contact> before;
+  std::vector<Contact> after;
+};
+
+bool is_upright(const Contact& contact) { return contact.normal.z < -0.9999f; }
+
+// Points of a ground near the lower edge of a box had the normal of its side, or one aslant where
+// the box's field rounds its edges off, and a box that slid stopped at them.
+TEST(FlatElements, OfAGroundCarryABoxUpToItsEdges) {
+  const auto rounded = build_model(make_box({0.05, 0.05, 0.05}), 0.008);
+  for (const Field& box : {Field(BoxField{{0.05, 0.05, 0.05}}), rounded->field()}) {
+    int aslant = 0;
+    for (double shift = 0.0; shift < 0.01; shift += 2.3e-5) {
+      const Touching touching(*slab_model(), box, 0.087, {{}, {shift, 0, 0.05 - kSunk}});
+      EXPECT_GT(touching.after.size(), 20u);
+      for (const Contact& contact : touching.before) aslant += is_upright(contact) ? 0 : 1;
+      for (const Contact& contact : touching.after) {
+        EXPECT_TRUE(is_upright(contact)) << contact.point.x - static_cast<float>(shift);
+        EXPECT_LT(contact.depth, 1.01 * kSunk);
+      }
+    }
+    EXPECT_GT(aslant, 10);
+  }
+}
+
+TEST(FlatElements, BesideABoxAreNotContacts) {
+  const Field box = BoxField{{0.05, 0.05, 0.05}};
+  int beside = 0;
+  for (double shift = 0.0; shift < 0.01; shift += 2.3e-5) {
+    const Touching touching(*slab_model(), box, 0.087, {{}, {shift, 0, 0.05 - kSunk}});
+    for (const Contact& contact : touching.before) {
+      beside += std::abs(static_cast<double>(contact.point.x) - shift) > 0.05 ? 1 : 0;
+    }
+    for (const Contact& contact : touching.after) {
+      EXPECT_LT(std::abs(static_cast<double>(contact.point.x) - shift), 0.0501);
+    }
+  }
+  EXPECT_GT(beside, 10);
+}
+
+// A ball that dropped straight on a ground left sideways, as its facets are aslant.
+TEST(FlatElements, OfAGroundCarryABallUpright) {
+  const Touching touching(*slab_model(), ball_model()->field(), kBallRadius,
+                          {{}, {0.002, 0.003, kBallRadius - 0.002}});
+  ASSERT_GT(touching.after.size(), 0u);
+  for (const Contact& contact : touching.after) {
+    EXPECT_TRUE(is_upright(contact));
+    EXPECT_LT(contact.depth, 0.002 + 1e-5);
+  }
+}
+
+TEST(FlatElements, OfBentSurfacesKeepTheFieldsNormal) {
+  const Field box = BoxField{{0.3, 0.3, 0.3}};
+  const Touching touching(*ball_model(), box, kBallRadius,
+                          {{}, {0, 0, -0.3 - kBallRadius + 0.002}});
+  EXPECT_GT(touching.before.size(), 3u);
+  EXPECT_EQ(touching.after, touching.before);
+}
+
+TEST(FlatElements, NearTheirOwnEdgeKeepTheFieldsNormal) {
+  // A box beside a slab, its side 0.1 mm inside the slab's.
+  const Field box = BoxField{{0.05, 0.05, 0.2}};
+  const Touching touching(*slab_model(), box, 0.2, {{}, {0.35 - kSunk, 0, 0}});
+  ASSERT_FALSE(touching.after.empty());
+  for (const Contact& contact : touching.after) {
+    if (static_cast<double>(contact.depth) <= 0.0) continue;
+    EXPECT_GT(std::abs(contact.normal.x), 0.99f) << contact.point.z;
+  }
+}
+
+}  // namespace
+}  // namespace voxshell::bullet

@@ -1,0 +1,102 @@
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "rebound.h"
+
+namespace voxshell::bullet {
+namespace {
+
+constexpr double kStep = 1.0 / 100.0;
+constexpr double kGravity = 9.81;  // m/s^2
+
+PairStep make_step(double restitution, double owed_energy = 0.0) {
+  PairStep step{};
+  step.time_step = kStep;
+  step.restitution = restitution;
+  step.owed_energy = owed_energy;
+  step.motion_a.inverse_mass = 0.5;
+  return step;
+}
+
+Impact impact(double gap, double approach) {
+  return {gap, approach, kGravity * kStep, approach * approach};
+}
+
+/// What Bullet's integration keeps of a body that rises at `speed`, J/kg: it adds gravity to the
+/// velocity and then moves.
+double energy_of(double speed, double height) {
+  return 0.5 * speed * speed + kGravity * height - 0.5 * kGravity * kStep * speed;
+}
+
+TEST(ReboundRule, WithoutAGapIsRestitutionTimesApproach) {
+  const Rebound rebound = rebound_of(make_step(0.6), impact(-0.001, 2.0));
+  EXPECT_DOUBLE_EQ(rebound.speed, 1.2);
+  EXPECT_EQ(rebound.owed_energy, 0.0);
+}
+
+TEST(ReboundRule, AfterAGapHasTheEnergyOfAReboundAtTheSurface) {
+  for (const double restitution : {1.0, 0.9, 0.5}) {
+    for (const double gap : {0.001, 0.005, 0.015}) {
+      constexpr double kSpeed = 2.0;
+      const Rebound rebound = rebound_of(make_step(restitution), impact(gap, kSpeed));
+      const double after = energy_of(rebound.speed, gap + rebound.speed * kStep);
+      EXPECT_GT(rebound.speed, 0.0);
+      EXPECT_NEAR(after, restitution * restitution * energy_of(-kSpeed, gap), 1e-9)
+          << restitution << ", gap " << gap;
+    }
+  }
+}
+
+TEST(ReboundRule, OwesEnergyWhereTheApexIsBelowTheStart) {
+  constexpr double kGap = 0.019;
+  const Rebound rebound = rebound_of(make_step(0.1), impact(kGap, 2.0));
+  EXPECT_DOUBLE_EQ(rebound.speed, -kGap / kStep);
+  EXPECT_GT(rebound.owed_energy, 0.0);
+  // The next step pays it.
+  const Rebound next = rebound_of(make_step(0.1, rebound.owed_energy), impact(0.0, 0.0));
+  EXPECT_GT(next.speed, 0.0);
+  EXPECT_EQ(next.owed_energy, 0.0);
+}
+
+TEST(ReboundRule, TellsTheSolverWhatItAimsAt) {
+  const PairStep step = make_step(0.5);
+  const FirstTouch first{0.0025, 2};
+  const Impact first_impact = impact(0.005, 2.0);
+  const SolverRebound rebound = rebound_for_solver(step, first, first_impact);
+  // The solver aims at restitution * approach - gap / time step.
+  EXPECT_NEAR(rebound.restitution * 2.0 - 0.005 / kStep, rebound_of(step, first_impact).speed,
+              1e-12);
+  EXPECT_GT(rebound.first_impulse, 0.0);
+}
+
+TEST(ReboundRule, LaterPointsOnlyStopApproaching) {
+  const PairStep step = make_step(0.5);
+  const FirstTouch first{0.001, 1};
+  const SolverRebound later = rebound_for_solver(step, first, impact(0.010, 2.0));
+  EXPECT_EQ(later.restitution, 0.0);
+  EXPECT_EQ(later.first_impulse, 0.0);
+}
+
+TEST(ReboundRule, PointsThatPartKeepTheRestitutionOfTheBodies) {
+  const SolverRebound parting = rebound_for_solver(make_step(0.7), {0.0, 1}, impact(0.001, -1.0));
+  EXPECT_EQ(parting.restitution, 0.7);
+  EXPECT_EQ(parting.first_impulse, 0.0);
+}
+
+TEST(ReboundRule, TheFirstTouchIsThatOfTheSoonestContact) {
+  PairStep step = make_step(0.5);
+  step.motion.velocity = {0, 0, -1};
+  const std::vector<Contact> contacts{
+      {1, -0.004f, {}, {0, 0, 1}}, {2, -0.002f, {}, {0, 0, 1}}, {3, -0.001f, {}, {0, 0, -1}}};
+  const FirstTouch first = find_first_touch(step, contacts);
+  EXPECT_NEAR(first.time, 0.002, 1e-9);
+  EXPECT_TRUE(first.includes(step, impact_of(step, contacts[1])));
+  EXPECT_FALSE(first.includes(step, impact_of(step, contacts[0])));  // 20 % of the step later
+  EXPECT_FALSE(first.includes(step, impact_of(step, contacts[2])));  // parts
+  EXPECT_FALSE(find_first_touch(step, {}).includes(step, impact_of(step, contacts[2])));
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
