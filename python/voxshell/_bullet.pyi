@@ -112,13 +112,15 @@ class ShellRule(enum.Enum):
     FEWEST = 1
 
 class ConstraintSolver(enum.Enum):
-    SEQUENTIAL_IMPULSE = 0
+    COULOMB = 0
 
-    NNCG = 1
+    SEQUENTIAL_IMPULSE = 1
 
-    DANTZIG = 2
+    NNCG = 2
 
-    PROJECTED_GAUSS_SEIDEL = 3
+    DANTZIG = 3
+
+    PROJECTED_GAUSS_SEIDEL = 4
 
 class Motion(enum.Enum):
     DYNAMIC = 0

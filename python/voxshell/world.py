@@ -54,6 +54,7 @@ _SHELL_RULES = {
     "fewest": _bullet.ShellRule.FEWEST,
 }
 _SOLVERS = {
+    "coulomb": _bullet.ConstraintSolver.COULOMB,
     "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
     "nncg": _bullet.ConstraintSolver.NNCG,
     "dantzig": _bullet.ConstraintSolver.DANTZIG,
@@ -90,10 +91,12 @@ class World:
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
             here, penetration is resolved without adding velocity, which models need to rebound
             truly; -0.04 is Bullet's own default.
-        solver: Bullet's solver of constraints. "sequential_impulse" is its default; "nncg" follows
-            conjugate gradients and takes no joints; "dantzig" solves all of an island's constraints
-            as one problem, exactly, in a time that grows with the cube of their number;
-            "projected_gauss_seidel" solves that problem step by step.
+        solver: The solver of constraints. "coulomb" is Bullet's sequential impulse solver with
+            Coulomb's friction, the same in every direction. The others are Bullet's own, under which
+            bodies with many contact points slide with too much friction: "sequential_impulse" is
+            Bullet's default; "nncg" follows conjugate gradients and takes no joints; "dantzig" solves
+            all of an island's constraints as one problem, exactly, in a time that grows with the cube
+            of their number; "projected_gauss_seidel" solves that problem step by step.
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
             bodies; stacks and machines want 50, pybullet's default. By default 50, and in longer steps
             as many for each 30th of a second. "dantzig" does without.
@@ -138,8 +141,8 @@ class World:
         sleeping: bool = True,
         split_impulse_threshold: float = 0.0,
         solver: Literal[
-            "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
-        ] = "sequential_impulse",
+            "coulomb", "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
+        ] = "coulomb",
         iterations: int | None = None,
         friction_directions: Literal[1, 2] = 2,
     ) -> None:

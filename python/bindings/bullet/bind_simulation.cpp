@@ -93,6 +93,7 @@ void bind_simulation(nb::module_& module) {
       .value("FEWEST", bullet::ShellRule::kFewest);
 
   nb::enum_<ConstraintSolver>(module, "ConstraintSolver")
+      .value("COULOMB", ConstraintSolver::kCoulomb)
       .value("SEQUENTIAL_IMPULSE", ConstraintSolver::kSequentialImpulse)
       .value("NNCG", ConstraintSolver::kNncg)
       .value("DANTZIG", ConstraintSolver::kDantzig)

@@ -12,6 +12,7 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
 
@@ -112,6 +113,9 @@ void Simulation::drop_world() {
 
 void Simulation::make_solver() {
   switch (settings_.solver) {
+    case ConstraintSolver::kCoulomb:
+      solver_ = std::make_unique<bullet::CoulombSolver>();
+      return;
     case ConstraintSolver::kSequentialImpulse:
       solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
       return;

@@ -18,8 +18,14 @@
 
 namespace voxshell::python {
 
-/// Bullet's solvers of constraints.
-enum class ConstraintSolver { kSequentialImpulse, kNncg, kDantzig, kProjectedGaussSeidel };
+/// bullet::CoulombSolver, and Bullet's own solvers of constraints.
+enum class ConstraintSolver {
+  kCoulomb,
+  kSequentialImpulse,
+  kNncg,
+  kDantzig,
+  kProjectedGaussSeidel,
+};
 
 struct SimulationSettings {
   Vec3 gravity{0.0, 0.0, -9.81};   ///< m/s2
@@ -29,7 +35,7 @@ struct SimulationSettings {
   /// all of them: impacts then rebound with the energy that their restitution says, and no more.
   /// Bullet's own default is -0.04.
   double split_impulse_threshold = 0.0;
-  ConstraintSolver solver = ConstraintSolver::kSequentialImpulse;
+  ConstraintSolver solver = ConstraintSolver::kCoulomb;
   int iterations = 10;  ///< of the solver; Dantzig's has none
   /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
   /// that lies still falls freely for a step before friction knows where to.
