@@ -7,6 +7,8 @@ mu g dt a step from v runs v^2 / (2 mu g) - v dt / 2 far.
 
     .venv/bin/python benchmarks/friction.py              # all cases; --quick: a tenth of them
     .venv/bin/python benchmarks/friction.py --solver sequential_impulse
+    .venv/bin/python benchmarks/friction.py --creep 60   # adds how far bodies creep on a slope
+    .venv/bin/python benchmarks/friction.py --cost       # instead: time of a step, beside Bullet's solver
 """
 
 from __future__ import annotations
@@ -139,13 +141,63 @@ def run_out(speed: float, friction: float, rate: float) -> float:
 
 
 def creep(name: str, ground: str, *, share: float = 0.95, friction: float = 0.5, seconds=60.0, rate, **k):
-    """How far the body gets in a minute below the angle of friction, metres."""
+    """How far the body gets below the angle of friction, from a second after the ground has leaned on."""
     slope = share * math.atan(friction)
     world, body, _ = place(name, ground, slope=slope, friction=friction, rate=rate, **k)
-    world.step(round(0.2 * rate))
-    start = body.pose
+    world.step(round(rate))
+    start = centre(body)
     world.step(round(seconds * rate))
-    return float(np.linalg.norm(body.pose[:3, 3] - start[:3, 3]))
+    return float(np.linalg.norm(centre(body) - start))
+
+
+def build_stack(solver: str) -> vx.World:
+    """Eight bricks on each other."""
+    brick = vx.Model.from_mesh(box((0.2, 0.1, 0.06)))
+    world = vx.World(solver=solver, sleeping=False)
+    world.add(vx.Plane(), mass=0)
+    for i in range(8):
+        pose = np.eye(4)
+        pose[2, 3] = 0.0301 + 0.0601 * i
+        world.add(brick, pose=pose)
+    world.step(100)
+    return world
+
+
+def build_heap(solver: str) -> vx.World:
+    """24 rings that have fallen on each other."""
+    ring = vx.Model.from_mesh(torus(0.06, 0.02))
+    world = vx.World(solver=solver, sleeping=False)
+    world.add(vx.Plane(), mass=0)
+    random = np.random.default_rng(1)
+    for i in range(24):
+        pose = trimesh.transformations.random_rotation_matrix(random.random(3))
+        pose[:3, 3] = [*(0.1 * (random.random(2) - 0.5)), 0.1 + 0.09 * i]
+        world.add(ring, pose=pose)
+    world.step(600)
+    return world
+
+
+def compare_cost() -> None:
+    """Prints the median time of a step with both solvers, run by turns, and the ratio."""
+    for scene in (build_stack, build_heap):
+        worlds = {solver: scene(solver) for solver in ("sequential_impulse", "coulomb")}
+        times: dict[str, list[float]] = {solver: [] for solver in worlds}
+        for _ in range(40):
+            for solver, world in worlds.items():
+                world.clear_timings()
+                world.step(10)
+                parts = world.timings
+                times[solver].append(float(np.median(parts["step"] - parts["narrow_phase"])))
+        ratio = np.median(np.array(times["coulomb"]) / np.array(times["sequential_impulse"]))
+        print(scene.__doc__)
+        for solver, world in worlds.items():
+            points = world.contacts()
+            fastest = max(float(np.linalg.norm(body.linear_velocity)) for body in world.bodies)
+            print(
+                f"  {solver:18} {1e3 * np.median(times[solver]):.3f} ms a step without narrow phase, "
+                f"{len(points)} points, fastest body {1e3 * fastest:.3f} mm/s"
+            )
+        print(f"  ratio {ratio:.3f}")
 
 
 def main() -> None:
@@ -158,7 +210,11 @@ def main() -> None:
     parser.add_argument("--directions", type=int, default=2, help="friction directions a point")
     parser.add_argument("--headings", type=float, nargs="*", default=HEADINGS, help="degrees")
     parser.add_argument("--creep", type=float, default=0.0, help="seconds on a slope")
+    parser.add_argument("--cost", action="store_true", help="compare times of steps instead")
     options = parser.parse_args()
+    if options.cost:
+        compare_cost()
+        return
     settings = {"solver": options.solver, "friction_directions": options.directions}
     cases = itertools.product(options.bodies, options.grounds, options.rates)
     print(f"{'body':11} {'ground':6} {'Hz':>5}  sliding, of the exact speed     stopping, of the exact way")

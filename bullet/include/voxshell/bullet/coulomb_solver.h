@@ -29,6 +29,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
  private:
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
+  void warm_start_friction(const btContactSolverInfo& info);
   btScalar solve_joints(int iteration);
   void solve_obsolete(btTypedConstraint** constraints, int count, btScalar time_step);
   btScalar solve_normal(const btSolverConstraint& contact);
