@@ -93,7 +93,14 @@ def standing(name: str) -> np.ndarray:
 
 
 def place(
-    name: str, ground: str, *, slope: float, heading: float, friction: float, rate: float, **settings
+    name: str,
+    ground: str,
+    *,
+    slope: float,
+    heading: float,
+    friction: float,
+    rate: float,
+    **settings,
 ) -> tuple[vx.World, vx.Body, np.ndarray]:
     """The body at rest on a ground whose gravity leans by `slope` towards `heading`, radians.
 
@@ -109,7 +116,9 @@ def place(
     return world, world.add(build(name), mass=1.0, pose=pose, friction=friction), along
 
 
-def slide(name: str, ground: str, *, slope: float = math.radians(35), friction: float = 0.5, rate, **k):
+def slide(
+    name: str, ground: str, *, slope: float = math.radians(35), friction: float = 0.5, rate, **k
+):
     """Speed along the slope after 0.5 s from rest, of the exact one."""
     world, body, along = place(name, ground, slope=slope, friction=friction, rate=rate, **k)
     world.step(round(0.5 * rate))
@@ -140,7 +149,9 @@ def run_out(speed: float, friction: float, rate: float) -> float:
     return way
 
 
-def creep(name: str, ground: str, *, share: float = 0.95, friction: float = 0.5, seconds=60.0, rate, **k):
+def creep(
+    name: str, ground: str, *, share: float = 0.95, friction: float = 0.5, seconds=60.0, rate, **k
+):
     """How far the body gets below the angle of friction, from a second after the ground has leaned on."""
     slope = share * math.atan(friction)
     world, body, _ = place(name, ground, slope=slope, friction=friction, rate=rate, **k)
@@ -217,7 +228,9 @@ def main() -> None:
         return
     settings = {"solver": options.solver, "friction_directions": options.directions}
     cases = itertools.product(options.bodies, options.grounds, options.rates)
-    print(f"{'body':11} {'ground':6} {'Hz':>5}  sliding, of the exact speed     stopping, of the exact way")
+    print(
+        f"{'body':11} {'ground':6} {'Hz':>5}  sliding, of the exact speed     stopping, of the exact way"
+    )
     for name, ground, rate in itertools.islice(cases, 0, None, 10 if options.quick else 1):
         rows = []
         for case in (slide, stop):
@@ -229,7 +242,10 @@ def main() -> None:
         if options.creep:
             crept = creep(name, ground, heading=0.3, rate=rate, seconds=options.creep, **settings)
             rests = f"   creep {1e3 * crept:.3f} mm"
-        print(f"{name:11} {ground:6} {rate:5g}  " + "  ".join(f"{x:5.3f}" for x in rows) + rests, flush=True)
+        print(
+            f"{name:11} {ground:6} {rate:5g}  " + "  ".join(f"{x:5.3f}" for x in rows) + rests,
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ btScalar CoulombSolver::solveSingleIteration(
 
   const bool has_two_directions = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0;
   // The friction of a point right after its normal impulse, whether the mode asks for it or not:
-  // solved after all normal impulses, grips creep by ten times as much.
+  // solved after all normal impulses, grips creep several times as fast.
   for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
     const btSolverConstraint& contact =
         m_tmpSolverContactConstraintPool[m_orderTmpConstraintPool[i]];

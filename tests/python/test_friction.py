@@ -82,7 +82,16 @@ CASES = [
     (name, ground, rate, heading)
     for (name, ground), (rate, heading) in zip(
         [(name, ground) for ground in ("plane", "slab") for name in MESHES],
-        [(1000, 0.0), (200, 22.5), (60, 45.0), (30, 67.0), (200, 45.0), (60, 67.0), (30, 22.5), (200, 0.0)],
+        [
+            (1000, 0.0),
+            (200, 22.5),
+            (60, 45.0),
+            (30, 67.0),
+            (200, 45.0),
+            (60, 67.0),
+            (30, 22.5),
+            (200, 0.0),
+        ],
         strict=True,
     )
 ]
@@ -92,9 +101,7 @@ CASES = [
 def test_bodies_slide_as_fast_as_coulomb_says(name, ground, rate, heading):
     world, body, along = lay(name, ground, rate=rate, heading=math.radians(heading), slope=SLOPE)
     world.step(round(0.4 * rate))
-    expected = (
-        round(0.4 * rate) / rate * GRAVITY * (math.sin(SLOPE) - FRICTION * math.cos(SLOPE))
-    )
+    expected = round(0.4 * rate) / rate * GRAVITY * (math.sin(SLOPE) - FRICTION * math.cos(SLOPE))
     assert body.linear_velocity @ along == pytest.approx(expected, rel=0.03)
     assert np.linalg.norm(body.linear_velocity) == pytest.approx(expected, rel=0.03)
 
