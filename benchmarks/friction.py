@@ -67,11 +67,13 @@ MESHES = {"cube": _cube, "mug": _mug, "can": _can, "bunny": _bunny, "dented box"
 
 @cache
 def build(name: str) -> vx.Model:
+    """A body's model at default settings."""
     return vx.Model.from_mesh(MESHES[name]())
 
 
 @cache
 def build_slab() -> vx.Model:
+    """1.6 x 1.6 x 0.06 m; its top is at z = 0."""
     return vx.Model.from_mesh(box((1.6, 1.6, 0.06)).apply_translation((0, 0, -0.03)))
 
 
@@ -137,6 +139,7 @@ def stop(name: str, ground: str, *, speed: float = 1.0, friction: float = 0.5, r
 
 
 def centre(body: vx.Body) -> np.ndarray:
+    """The centre of mass, metres, world frame."""
     return (body.pose @ [*body.shape.mass_properties(1.0).center_of_mass, 1.0])[:3]
 
 
@@ -212,6 +215,7 @@ def compare_cost() -> None:
 
 
 def main() -> None:
+    """Runs what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="one case in ten")
     parser.add_argument("--solver", default="coulomb")
