@@ -183,6 +183,8 @@ class BodyMaterial:
 class SimulationState:
     pass
 
+most_turn: float = 0.7853981633974483
+
 class Simulation:
     def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, sweep_beyond: float) -> None: ...
 
@@ -203,6 +205,8 @@ class Simulation:
     def set_motor(self, arg0: int, arg1: Motor, /) -> None: ...
 
     def step(self, count: int) -> None: ...
+
+    def take_fast_spins(self) -> list[tuple[int, float]]: ...
 
     def timings(self) -> NDArray[numpy.float64]: ...
 
