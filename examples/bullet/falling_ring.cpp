@@ -1,4 +1,4 @@
-// A ring falls onto a ball on a table: a plain Bullet program but for the two lines marked
+// A ring falls onto a ball on a table: a plain Bullet program but for the lines marked
 // "voxshell".
 #include <cmath>
 #include <cstdio>
@@ -7,6 +7,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <voxshell/bullet/collision_configuration.h>
+#include <voxshell/bullet/coulomb_solver.h>
 #include <voxshell/bullet/model_shape.h>
 
 static voxshell::TriangleMesh make_ring(double radius, double thickness) {
@@ -32,7 +33,7 @@ int main() {
   voxshell::bullet::CollisionConfiguration configuration;  // voxshell, for btDefaultCollision...
   btCollisionDispatcher dispatcher(&configuration);
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
+  voxshell::bullet::CoulombSolver solver;  // voxshell, for btSequentialImpulseConstraintSolver
   btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
   world.setGravity(btVector3(0, 0, -9.81));
   world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // rebounds as the restitution says

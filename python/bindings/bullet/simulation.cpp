@@ -12,8 +12,10 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
+#include "voxshell/bullet/momentum_world.h"
 
 namespace voxshell::python {
 using bullet::from_bullet;
@@ -81,8 +83,8 @@ void Simulation::make_world() {
   broadphase_ = std::make_unique<btDbvtBroadphase>();
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
-  world_ = std::make_unique<bullet::ForceAwareWorld<>>(dispatcher_.get(), broadphase_.get(),
-                                                       solver_.get(), configuration_.get());
+  world_ = std::make_unique<bullet::MomentumWorld<bullet::ForceAwareWorld<>>>(
+      dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   world_->getSolverInfo().m_splitImpulse = 1;
@@ -112,6 +114,9 @@ void Simulation::drop_world() {
 
 void Simulation::make_solver() {
   switch (settings_.solver) {
+    case ConstraintSolver::kCoulomb:
+      solver_ = std::make_unique<bullet::CoulombSolver>();
+      return;
     case ConstraintSolver::kSequentialImpulse:
       solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
       return;
@@ -280,6 +285,18 @@ void Simulation::step() {
   if (timings_.size() > kMostTimings) timings_.pop_front();
   for (const auto& joint : joints_) {
     if (joint != nullptr) joint->finish_step();
+  }
+  note_spins();
+}
+
+void Simulation::note_spins() {
+  for (std::size_t number = 0; number < bodies_.size(); ++number) {
+    if (bodies_[number] == nullptr || bodies_[number]->spins_fast) continue;
+    const btRigidBody& rigid_body = bodies_[number]->rigid_body;
+    const double turn = rigid_body.getAngularVelocity().length() * settings_.time_step;
+    if (!(turn > kMostTurn)) continue;
+    bodies_[number]->spins_fast = true;
+    fast_spins_.push_back({number, turn});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -18,8 +19,14 @@
 
 namespace voxshell::python {
 
-/// Bullet's solvers of constraints.
-enum class ConstraintSolver { kSequentialImpulse, kNncg, kDantzig, kProjectedGaussSeidel };
+/// bullet::CoulombSolver, and Bullet's own solvers of constraints.
+enum class ConstraintSolver {
+  kCoulomb,
+  kSequentialImpulse,
+  kNncg,
+  kDantzig,
+  kProjectedGaussSeidel,
+};
 
 struct SimulationSettings {
   Vec3 gravity{0.0, 0.0, -9.81};   ///< m/s2
@@ -29,7 +36,7 @@ struct SimulationSettings {
   /// all of them: impacts then rebound with the energy that their restitution says, and no more.
   /// Bullet's own default is -0.04.
   double split_impulse_threshold = 0.0;
-  ConstraintSolver solver = ConstraintSolver::kSequentialImpulse;
+  ConstraintSolver solver = ConstraintSolver::kCoulomb;
   int iterations = 10;  ///< of the solver; Dantzig's has none
   /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
   /// that lies still falls freely for a step before friction knows where to.
@@ -123,6 +130,13 @@ class Simulation {
   void set_motor(std::size_t joint, const Motor& motor);
 
   void step();
+  /// Bodies that turn by more than kMostTurn a step, each of them once, with how far that is,
+  /// radians; and forgets them.
+  std::vector<std::pair<std::size_t, double>> take_fast_spins() {
+    return std::exchange(fast_spins_, {});
+  }
+  /// Bullet looks for pairs of bodies as if none turned farther in a step, radians.
+  static constexpr double kMostTurn = std::numbers::pi / 4.0;
   /// Of the steps since the start or clear_timings(), the last kMostTimings at most.
   const std::deque<StepTimings>& timings() const { return timings_; }
   void clear_timings() { timings_.clear(); }
@@ -170,6 +184,7 @@ class Simulation {
   class TimedDispatcher;
   class Filter;
 
+  void note_spins();
   void make_solver();
   void make_world();
   void drop_world();
@@ -196,6 +211,7 @@ class Simulation {
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
   std::deque<StepTimings> timings_;
+  std::vector<std::pair<std::size_t, double>> fast_spins_;
 };
 
 }  // namespace voxshell::python

@@ -12,6 +12,7 @@ struct Simulation::Body {
   btRigidBody rigid_body;
   Motion motion;
   BodyMaterial material;
+  bool spins_fast = false;  ///< has been among Simulation::take_fast_spins()
 
   Body(const BodySettings& settings, const bullet::BodyFrame& frame);
 };

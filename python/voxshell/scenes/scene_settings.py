@@ -32,9 +32,9 @@ class WorldSettings:
     contact: Literal["auto", "regular", "segmented"] = "auto"
     shell: Literal["auto", "fewest"] = "auto"
     level: int | None = None
-    solver: Literal["sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"] = (
-        "sequential_impulse"
-    )
+    solver: Literal[
+        "coulomb", "sequential_impulse", "nncg", "dantzig", "projected_gauss_seidel"
+    ] = "coulomb"
     iterations: int | None = None
     sleeping: bool = True
     ccd_motion_threshold: float | None = None

@@ -13,6 +13,7 @@
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
+#include "voxshell/bullet/coulomb_solver.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -20,10 +21,12 @@ namespace {
 using namespace test_support;
 using voxshell::test_support::Random;
 
-enum class Solver { kSequentialImpulse, kNncg, kDantzig, kProjectedGaussSeidel };
+enum class Solver { kCoulomb, kSequentialImpulse, kNncg, kDantzig, kProjectedGaussSeidel };
 
 const char* to_string(Solver solver) {
   switch (solver) {
+    case Solver::kCoulomb:
+      return "Coulomb";
     case Solver::kSequentialImpulse:
       return "SequentialImpulse";
     case Solver::kNncg:
@@ -36,7 +39,7 @@ const char* to_string(Solver solver) {
   return "";
 }
 
-/// One of Bullet's solvers of constraints with what it needs.
+/// A solver of constraints with what it needs.
 struct OwnedSolver {
   std::unique_ptr<btMLCPSolverInterface> lcp;  ///< of those that solve all constraints as one
   std::unique_ptr<btConstraintSolver> solver;
@@ -45,6 +48,9 @@ struct OwnedSolver {
 OwnedSolver make_solver(Solver which) {
   OwnedSolver owned;
   switch (which) {
+    case Solver::kCoulomb:
+      owned.solver = std::make_unique<CoulombSolver>();
+      return owned;
     case Solver::kSequentialImpulse:
       owned.solver = std::make_unique<btSequentialImpulseConstraintSolver>();
       return owned;
@@ -66,8 +72,8 @@ class Solvers : public testing::TestWithParam<std::tuple<Solver, Ground, Contact
 
 INSTANTIATE_TEST_SUITE_P(
     OnGrounds, Solvers,
-    testing::Combine(testing::Values(Solver::kSequentialImpulse, Solver::kNncg, Solver::kDantzig,
-                                     Solver::kProjectedGaussSeidel),
+    testing::Combine(testing::Values(Solver::kCoulomb, Solver::kSequentialImpulse, Solver::kNncg,
+                                     Solver::kDantzig, Solver::kProjectedGaussSeidel),
                      testing::Values(Ground::kPlane, Ground::kBox, Ground::kModel),
                      testing::Values(ContactMode::kRegular, ContactMode::kSegmented)),
     [](const auto& tested) {

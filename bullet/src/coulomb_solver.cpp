@@ -1,0 +1,240 @@
+#include "voxshell/bullet/coulomb_solver.h"
+
+#include <algorithm>
+
+namespace voxshell::bullet {
+namespace {
+
+/// The velocity along a row that the impulses so far have added.
+btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
+                        const btSolverBody& b) {
+  return row.m_contactNormal1.dot(a.getDeltaLinearVelocity()) +
+         row.m_relpos1CrossNormal.dot(a.getDeltaAngularVelocity()) +
+         row.m_contactNormal2.dot(b.getDeltaLinearVelocity()) +
+         row.m_relpos2CrossNormal.dot(b.getDeltaAngularVelocity());
+}
+
+/// The impulse that would give a row the velocity it aims at, if nothing else acted.
+btScalar missing_impulse(const btSolverConstraint& row, const btSolverBody& a,
+                         const btSolverBody& b) {
+  return row.m_rhs - btScalar(row.m_appliedImpulse) * row.m_cfm -
+         added_velocity(row, a, b) * row.m_jacDiagABInv;
+}
+
+/// Lets the row's impulse, N s, be `impulse`.
+///
+/// @return The velocity along the row that this changes, squared: what the solver's residual is of.
+btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse) {
+  const btScalar change = impulse - btScalar(row.m_appliedImpulse);
+  row.m_appliedImpulse = impulse;
+  a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
+                         change);
+  b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
+                         change);
+  if (change == 0) return 0;
+  const btScalar velocity = change / row.m_jacDiagABInv;
+  return velocity * velocity;
+}
+
+btScalar squared(btScalar x) { return x * x; }
+
+/// Whether the directions of friction at a point depend on its normal alone.
+bool keeps_directions(const btContactSolverInfo& info) {
+  constexpr int kNeeded =
+      SOLVER_USE_WARMSTARTING | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+  return (info.m_solverMode & kNeeded) == kNeeded;
+}
+
+bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpulse) == 0; }
+
+}  // namespace
+
+/// Completes what the stock solver has set up. It leaves out the torques of this step, by which a
+/// body at rest would turn at torque / inertia * time step whatever its friction. And it divides by
+/// zero where bodies cannot turn: such rolling rows have nothing to do.
+void CoulombSolver::complete_rows(btConstraintArray& rows) const {
+  for (int i = 0; i < rows.size(); ++i) {
+    btSolverConstraint& row = rows[i];
+    if (!(row.m_jacDiagABInv < BT_LARGE_FLOAT)) {
+      row.m_jacDiagABInv = 0;
+      row.m_rhs = 0;
+      continue;
+    }
+    const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
+    const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+    row.m_rhs -= (row.m_relpos1CrossNormal.dot(a.m_externalTorqueImpulse) +
+                  row.m_relpos2CrossNormal.dot(b.m_externalTorqueImpulse)) *
+                 row.m_jacDiagABInv;
+  }
+}
+
+void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifold_count,
+                                    const btContactSolverInfo& info) {
+  btSequentialImpulseConstraintSolver::convertContacts(manifolds, manifold_count, info);
+  complete_rows(m_tmpSolverContactFrictionConstraintPool);
+  complete_rows(m_tmpSolverContactRollingFrictionConstraintPool);
+  if (keeps_directions(info)) warm_start_friction(info);
+}
+
+/// Begins with the share that Bullet gives to normal impulses, m_warmstartingFactor, of the
+/// friction of the step before, where the directions that it is along are still the same. Begun
+/// with none, as in the stock solver, bodies creep down slopes and grips give way; with all of it,
+/// stacks rock for seconds longer and points that pull against each other do so for ever.
+void CoulombSolver::warm_start_friction(const btContactSolverInfo& info) {
+  const bool has_two_directions = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0;
+  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+    const btSolverConstraint& contact = m_tmpSolverContactConstraintPool[i];
+    const auto& point = *static_cast<const btManifoldPoint*>(contact.m_originalContactPoint);
+    const btScalar impulse_1 = point.m_appliedImpulseLateral1;
+    const btScalar impulse_2 = has_two_directions ? point.m_appliedImpulseLateral2 : btScalar(0);
+    const btScalar length = btSqrt(squared(impulse_1) + squared(impulse_2));
+    if (length == 0) continue;
+    btSolverConstraint& row_1 = m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex];
+    const btScalar bound = row_1.m_friction * btScalar(contact.m_appliedImpulse);
+    const btScalar share = std::min(bound / length, info.m_warmstartingFactor);
+    btSolverBody& a = m_tmpSolverBodyPool[contact.m_solverBodyIdA];
+    btSolverBody& b = m_tmpSolverBodyPool[contact.m_solverBodyIdB];
+    set_impulse(row_1, a, b, share * impulse_1);
+    if (!has_two_directions) continue;
+    set_impulse(m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + 1], a, b,
+                share * impulse_2);
+  }
+}
+
+btScalar CoulombSolver::solveSingleIteration(
+    int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
+    btPersistentManifold** /*manifolds*/, int /*manifold_count*/, btTypedConstraint** constraints,
+    int constraint_count, const btContactSolverInfo& info, btIDebugDraw* /*drawer*/) {
+  const bool solves_contacts = iteration < info.m_numIterations;
+  if ((info.m_solverMode & SOLVER_RANDMIZE_ORDER) != 0) {
+    shuffle(m_orderNonContactConstraintPool);
+    if (solves_contacts) shuffle(m_orderTmpConstraintPool);
+  }
+  btScalar residual = solve_joints(iteration);
+  if (!solves_contacts) return residual;
+  solve_obsolete(constraints, constraint_count, info.m_timeStep);
+
+  const bool has_two_directions = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0;
+  // The friction of a point right after its normal impulse, whether the mode asks for it or not:
+  // solved after all normal impulses, grips creep several times as fast.
+  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+    const btSolverConstraint& contact =
+        m_tmpSolverContactConstraintPool[m_orderTmpConstraintPool[i]];
+    residual = std::max(residual, solve_normal(contact));
+    residual = std::max(residual, solve_friction(contact, has_two_directions));
+  }
+  return std::max(residual, solve_rolling_friction());
+}
+
+/// Fisher and Yates' shuffle by the solver's own random numbers, as SOLVER_RANDMIZE_ORDER asks for.
+void CoulombSolver::shuffle(btAlignedObjectArray<int>& order) {
+  // Not the array's size, which is twice the number of contacts with two friction directions.
+  const int count =
+      &order == &m_orderTmpConstraintPool ? m_tmpSolverContactConstraintPool.size() : order.size();
+  for (int i = 0; i < count; ++i) order.swap(i, btRandInt2(i + 1));
+}
+
+btScalar CoulombSolver::solve_joints(int iteration) {
+  btScalar residual = 0;
+  for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
+    btSolverConstraint& row =
+        m_tmpSolverNonContactConstraintPool[m_orderNonContactConstraintPool[i]];
+    if (iteration >= row.m_overrideNumSolverIterations) continue;
+    const btScalar change = resolveSingleConstraintRowGeneric(
+        m_tmpSolverBodyPool[row.m_solverBodyIdA], m_tmpSolverBodyPool[row.m_solverBodyIdB], row);
+    residual = std::max(residual, squared(change));
+  }
+  return residual;
+}
+
+/// Constraints that solve themselves: btConeTwistConstraint may.
+void CoulombSolver::solve_obsolete(btTypedConstraint** constraints, int count, btScalar time_step) {
+  for (int i = 0; i < count; ++i) {
+    btTypedConstraint& constraint = *constraints[i];
+    if (!constraint.isEnabled()) continue;
+    // Both before either is looked up: a body that is new makes the pool grow.
+    const int a = getOrInitSolverBody(constraint.getRigidBodyA(), time_step);
+    const int b = getOrInitSolverBody(constraint.getRigidBodyB(), time_step);
+    constraint.solveConstraintObsolete(m_tmpSolverBodyPool[a], m_tmpSolverBodyPool[b], time_step);
+  }
+}
+
+btScalar CoulombSolver::solve_normal(const btSolverConstraint& contact) {
+  return squared(resolveSingleConstraintRowLowerLimit(m_tmpSolverBodyPool[contact.m_solverBodyIdA],
+                                                      m_tmpSolverBodyPool[contact.m_solverBodyIdB],
+                                                      contact));
+}
+
+btScalar CoulombSolver::solve_friction(const btSolverConstraint& contact, bool has_two_directions) {
+  btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex];
+  const btScalar bound = row.m_friction * std::max(btScalar(contact.m_appliedImpulse), btScalar(0));
+  if (!has_two_directions) return solve_row(row, bound);
+  return solve_disc(row, m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + 1],
+                    bound);
+}
+
+/// A point's rows are the spinning one about the normal, then up to two of rolling.
+btScalar CoulombSolver::solve_rolling_friction() {
+  btConstraintArray& rows = m_tmpSolverContactRollingFrictionConstraintPool;
+  btScalar residual = 0;
+  for (int i = 0; i < rows.size();) {
+    const int point = rows[i].m_frictionIndex;
+    int end = i + 1;
+    while (end < rows.size() && rows[end].m_frictionIndex == point) ++end;
+    const btScalar impulse =
+        std::max(btScalar(m_tmpSolverContactConstraintPool[point].m_appliedImpulse), btScalar(0));
+    const auto bound = [&](int row) { return rows[row].m_friction * impulse; };
+    residual = std::max(residual, solve_row(rows[i], bound(i)));
+    if (end - i == 3) {
+      residual = std::max(residual, solve_disc(rows[i + 1], rows[i + 2], bound(i + 1)));
+    } else if (end - i == 2) {
+      residual = std::max(residual, solve_row(rows[i + 1], bound(i + 1)));
+    }
+    i = end;
+  }
+  return residual;
+}
+
+/// Solves a row whose impulse is within plus and minus `bound`, N s.
+btScalar CoulombSolver::solve_row(btSolverConstraint& row, btScalar bound) {
+  if (bound == 0 && is_empty(row)) return 0;
+  btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
+  btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+  const btScalar impulse = btScalar(row.m_appliedImpulse) + missing_impulse(row, a, b);
+  return set_impulse(row, a, b, std::clamp(impulse, -bound, bound));
+}
+
+/// Solves two rows of the same bodies whose impulses are, together, at most `bound`, N s.
+///
+/// Where both rows can have what they miss, they get it. Else the point slides, and its impulse is
+/// that of the largest dissipation, opposite to the velocity: the fixed point of a step that is as
+/// long for both rows (that of the stiffer one, for which it converges) with a projection on the
+/// disc. With steps of different lengths, as rows of different levers have, friction would act
+/// aside.
+btScalar CoulombSolver::solve_disc(btSolverConstraint& row_1, btSolverConstraint& row_2,
+                                   btScalar bound) {
+  if (row_1.m_jacDiagABInv == 0) return solve_row(row_2, bound);
+  if (row_2.m_jacDiagABInv == 0) return solve_row(row_1, bound);
+  if (bound == 0 && is_empty(row_1) && is_empty(row_2)) return 0;
+  btSolverBody& a = m_tmpSolverBodyPool[row_1.m_solverBodyIdA];
+  btSolverBody& b = m_tmpSolverBodyPool[row_1.m_solverBodyIdB];
+  const btScalar before_1 = row_1.m_appliedImpulse;
+  const btScalar before_2 = row_2.m_appliedImpulse;
+  const btScalar missing_1 = missing_impulse(row_1, a, b);
+  const btScalar missing_2 = missing_impulse(row_2, a, b);
+  btScalar impulse_1 = before_1 + missing_1;
+  btScalar impulse_2 = before_2 + missing_2;
+  if (squared(impulse_1) + squared(impulse_2) > squared(bound)) {
+    const btScalar step = std::min(row_1.m_jacDiagABInv, row_2.m_jacDiagABInv);
+    impulse_1 = before_1 + missing_1 * (step / row_1.m_jacDiagABInv);
+    impulse_2 = before_2 + missing_2 * (step / row_2.m_jacDiagABInv);
+    const btScalar length = btSqrt(squared(impulse_1) + squared(impulse_2));
+    if (length > bound) {
+      impulse_1 *= bound / length;
+      impulse_2 *= bound / length;
+    }
+  }
+  return std::max(set_impulse(row_1, a, b, impulse_1), set_impulse(row_2, a, b, impulse_2));
+}
+
+}  // namespace voxshell::bullet
