@@ -231,8 +231,9 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
             f"{'*':16} the finest built in {MOST_BUILD_SECONDS:g} s that takes "
             f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)}:",
             f"{command} --voxel-size {best.size:.4g}",
-            "These are uniform models. Without sizes, a model is built to a tolerance: edges and corners",
-            "are elements of its shell, and cells at creases and in thin walls are exact. For most uses:",
+            "These are uniform models. Without sizes, a model is built to a tolerance:",
+            "edges and corners are elements of its shell, and cells at creases and in",
+            "thin walls are exact. For most uses:",
             command,
         ]
     )
