@@ -7,6 +7,7 @@ The list, its truths and its bars were written before anything was measured by i
 from __future__ import annotations
 
 from voxshell.scenes.everyday import (
+    crowds,
     drops,
     held_out,
     impacts,
@@ -21,7 +22,18 @@ from voxshell.scenes.everyday.scene import EverydayScene
 
 SCENES: dict[str, EverydayScene] = {
     scene.name: scene
-    for module in (sliding, rolling, impacts, spinning, stacks, overlaps, machines, drops, held_out)
+    for module in (
+        sliding,
+        rolling,
+        impacts,
+        spinning,
+        stacks,
+        overlaps,
+        machines,
+        crowds,
+        drops,
+        held_out,
+    )
     for scene in module.SCENES
 }
 """All scenes by name, in the order of the report."""

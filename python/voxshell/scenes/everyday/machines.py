@@ -1,4 +1,4 @@
-"""Chains, hooks, screws, conveyors, grippers, a Galton board and a shaken carton."""
+"""Chains, hooks, screws, conveyors and grippers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from voxshell.scenes.everyday.sliding import as_vector, nothing
 if TYPE_CHECKING:
     from voxshell.scenes.everyday.scene import Form, Track
 
-LOAD, DRIVEN, CROWD = "Loads", "Conveyor and gripper", "Galton board and carton"
+LOAD, DRIVEN = "Loads", "Conveyor and gripper"
 
 # ---- loads ---------------------------------------------------------------------------------------
 
@@ -191,98 +191,6 @@ def _free_slip(track: Track) -> float:
     return laws.way(0.0, pull, track.seconds, track.time_step)
 
 
-# ---- crowds --------------------------------------------------------------------------------------
-
-_BALLS = 40
-_GALTON = (8, 0.05, 0.004, 0.02)
-
-
-def _galton(placement: int, ball: Form) -> Stage:
-    """40 balls of 16 mm in a block over eight rows of pegs, 50 mm apart: 42 mm are free between two."""
-    items = [Item("board", forms.galton(*_GALTON), mass=0.0)]
-    for i in range(_BALLS):
-        x = (i % 5 - 2) * 0.02 + 0.002 * share(40 * placement + i)
-        z = 0.03 + (i // 5) * 0.02
-        pose = shift(x, 0.001 * share(40 * placement + i, 2), z) @ turn(X, 3.0 * share(i, 3))
-        items.append(Item(f"ball {i + 1}", ball, pose, 0.01))
-    return Stage(tuple(items), friction=0.1, restitution=0.3)
-
-
-def _through(track: Track) -> float:
-    """Balls that have left the board below, between its panes, in the time."""
-    rows, pitch, _, depth = _GALTON
-    below = -0.9 * pitch * rows
-    count = 0
-    for poses in track.poses.values():
-        heights = poses[:, 2, 3]
-        out = np.nonzero(heights < below)[0]
-        inside = poses[: out[0] + 1] if len(out) else poses
-        kept = np.abs(inside[:, 1, 3]) < 0.5 * depth + 0.01
-        count += bool(len(out) and kept.all())
-    return float(count)
-
-
-def _all_balls(_: Track) -> float:
-    return float(_BALLS)
-
-
-_CARTON = (0.3, 0.2, 0.2, 0.002)
-"""Inside, metres, and its wall."""
-
-
-def _carton(placement: int) -> Stage:
-    """A closed carton with walls of 2 mm, shaken along a heading by 30 mm at 2 Hz, with 14 objects in it."""
-    x, y, z, wall = _CARTON
-    sides = []
-    for axis, inside in enumerate((x, y, z)):
-        for sign in (-1.0, 1.0):
-            at, size = [0.0, 0.0, 0.0], [x + 2 * wall, y + 2 * wall, z + 2 * wall]
-            at[axis] = sign * 0.5 * (inside + wall)
-            size[axis] = wall
-            sides.append(((at[0], at[1], at[2]), (size[0], size[1], size[2])))
-    carton = forms.boxes("carton", tuple(sides))
-    direction = np.array([math.cos(heading(placement)), 0.6 * math.sin(heading(placement)), 0.5])
-    direction /= np.linalg.norm(direction)
-
-    def path(time: float) -> np.ndarray:
-        # From rest: the amplitude grows during the first half second.
-        offset = 0.03 * min(time / 0.5, 1.0) * math.sin(4.0 * math.pi * time)
-        return shift(*(offset * direction).tolist())
-
-    kinds = (forms.box(0.04, 0.035, 0.03), forms.ball(0.02), forms.cylinder(0.015, 0.04))
-    items = [Item("carton", carton, path=path)]
-    for i in range(14):
-        k = 14 * placement + i
-        place = shift(0.1 * (i % 3 - 1), 0.1 * (i // 3 % 2 - 0.5), 0.066 * (i // 6 - 1))
-        pose = place @ turn(Z, heading(k)) @ turn(X, 3.0 * share(k))
-        items.append(Item(f"object {i + 1}", kinds[i % 3], pose, 0.05))
-    return Stage(tuple(items), friction=0.4)
-
-
-def _in_carton(track: Track) -> tuple[float, float]:
-    """How many objects are inside at the end, and how deep a vertex is in a wall at most, metres."""
-    inside = 0.5 * np.array(_CARTON[:3])
-    path = track.item("carton").path
-    assert path is not None
-    kept, deepest = 0, 0.0
-    every = max(round(0.05 / track.time_step), 1)
-    for name, poses in track.poses.items():
-        vertices = track.item(name).form.vertices
-        offset = path(track.seconds)[:3, 3]
-        kept += bool((np.abs(poses[-1][:3, 3] - offset) < inside).all())
-        for step in range(0, len(poses), every):
-            pose = poses[step]
-            middle = path(step * track.time_step)[:3, 3]
-            if (np.abs(pose[:3, 3] - middle) < inside).all():
-                corners = np.abs(vertices @ pose[:3, :3].T + pose[:3, 3] - middle)
-                deepest = max(deepest, float((corners - inside).max()))
-    return float(kept), deepest
-
-
-def _all_objects(_: Track) -> float:
-    return 14.0
-
-
 SCENES = (
     _chains(10.0),
     _chains(20.0),
@@ -345,47 +253,5 @@ SCENES = (
         (Measure("slip", "mm", _slip, _free_slip, 0.05, relative=True, scale=1e3),),
         rates=(1000.0, 200.0),
         most=5,
-    ),
-    EverydayScene(
-        "40 balls run down a Galton board",
-        CROWD,
-        "The gaps are 2.6 balls wide: no two balls make an arch over them, and all leave below.",
-        lambda i: _galton(i, forms.ball(0.008)),
-        8.0,
-        (Measure("balls through", "of 40", _through, _all_balls, 0.0),),
-        rates=(1000.0, 200.0, 60.0),
-        most=3,
-        shown=True,
-        needs=8.0,
-        heavy=True,
-    ),
-    EverydayScene(
-        "40 dented balls run down a Galton board",
-        CROWD,
-        "The gaps are 2.6 balls wide: no two balls make an arch over them, and all leave below.",
-        lambda i: _galton(i, forms.dented_ball(0.008)),
-        8.0,
-        (Measure("balls through", "of 40", _through, _all_balls, 0.0),),
-        rates=(200.0, 60.0),
-        most=2,
-        needs=8.0,
-        heavy=True,
-    ),
-    EverydayScene(
-        "carton of 2 mm shaken with 14 objects",
-        CROWD,
-        "Walls are solid: nothing leaves a closed carton, and no corner enters a wall.",
-        _carton,
-        6.0,
-        (
-            Measure("objects inside", "of 14", lambda t: _in_carton(t)[0], _all_objects, 0.0),
-            Measure(
-                "deepest in a wall", "mm", lambda t: _in_carton(t)[1], nothing, 1e-3, scale=1e3
-            ),
-        ),
-        rates=(200.0, 60.0),
-        most=3,
-        shown=True,
-        heavy=True,
     ),
 )
