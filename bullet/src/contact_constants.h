@@ -105,9 +105,12 @@ inline constexpr double kSmallPatchOfRadius = 0.1;
 /// A contact may lie beside the other body if the normals of the two surfaces oppose each other by
 /// less than this cosine.
 inline constexpr float kOpposedByLess = -0.3f;
-/// It does if the shell's own surface is nearer than this to a place one spacing in front of it, in
-/// spacings.
+/// It does if the shell's own surface is nearer than this fraction to a place in front of it: one
+/// spacing for points.
 inline constexpr float kFreeInFront = 0.3f;
+/// The same for edges, which are sharp, as a fraction of the smaller body's radius. Larger: teeth
+/// and threads count as beside their neighbors.
+inline constexpr double kEdgeReachOfRadius = 0.02;
 
 // ---- features of Bullet's shapes ----------------------------------------------------------------
 

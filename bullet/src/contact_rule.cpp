@@ -1,6 +1,8 @@
 #include "contact_rule.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "contact_constants.h"
 #include "impact.h"
@@ -11,42 +13,51 @@ namespace voxshell::bullet {
 namespace {
 
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
-/// it; nothing where nothing touches.
+/// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
-                   std::vector<Contact>& contacts) {
-  std::size_t kept = 0;
+                   std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
+  beside.clear();
   bool touches = false;
   bool touches_from_above = false;
   // What is kept may overwrite the contact that is looked at.
-  const auto keep = [&](const Contact& judged) { contacts[kept++] = judged; };
-  const auto touch = [&](const Contact& judged) {
-    touches = true;
-    touches_from_above = touches_from_above || !is_beside(step, judged);
-    keep(judged);
+  const auto keep = [&](const Contact& found, const Contact& judged) {
+    beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
+    contacts[beside.size() - 1] = judged;
   };
-  for (const Contact& contact : contacts) {
+  const auto touch = [&](const Contact& found, const Contact& judged) {
+    keep(found, judged);
+    touches = true;
+    touches_from_above = touches_from_above || beside.back() == 0;
+  };
+  for (const Contact& each : contacts) {
+    const Contact contact = each;
     const Impact impact = impact_of(step, contact);
     if (is_contact(step, impact)) {
-      touch(contact);
+      touch(contact, contact);
     } else if (step.uses_ccd) {
       const double closing = closing_of(step, impact);
       const bool is_followed = !step.pair->has_triangles();
       if (closing >= impact.gap) {
         if (!is_followed) {
-          touch(contact);
+          touch(contact, contact);
         } else if (const auto speculative = find_speculative(step, features, contact, 1.0)) {
-          touch(*speculative);
+          touch(contact, *speculative);
         }
       } else if (is_followed && kCcdReach * closing >= impact.gap) {
-        keep(find_speculative(step, features, contact, kCcdReach).value_or(contact));
+        keep(contact, find_speculative(step, features, contact, kCcdReach).value_or(contact));
       } else {
-        keep(contact);
+        keep(contact, contact);
       }
     }
   }
-  contacts.resize(touches ? kept : 0);
+  contacts.resize(touches ? beside.size() : 0);
   // A body that leaves another from inside is in contact all the way, if only with such.
-  if (touches_from_above) drop_beside(step, contacts);
+  if (!touches_from_above || (step.larger == nullptr && !step.pair->asks_both)) return;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (beside[i] == 0) contacts[left++] = contacts[i];
+  }
+  contacts.resize(left);
 }
 
 }  // namespace
@@ -55,7 +66,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 double fraction, std::vector<Contact>& contacts,
                                 PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
-  keep_touching(step, features, contacts);
+  keep_touching(step, features, contacts, memory.beside);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
   if (step.is_still && !contacts.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,6 +20,7 @@ struct PairMemory {
   double owed_energy = 0.0;  ///< see Rebound
   RestingPatch patch;
   std::optional<Pose> held_b_from_a;  ///< see Hold
+  std::vector<std::uint8_t> beside;   ///< room for a mark of each contact
 };
 
 /// What the solver is told of all contacts of a step.

@@ -1,5 +1,6 @@
 #include "side_contacts.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "contact_constants.h"
@@ -7,7 +8,7 @@
 
 namespace voxshell::bullet {
 
-bool is_beside(const PairStep& step, const Contact& contact) {
+bool is_beside(const PairStep& step, const Contact& contact, const Vec3f& normal) {
   const PosedPair& pair = *step.pair;
   if (pair.has_triangles() || contact.id >= kInnerContact) return false;
   const bool is_second = contact.id >= kFirstOfSecond;
@@ -15,23 +16,20 @@ bool is_beside(const PairStep& step, const Contact& contact) {
   if (step.larger != &side && !pair.asks_both) return false;
   const PointShell& shell = *side.participant().shell;
   const std::uint32_t id = is_second ? contact.id - kFirstOfSecond : contact.id;
-  if (id >= shell.size()) return false;  // an edge is as sharp as it looks
   Vec3f point = contact.point;
-  Vec3f outwards = contact.normal;
+  Vec3f outwards = normal;
   if (is_second) {
     point = static_cast<Vec3f>(step.field_from_shell.transform_point(place_of_second(contact)));
-    outwards = static_cast<Vec3f>(-step.field_from_shell.rotate(static_cast<Vec3>(contact.normal)));
+    outwards = static_cast<Vec3f>(-step.field_from_shell.rotate(static_cast<Vec3>(normal)));
   }
-  if (dot(shell.normals()[id], outwards) < kOpposedByLess) return false;
-  const auto spacing = static_cast<float>(shell.spacing());
-  if (contact.depth > spacing) return false;
-  const Vec3f in_front = point - spacing * outwards;
-  return side.model()->grid().distance(in_front) < kFreeInFront * spacing;
-}
-
-void drop_beside(const PairStep& step, std::vector<Contact>& contacts) {
-  if (step.larger == nullptr && !step.pair->asks_both) return;
-  std::erase_if(contacts, [&](const Contact& contact) { return is_beside(step, contact); });
+  const bool is_point = shell.is_point(id);
+  if (is_point && dot(shell.normals()[id], outwards) < kOpposedByLess) return false;
+  const double spacing = shell.spacing();
+  const auto reach =
+      static_cast<float>(is_point ? spacing : std::min(spacing, kEdgeReachOfRadius * step.radius));
+  if (contact.depth > reach) return false;
+  const Vec3f in_front = point - reach * outwards;
+  return side.model()->grid().distance(in_front) < kFreeInFront * reach;
 }
 
 }  // namespace voxshell::bullet

@@ -87,6 +87,35 @@ TEST(Sliding, WithoutFrictionOnOneFlatSlabGoesStraightOn) {
   }
 }
 
+// Edges of the ground's end were as high as the cube's lower edge, and had the normal of its front:
+// a cube that slid at 0.5 to 2 m/s was stopped there, or thrown up by 30 mm.
+TEST(Sliding, GoesOnOverTheEndOfTheGround) {
+  const auto ground = build_by_tolerance({0.25, 0.25, 0.025});
+  for (const Cubes& cube : cubes()) {
+    for (const double rate : kRates) {
+      for (const double speed : {0.5, 1.0, 2.0}) {
+        for (const double heading : {0.0, 0.3}) {
+          TestWorld world;
+          world.add_model(ground, 0, {{}, {-0.25, 0, -0.025}});
+          btRigidBody& body =
+              world.add_model(cube.model, 1, {{}, {-0.1987, 0.0007 - 0.1 * heading, kHalf}});
+          body.setActivationState(DISABLE_DEACTIVATION);
+          world.step(20, 1.0 / rate);
+          const Vec3 ahead{std::cos(heading), std::sin(heading), 0};
+          body.setLinearVelocity(to_bullet(speed * ahead));
+          // Until half of it is over the end.
+          while (body.getWorldTransform().getOrigin().x() < scalar(-0.005 - speed / rate)) {
+            world.step(1, 1.0 / rate);
+            const double along = dot(from_bullet(body.getLinearVelocity()), ahead);
+            ASSERT_NEAR(along, speed, 0.02 * speed) << cube.name << ", " << rate << " Hz";
+            ASSERT_LT(height(body), kHalf + 3e-4) << cube.name << ", " << rate << " Hz";
+          }
+        }
+      }
+    }
+  }
+}
+
 // Points of the slab took the normals of the facets that they met.
 TEST(Sliding, IsNotWhatABallDoesThatDropsStraight) {
   const Vec3 half{0.5, 0.5, 0.025};
