@@ -145,18 +145,22 @@ TEST(MomentumWorld, LetsAHeavyTopPrecess) {
 
 // Around a hinge that is no principal axis the bearing takes what the momentum does aside.
 TEST(MomentumWorld, AWheelOutOfBalanceKeepsItsSpin) {
-  Spin wheel({1.0, 2.0, 2.6}, {0.0, 0.0, 0.0});
-  const Matrix3 rotation{
-      {std::cos(0.3), 0.0, std::sin(0.3)}, {0.0, 1.0, 0.0}, {-std::sin(0.3), 0.0, std::cos(0.3)}};
-  wheel.body.setCenterOfMassTransform(to_bullet(Pose{rotation, {}}));
-  wheel.body.setAngularVelocity(btVector3(0, 0, 10));
-  const btVector3 axis = wheel.body.getWorldTransform().getBasis().transpose() * btVector3(0, 0, 1);
-  btHingeConstraint hinge(wheel.body, btVector3(0, 0, 0), axis);
-  wheel.world.world.addConstraint(&hinge);
-  wheel.world.step(2000, 0.005);
-  wheel.world.world.removeConstraint(&hinge);
-  const Vec3 turn = from_bullet(wheel.body.getAngularVelocity());
-  EXPECT_NEAR(turn.z, 10.0, 0.1);
+  const auto share_left = [](double spin) {
+    Spin wheel({1.0, 2.0, 2.6}, {});
+    const Matrix3 rotation{
+        {std::cos(0.3), 0.0, std::sin(0.3)}, {0.0, 1.0, 0.0}, {-std::sin(0.3), 0.0, std::cos(0.3)}};
+    wheel.body.setCenterOfMassTransform(to_bullet(Pose{rotation, {}}));
+    wheel.body.setAngularVelocity(btVector3(0, 0, scalar(spin)));
+    const btMatrix3x3 body_from_world = wheel.body.getWorldTransform().getBasis().transpose();
+    btHingeConstraint hinge(wheel.body, btVector3(0, 0, 0), body_from_world * btVector3(0, 0, 1));
+    wheel.world.world.addConstraint(&hinge);
+    wheel.world.step(2000, 0.005);
+    wheel.world.world.removeConstraint(&hinge);
+    return static_cast<double>(wheel.body.getAngularVelocity().z()) / spin;
+  };
+  EXPECT_NEAR(share_left(2.5), 1.0, 0.001);
+  EXPECT_NEAR(share_left(10.0), 1.0, 0.002);
+  EXPECT_NEAR(share_left(40.0), 1.0, 0.05);
 }
 
 }  // namespace
