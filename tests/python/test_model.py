@@ -45,7 +45,7 @@ def test_settings_reach_the_core():
     assert box(point_spacing=0.2).shell.spacing == 0.2
     assert box().tolerance is None
     default = vx.Model.from_mesh(trimesh.creation.box())
-    assert default.tolerance == pytest.approx(0.001 / 3)
+    assert default.tolerance == pytest.approx(0.0002)
     assert len(default.shell.edges) > 12
     assert vx.Model.from_mesh(trimesh.creation.box(), tolerance=0.01).tolerance == 0.01
     with pytest.raises(vx.SettingsError, match="either a tolerance or the sizes"):

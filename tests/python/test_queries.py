@@ -543,7 +543,10 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
     assert len(vx.contacts(cube, cube, shell="both", max_points=1)) == 1
     apart = vx.contacts(cube, cube, moved(0.9), shell="both")
     assert len(apart) > 0
-    assert not apart.ambiguous.any()
+    # Others lead to the surface; those near an edge of b, as near to two of its faces, may not.
+    assert apart.ambiguous.mean() < 0.01
+    on_b = np.abs(apart.points_b[~apart.ambiguous & (apart.shells == "a")])
+    np.testing.assert_allclose(on_b.max(axis=1), 0.5, atol=0.05)
     for shell in ("fewest", "a", "b"):
         assert len(vx.contacts(cube, cube, shell=shell)) == 0
 
