@@ -10,8 +10,8 @@ namespace voxshell {
 /// What tells inside from outside where a triangle is nearest.
 struct Features {
   std::vector<float> normals;  ///< of the triangles' features, see simd/exact_view.h
-  /// Triangles that were cut, or that touch such a one or a needle. Their normals are found by place,
-  /// and may be wrong where several parts meet. Empty: there are none.
+  /// Triangles that were cut, or that touch such a one or a needle. Their normals are found by
+  /// place, and may be wrong where several parts meet. Empty: there are none.
   std::vector<bool> is_in_doubt = {};
 };
 
