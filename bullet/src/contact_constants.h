@@ -156,8 +156,8 @@ inline constexpr float kMostKink = 0.5f;
 /// Normals of surfaces that touch have at most this cosine; others are looked at: within a quarter
 /// of a degree. Larger angles: a ball that drops straight on a flat ground leaves sideways.
 inline constexpr float kAlignedCosine = -0.99999f;
-/// Distances at which two surfaces are told apart, as fractions of the smaller body's radius. The
-/// first one spans the facets that stand for a curved surface.
+/// Distances at which the bends of two surfaces are compared, as fractions of the smaller body's
+/// radius. The first one spans the facets that stand for a curved surface.
 inline constexpr std::array kFlatScales{0.1, 0.3, 1.0};
 /// A surface is flat at a distance if it is no farther from its tangent plane than this fraction of
 /// that distance. A ball bends by a 20th at the first scale.

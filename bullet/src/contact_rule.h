@@ -23,7 +23,7 @@ struct PairMemory {
   std::vector<std::uint8_t> beside;   ///< room for a mark of each contact
 };
 
-/// What the solver is told of all contacts of a step.
+/// What all contacts of a step have in common, which to_world() needs for each of them.
 struct StepContacts {
   FirstTouch first;
   Hold hold;

@@ -10,7 +10,7 @@ namespace voxshell::bullet {
 
 /// What is asked about two surfaces that may touch. Metres.
 struct TouchScale {
-  double radius;     ///< of the smaller body: surfaces are told apart at fractions of it
+  double radius;     ///< of the smaller body; surfaces are compared at fractions of it
   double margin;     ///< contacts with a wider gap stay as they are
   double thickness;  ///< of Bullet's margins about the field
 };

@@ -8,8 +8,8 @@
 namespace voxshell {
 namespace {
 
-/// Whether the place that depth and normal lead to is off the surface, as it is within a cell of
-/// where two faces are equally near: samples round such ridges off, and their gradients are means.
+/// Whether depth and normal lead to a place that is off the surface. They do beside ridges of
+/// depths, where two faces are equally near: samples round these off, and gradients are means.
 bool misses_surface(const GridField& field, const Vec3& on_surface, double depth) {
   constexpr double kTurned = 0.015;  // of the depth, by a normal that is off by 10 degrees
   constexpr double kVoxels = 0.25;
