@@ -174,6 +174,21 @@ inline constexpr double kOwnDepth = 0.5;
 /// The least slope, as a cosine, by which the rest of a depth is divided.
 inline constexpr double kLeastSlope = 0.1;
 
+// ---- round contacts -----------------------------------------------------------------------------
+// Decision 34.
+
+/// Contacts that slide to places nearer to each other than this fraction of the smaller body's
+/// radius are one. Larger: a body that rests on two such places rocks.
+inline constexpr double kSameOfRadius = 0.01;
+/// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
+/// a grid are not that smooth. Larger: a ball rolls with torques of its own.
+inline constexpr double kSlideWithin = 1e-3;
+/// Most slides of a contact in turn, each towards the field's normal where the last one ended.
+inline constexpr int kMostSlides = 6;
+/// A slide that leads out of the field by more than this fraction of the rest margin is none: the
+/// field's surface bends away.
+inline constexpr double kSlideLosesOfMargin = 0.1;
+
 // ---- facing normals -----------------------------------------------------------------------------
 
 /// Normals of surfaces that touch have at most this cosine: within eight degrees.

@@ -174,6 +174,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     return false;
   }
   bool has_swapped_roles = false;
+  // What kSegmented promises are points.
+  const bool slides = touch.margin > 0.0 && settings_.mode != ContactMode::kSegmented;
   const auto take = [&] {
     const std::span<const Contact> found =
         ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
@@ -182,6 +184,10 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
+    if (slides) {
+      first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(),
+                         pair.field_from_shell(), touch);
+    }
   };
   take();
   if (pair.asks_both) {
@@ -194,6 +200,12 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
                   pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
+    if (slides) {
+      second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
+                          second_field_from_shell, touch);
+      first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
+      second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);
+    }
     second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
              pair.swap_roles_if_enclosed()) {

@@ -12,6 +12,7 @@
 #include "contact_rule.h"
 #include "flat_elements.h"
 #include "hull.h"
+#include "round_contacts.h"
 #include "second_shell.h"
 #include "shape_features.h"
 #include "triangle_contacts.h"
@@ -85,6 +86,8 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   SecondShell second_;
   FlatElements first_flat_;
   FlatElements second_flat_;
+  RoundContacts first_round_;
+  RoundContacts second_round_;
   bool uses_ccd_ = false;    ///< in this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 
 #include "voxshell/accuracy.h"
 #include "voxshell/field.h"
@@ -10,6 +11,7 @@
 #include "voxshell/point_shell.h"
 #include "voxshell/progress.h"
 #include "voxshell/result.h"
+#include "voxshell/smooth_surface.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
@@ -57,6 +59,8 @@ class Model {
   const Field& field() const { return field_; }
   const GridField& grid() const { return *std::get_if<GridField>(&field_); }
   const PointShell& shell() const { return shell_; }
+  /// What the mesh stands for; made when it is first asked for, and kept.
+  const SmoothSurface& smooth_surface() const;
   const Bounds& bounds() const { return mesh_.bounds(); }
   /// A place deep inside, by which the body is found where its surface touches nothing.
   const Vec3f& inner_point() const { return inner_point_; }
@@ -84,6 +88,8 @@ class Model {
   Accuracy accuracy_;
   double thickness_;
   Openings openings_;
+  mutable std::once_flag smooth_surface_once_;
+  mutable std::unique_ptr<const SmoothSurface> smooth_surface_;
 };
 
 }  // namespace voxshell

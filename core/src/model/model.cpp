@@ -193,6 +193,13 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
       thickness_(thickness),
       openings_(openings) {}
 
+const SmoothSurface& Model::smooth_surface() const {
+  std::call_once(smooth_surface_once_, [&] {
+    smooth_surface_ = std::make_unique<const SmoothSurface>(mesh_, shell_);
+  });
+  return *smooth_surface_;
+}
+
 Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const ModelSettings& settings,
                                                   const Progress& progress) {
   RepairedMesh repaired =

@@ -19,16 +19,6 @@ using namespace test_support;
 
 constexpr double kTau = 6.283185307179586;
 
-Soup make_cylinder(double radius, double height, std::uint32_t sides) {
-  std::vector<std::array<double, 2>> polygon;
-  std::vector<Triangle> caps;
-  for (std::uint32_t i = 0; i < sides; ++i) {
-    polygon.push_back({radius * std::cos(kTau * i / sides), radius * std::sin(kTau * i / sides)});
-    if (i >= 2) caps.push_back({0, i - 1, i});
-  }
-  return make_prism(polygon, caps, -height / 2, height / 2);
-}
-
 Soup make_cone(double radius, double height, std::uint32_t sides) {
   Soup soup{{{0, 0, height}}, {}};
   for (std::uint32_t i = 0; i < sides; ++i) {

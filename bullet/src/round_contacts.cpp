@@ -1,0 +1,100 @@
+#include "round_contacts.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "contact_constants.h"
+
+namespace voxshell::bullet {
+
+void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
+                          const Pose& field_from_shell, const TouchScale& scale) {
+  at_rest_.clear();
+  surface_ = &model.smooth_surface();
+  if (!(scale.margin > 0.0) || !surface_->is_curved()) return;
+  least_curvature_ = kFlatBend / scale.radius;
+  same_within_ = kSameOfRadius * scale.radius;
+  std::visit(
+      [&](const auto& typed) {
+        std::erase_if(contacts, [&](Contact& contact) {
+          return !slide_one(contact, typed, field_from_shell, scale);
+        });
+      },
+      field);
+}
+
+/// Whether the contact is one that no other is yet.
+template <class F>
+bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
+                              const TouchScale& scale) {
+  const std::uint32_t triangle = surface_->triangle_of(contact.id);
+  if (surface_->is_flat(triangle)) return true;
+  const Pose shell_from_field = field_from_shell.inverse();
+  Vec3 direction = -static_cast<Vec3>(contact.normal);
+  Vec3 missed_before;
+  double relaxation = 1.0;
+  SmoothSurface::Place place =
+      surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
+  for (int i = 0; i < kMostSlides; ++i) {
+    const SmoothSurface::Slide slide = surface_->slide(place, direction, least_curvature_);
+    if (!slide.is_at_rest) return true;
+    place = slide.place;
+    const Vec3 position = surface_->position(place);
+    const auto in_field = static_cast<Vec3f>(field_from_shell.transform_point(position));
+    const Vec3 outwards =
+        shell_from_field.rotate(normalized(static_cast<Vec3>(field.gradient(in_field))));
+    const Vec3 missed = -outwards - direction;
+    if (squared_length(missed) > kSlideWithin * kSlideWithin) {
+      // Aitken's relaxation: the field's surface is curved, too.
+      if (i > 0) {
+        const Vec3 change = missed - missed_before;
+        relaxation *= -dot(missed_before, change) / squared_length(change);
+      }
+      missed_before = missed;
+      direction = normalized(direction + relaxation * missed);
+      continue;
+    }
+    const auto depth = -static_cast<double>(field.distance(in_field));
+    if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
+    if (is_known(position)) return false;
+    at_rest_.push_back({place, position});
+    contact.point = static_cast<Vec3f>(position);
+    contact.normal = static_cast<Vec3f>(outwards);
+    contact.depth = static_cast<float>(depth);
+    return true;
+  }
+  return true;
+}
+
+bool RoundContacts::is_known(const Vec3& position) const {
+  return std::ranges::any_of(at_rest_, [&](const AtRest& known) {
+    return squared_length(known.position - position) <= same_within_ * same_within_;
+  });
+}
+
+void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
+                                 const Pose& other_from_shell) const {
+  if (at_rest_.empty()) return;
+  const Pose shell_from_other = other_from_shell.inverse();
+  const auto is_covered = [&](const Contact& contact) {
+    if (!shell_of_others.is_point(contact.id)) return false;
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const Vec3 touched = shell_from_other.transform_point(
+        static_cast<Vec3>(contact.point) + static_cast<double>(contact.depth) * normal);
+    const auto nearness = [&](const AtRest& known) {
+      return squared_length(known.position - touched);
+    };
+    const AtRest& nearest = *std::ranges::min_element(at_rest_, {}, nearness);
+    const SmoothSurface::Place start = surface_->nearest_from(nearest.place, touched);
+    if (squared_length(surface_->position(start) - touched) > same_within_ * same_within_) {
+      return false;
+    }
+    const Vec3 outwards =
+        shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
+    const SmoothSurface::Slide slide = surface_->slide(start, outwards, least_curvature_);
+    return slide.is_at_rest && is_known(surface_->position(slide.place));
+  };
+  std::erase_if(others, is_covered);
+}
+
+}  // namespace voxshell::bullet

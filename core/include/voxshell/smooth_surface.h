@@ -1,0 +1,89 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "voxshell/point_shell.h"
+#include "voxshell/triangle_mesh.h"
+#include "voxshell/vector.h"
+
+namespace voxshell {
+
+class BoxFinder;
+
+/// The smooth surface that a mesh of small facets stands for.
+///
+/// Each triangle carries a quadratic patch through its corners: Phong tessellation (Boubekeur and
+/// Alexa 2008) with a shape factor of one half, with which patches equal spheres and cylinders to
+/// second order. Normals of corners are the means of the triangles' around them, weighted by their
+/// angles. Edges that bend by more than kMostBend are creases: a mesh with such facets is a
+/// polyhedron, and its patches are flat. Metres, the mesh's frame.
+class SmoothSurface {
+ public:
+  /// Radians: a turn of 30 facets is round, one of 29 has edges.
+  static constexpr double kMostBend = 0.2095;
+
+  /// A place on a triangle's patch. The weights are those of its corners, and sum to 1.
+  struct Place {
+    std::uint32_t triangle;
+    std::array<double, 3> weights;
+  };
+
+  /// Of the mesh, which outlives this, and the elements of its shell.
+  SmoothSurface(const TriangleMesh& mesh, const PointShell& shell);
+
+  /// Whether any patch is.
+  bool is_curved() const { return std::ranges::find(is_flat_, 0) != is_flat_.end(); }
+  bool is_flat(std::uint32_t triangle) const { return is_flat_[triangle] != 0; }
+
+  /// The triangle that an element of the shell lies on; at a crease between a flat patch and a
+  /// curved one, the curved one. Of curved surfaces.
+  std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
+
+  Vec3 position(const Place& place) const;
+  Vec3 normal(const Place& place) const;  ///< unit length
+
+  /// The place of a triangle that is nearest to a point.
+  Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
+  /// The place of the surface that is nearest to a point, by way of adjacent triangles.
+  Place nearest_from(const Place& start, const Vec3& point) const;
+
+  /// Where a slide has led.
+  struct Slide {
+    Place place;
+    bool is_at_rest;  ///< no place beside it is farther along
+  };
+  /// Slides, from triangle to triangle, to the place that is farthest along `direction` of the
+  /// surface around. It moves only along directions in which the surface is convex by at least
+  /// `least_curvature`, 1/metres: along a cylinder's axis it stays. At creases it goes on along
+  /// them.
+  Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;
+
+ private:
+  struct Chart;
+  struct Height;
+  struct Nearness;
+
+  void connect();
+  void average_normals();
+  void find_elements(const PointShell& shell);
+  std::uint32_t curved_beside(const Vec3& place, std::uint32_t flat, double distance,
+                              const BoxFinder& finder) const;
+  Chart chart_of(std::uint32_t triangle) const;
+  std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
+  Vec3 flat_position(const Place& place) const;
+  Place across(const Place& place, std::size_t side) const;
+  template <class Objective>
+  Slide climb(Place place, const Objective& objective) const;
+
+  const TriangleMesh* mesh_;
+  std::vector<std::array<std::uint32_t, 3>> neighbors_;  ///< across from each corner, if smooth
+  std::vector<std::array<std::uint32_t, 3>> corner_normals_;
+  std::vector<Vec3f> normals_;
+  std::vector<std::uint8_t> is_flat_;
+  std::vector<std::uint32_t> triangle_of_element_;
+};
+
+}  // namespace voxshell

@@ -1,0 +1,405 @@
+#include "voxshell/smooth_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "mesh/box_finder.h"
+#include "mesh/closest_point.h"
+#include "mesh/edges.h"
+
+namespace voxshell {
+namespace {
+
+/// Most triangles that a slide leads through: half a turn of a fine mesh.
+constexpr int kMostTriangles = 256;
+/// Triangles that a slide crosses without moving before it counts as at rest on a vertex.
+constexpr int kMostAround = 8;
+/// Corner normals within this of the face's leave a patch flat; radians.
+constexpr float kFlatBend = 1e-4f;
+/// Relative to the mesh's size: elements are float32.
+constexpr double kRounding = 1e-6;
+/// Half of what Phong tessellation projects: see the class.
+constexpr double kShapeFactor = 0.5;
+
+constexpr std::size_t kCorners = 3;
+constexpr std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }
+constexpr std::size_t after_next(std::size_t corner) { return next(next(corner)); }
+
+/// A vector of a triangle's plane.
+struct Planar {
+  double x;
+  double y;
+
+  friend double dot(const Planar& a, const Planar& b) { return a.x * b.x + a.y * b.y; }
+  friend Planar operator*(double s, const Planar& a) { return {s * a.x, s * a.y}; }
+  friend Planar operator+(const Planar& a, const Planar& b) { return {a.x + b.x, a.y + b.y}; }
+};
+
+/// The slope and the second derivatives of an objective at a place.
+struct Shape {
+  Planar slope;
+  double xx;
+  double xy;
+  double yy;
+
+  double along(const Planar& d) const {
+    return d.x * d.x * xx + 2.0 * d.x * d.y * xy + d.y * d.y * yy;
+  }
+};
+
+/// Where a straight way leaves a triangle; kCorners: nowhere.
+struct Exit {
+  double fraction;
+  std::size_t side;
+};
+
+/// Of a place by its weights, and the change of these along the way.
+Exit find_exit(const std::array<double, 3>& weights, const std::array<double, 3>& way) {
+  Exit exit{1.0, kCorners};
+  for (std::size_t corner = 0; corner < kCorners; ++corner) {
+    if (!(way[corner] < 0.0)) continue;
+    const double fraction = weights[corner] / -way[corner];
+    if (fraction < exit.fraction) exit = {fraction, corner};
+  }
+  return exit;
+}
+
+void move(std::array<double, 3>& weights, const std::array<double, 3>& way, double fraction) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    weights[i] = std::max(weights[i] + fraction * way[i], 0.0);
+    sum += weights[i];
+  }
+  for (double& weight : weights) weight /= sum;
+}
+
+/// The step to where an objective is largest, along those of its axes along which it is concave by
+/// at least `least`.
+Planar newton_step(const Shape& shape, double least) {
+  const double middle = 0.5 * (shape.xx + shape.yy);
+  const double half = 0.5 * (shape.xx - shape.yy);
+  const double apart = std::hypot(half, shape.xy);
+  Planar axis{1.0, 0.0};
+  if (apart > 0.0) {
+    // Of the two ways to write the axis of the larger one, that without cancellation.
+    axis = half >= 0.0 ? Planar{half + apart, shape.xy} : Planar{shape.xy, apart - half};
+    axis = (1.0 / std::hypot(axis.x, axis.y)) * axis;
+  }
+  const Planar other{-axis.y, axis.x};
+  Planar step{0.0, 0.0};
+  for (const auto& [direction, curvature] :
+       {std::pair{axis, middle + apart}, std::pair{other, middle - apart}}) {
+    if (-curvature >= least) step = step + (-dot(shape.slope, direction) / curvature) * direction;
+  }
+  return step;
+}
+
+Vec3 face_normal(const std::array<Vec3, 3>& corners) {
+  return normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+}
+
+}  // namespace
+
+/// A triangle in its own plane: the first corner is the origin, the second lies on the x axis.
+struct SmoothSurface::Chart {
+  std::array<Vec3, 3> corners;
+  std::array<Planar, 3> planar;
+  Vec3 x_axis;
+  Vec3 y_axis;
+  double height;  ///< of the third corner, metres; 0 without area
+
+  /// The change of each corner's weight by a way of the plane.
+  std::array<double, 3> weights_of(const Planar& way) const {
+    const double second = (way.x - way.y * planar[2].x / height) / planar[1].x;
+    const double third = way.y / height;
+    return {-second - third, second, third};
+  }
+  /// Of each corner's weight.
+  std::array<Planar, 3> gradients() const {
+    const Planar third{0.0, 1.0 / height};
+    const Planar second{1.0 / planar[1].x, -planar[2].x / (height * planar[1].x)};
+    return {-1.0 * (second + third), second, third};
+  }
+};
+
+/// How far a place of the patches is along a direction.
+struct SmoothSurface::Height {
+  const SmoothSurface& surface;
+  Vec3 direction;
+  double least_curvature;
+
+  Shape operator()(const Chart& chart, const Place& place) const {
+    const Planar slope{dot(chart.x_axis, direction), dot(chart.y_axis, direction)};
+    Shape shape{slope, 0.0, 0.0, 0.0};
+    if (surface.is_flat(place.triangle)) return shape;
+    // The lift is a sum over pairs of corners of weight times weight times `bulge`.
+    const std::array<Vec3, 3> normals = surface.normals_of(place.triangle);
+    const std::array<Planar, 3> gradients = chart.gradients();
+    for (std::size_t i = 0; i < kCorners; ++i) {
+      const std::size_t j = next(i);
+      const Vec3 side = chart.corners[i] - chart.corners[j];
+      const double bulge = kShapeFactor * (dot(side, normals[i]) * dot(normals[i], direction) -
+                                           dot(side, normals[j]) * dot(normals[j], direction));
+      const Planar& a = gradients[i];
+      const Planar& b = gradients[j];
+      shape.slope = shape.slope + bulge * (place.weights[j] * a + place.weights[i] * b);
+      shape.xx += 2.0 * bulge * a.x * b.x;
+      shape.xy += bulge * (a.x * b.y + a.y * b.x);
+      shape.yy += 2.0 * bulge * a.y * b.y;
+    }
+    return shape;
+  }
+  Planar step(const Shape& shape) const { return newton_step(shape, least_curvature); }
+  double step_along(const Shape& shape, const Planar& side) const {
+    const double curvature = shape.along(side);
+    return -curvature >= least_curvature ? -dot(shape.slope, side) / curvature : 0.0;
+  }
+};
+
+/// How near a place of the triangles is to a point.
+struct SmoothSurface::Nearness {
+  const SmoothSurface& surface;
+  Vec3 point;
+
+  Shape operator()(const Chart& chart, const Place& place) const {
+    const Vec3 way = point - surface.flat_position(place);
+    return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
+  }
+  Planar step(const Shape& shape) const { return shape.slope; }
+  double step_along(const Shape& shape, const Planar& side) const {
+    return dot(shape.slope, side);
+  }
+};
+
+SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
+    : mesh_(&mesh),
+      neighbors_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
+      corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
+      is_flat_(mesh.triangles().size(), 1) {
+  connect();
+  average_normals();
+  find_elements(shell);
+}
+
+void SmoothSurface::connect() {
+  const auto triangles = mesh_->triangles();
+  const auto across_from = [&](std::uint32_t triangle, const MeshEdge& edge) {
+    std::size_t corner = 0;
+    while (triangles[triangle][corner] == edge.low || triangles[triangle][corner] == edge.high) {
+      ++corner;
+    }
+    return corner;
+  };
+  const double least_cosine = std::cos(kMostBend);
+  for (const MeshEdge& edge : find_edges(*mesh_)) {
+    if (edge.second == kNoTriangle) continue;
+    const double cosine =
+        dot(face_normal(mesh_->corners(edge.first)), face_normal(mesh_->corners(edge.second)));
+    if (!(cosine >= least_cosine)) continue;
+    neighbors_[edge.first][across_from(edge.first, edge)] = edge.second;
+    neighbors_[edge.second][across_from(edge.second, edge)] = edge.first;
+  }
+}
+
+/// One normal for all corners at a vertex that are connected without a crease.
+void SmoothSurface::average_normals() {
+  const auto triangles = mesh_->triangles();
+  std::vector<std::uint32_t> waiting;
+  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
+    for (std::size_t corner = 0; corner < kCorners; ++corner) {
+      if (corner_normals_[first][corner] != kNoTriangle) continue;
+      const std::uint32_t vertex = triangles[first][corner];
+      const auto index = static_cast<std::uint32_t>(normals_.size());
+      Vec3 sum;
+      waiting.assign(1, first);
+      while (!waiting.empty()) {
+        const std::uint32_t triangle = waiting.back();
+        waiting.pop_back();
+        const auto& of = triangles[triangle];
+        const auto at = static_cast<std::size_t>(std::ranges::find(of, vertex) - of.begin());
+        if (at == kCorners || corner_normals_[triangle][at] != kNoTriangle) continue;
+        corner_normals_[triangle][at] = index;
+        const std::array<Vec3, 3> corners = mesh_->corners(triangle);
+        const Vec3 u = corners[next(at)] - corners[at];
+        const Vec3 v = corners[after_next(at)] - corners[at];
+        sum += std::atan2(length(cross(u, v)), dot(u, v)) * face_normal(corners);
+        for (const std::size_t side : {next(at), after_next(at)}) {
+          if (neighbors_[triangle][side] != kNoTriangle) waiting.push_back(neighbors_[triangle][side]);
+        }
+      }
+      normals_.push_back(static_cast<Vec3f>(normalized(sum)));
+    }
+  }
+  for (std::uint32_t triangle = 0; triangle < triangles.size(); ++triangle) {
+    const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
+    const auto bends = [&](std::uint32_t normal) {
+      return squared_length(normals_[normal] - face) > kFlatBend * kFlatBend;
+    };
+    is_flat_[triangle] = std::ranges::none_of(corner_normals_[triangle], bends) ? 1 : 0;
+  }
+}
+
+void SmoothSurface::find_elements(const PointShell& shell) {
+  if (!is_curved()) return;
+  const ClosestPointTree tree(*mesh_);
+  const BoxFinder finder(bound_triangles(*mesh_));
+  const Vec3 size = mesh_->bounds().extents();
+  const double rounding = kRounding * std::max({size.x, size.y, size.z});
+  triangle_of_element_.reserve(shell.element_count());
+  std::uint32_t found = 0;
+  for (std::uint32_t id = 0; id < shell.element_count(); ++id) {
+    const auto place = static_cast<Vec3>(
+        shell.is_point(id)
+            ? shell.points()[id]
+            : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
+    found = tree.find_closest(place, found).triangle;
+    if (is_flat(found)) found = curved_beside(place, found, rounding, finder);
+    triangle_of_element_.push_back(found);
+  }
+}
+
+/// Of a place on a flat patch: the first curved one within a distance of it, if there is one.
+std::uint32_t SmoothSurface::curved_beside(const Vec3& place, std::uint32_t flat, double distance,
+                                           const BoxFinder& finder) const {
+  Bounds box;
+  box.extend(place);
+  std::uint32_t first = kNoTriangle;
+  finder.visit(widen(box, distance), [&](std::uint32_t triangle) {
+    if (is_flat(triangle) || triangle > first) return;
+    const Vec3 closest = closest_point_on_triangle(place, mesh_->corners(triangle));
+    if (squared_length(place - closest) <= distance * distance) first = triangle;
+  });
+  return first == kNoTriangle ? flat : first;
+}
+
+SmoothSurface::Chart SmoothSurface::chart_of(std::uint32_t triangle) const {
+  Chart chart;
+  chart.corners = mesh_->corners(triangle);
+  const Vec3 base = chart.corners[1] - chart.corners[0];
+  const Vec3 side = chart.corners[2] - chart.corners[0];
+  chart.x_axis = normalized(base);
+  const double along = dot(side, chart.x_axis);
+  const Vec3 height = side - along * chart.x_axis;
+  chart.y_axis = normalized(height);
+  chart.height = length(height);
+  chart.planar = {Planar{0.0, 0.0}, Planar{length(base), 0.0}, Planar{along, chart.height}};
+  return chart;
+}
+
+std::array<Vec3, 3> SmoothSurface::normals_of(std::uint32_t triangle) const {
+  const auto& of = corner_normals_[triangle];
+  return {static_cast<Vec3>(normals_[of[0]]), static_cast<Vec3>(normals_[of[1]]),
+          static_cast<Vec3>(normals_[of[2]])};
+}
+
+Vec3 SmoothSurface::flat_position(const Place& place) const {
+  const std::array<Vec3, 3> corners = mesh_->corners(place.triangle);
+  return place.weights[0] * corners[0] + place.weights[1] * corners[1] +
+         place.weights[2] * corners[2];
+}
+
+Vec3 SmoothSurface::position(const Place& place) const {
+  const Vec3 flat = flat_position(place);
+  if (is_flat(place.triangle)) return flat;
+  const std::array<Vec3, 3> corners = mesh_->corners(place.triangle);
+  const std::array<Vec3, 3> normals = normals_of(place.triangle);
+  Vec3 lift;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    lift += place.weights[i] * dot(corners[i] - flat, normals[i]) * normals[i];
+  }
+  return flat + kShapeFactor * lift;
+}
+
+Vec3 SmoothSurface::normal(const Place& place) const {
+  const std::array<Vec3, 3> normals = normals_of(place.triangle);
+  return normalized(place.weights[0] * normals[0] + place.weights[1] * normals[1] +
+                    place.weights[2] * normals[2]);
+}
+
+SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec3& point) const {
+  const std::array<Vec3, 3> corners = mesh_->corners(triangle);
+  const Vec3 on = closest_point_on_triangle(point, corners);
+  const Vec3 area = cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const double squared = squared_length(area);
+  if (!(squared > 0.0)) return {triangle, {1.0, 0.0, 0.0}};
+  const auto weight = [&](std::size_t corner) {
+    const Vec3& a = corners[next(corner)];
+    const Vec3& b = corners[after_next(corner)];
+    return std::clamp(dot(cross(a - on, b - on), area) / squared, 0.0, 1.0);
+  };
+  const double second = weight(1);
+  const double third = std::min(weight(2), 1.0 - second);
+  return {triangle, {1.0 - second - third, second, third}};
+}
+
+/// The same place on the triangle across from a corner.
+SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side) const {
+  const std::uint32_t triangle = neighbors_[place.triangle][side];
+  const Triangle& from = mesh_->triangles()[place.triangle];
+  const Triangle& to = mesh_->triangles()[triangle];
+  Place moved{triangle, {}};
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    for (const std::size_t shared : {next(side), after_next(side)}) {
+      if (to[i] == from[shared]) moved.weights[i] = place.weights[shared];
+    }
+  }
+  return moved;
+}
+
+/// Newton's steps from triangle to triangle, on whose patches the objective is quadratic.
+template <class Objective>
+SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objective) const {
+  std::uint32_t before = kNoTriangle;
+  int standing = 0;
+  for (int i = 0; i < kMostTriangles; ++i) {
+    const Chart chart = chart_of(place.triangle);
+    if (!(chart.height > 0.0)) return {place, false};
+    const Planar step = objective.step(objective(chart, place));
+    const std::array<double, 3> way = chart.weights_of(step);
+    const Exit exit = find_exit(place.weights, way);
+    move(place.weights, way, exit.fraction);
+    if (exit.side == kCorners) return {place, true};
+    standing = exit.fraction > 0.0 ? 0 : standing + 1;
+    if (standing > kMostAround) return {place, true};
+    std::size_t side = exit.side;
+    const std::uint32_t neighbor = neighbors_[place.triangle][side];
+    if (neighbor == kNoTriangle || neighbor == before) {
+      // At a crease, or where two patches lead to each other, on along the side.
+      const std::size_t from = next(side);
+      const std::size_t to = after_next(side);
+      const Planar whole = chart.planar[to] + -1.0 * chart.planar[from];
+      const double size = std::hypot(whole.x, whole.y);
+      const Planar along = (1.0 / size) * whole;
+      const double wanted = (neighbor == kNoTriangle
+                                 ? objective.step_along(objective(chart, place), along)
+                                 : (1.0 - exit.fraction) * dot(step, along)) /
+                            size;
+      const double target = place.weights[to] + wanted;
+      const double reached = std::clamp(target, 0.0, 1.0);
+      if (reached != place.weights[to]) standing = 0;
+      place.weights[side] = 0.0;
+      place.weights[to] = reached;
+      place.weights[from] = 1.0 - reached;
+      if (reached == target) return {place, true};
+      // Past the end of the side: on over the other one that ends there.
+      side = reached > 0.0 ? from : to;
+      if (neighbors_[place.triangle][side] == kNoTriangle) return {place, false};
+    }
+    before = place.triangle;
+    place = across(place, side);
+  }
+  return {place, false};
+}
+
+SmoothSurface::Place SmoothSurface::nearest_from(const Place& start, const Vec3& point) const {
+  return climb(start, Nearness{*this, point}).place;
+}
+
+SmoothSurface::Slide SmoothSurface::slide(const Place& start, const Vec3& direction,
+                                          double least_curvature) const {
+  return climb(start, Height{*this, direction, least_curvature});
+}
+
+}  // namespace voxshell
