@@ -1,6 +1,7 @@
 #include "round_contacts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "contact_constants.h"
@@ -78,20 +79,20 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
   const Pose shell_from_other = other_from_shell.inverse();
   const auto is_covered = [&](const Contact& contact) {
     if (!shell_of_others.is_point(contact.id)) return false;
-    const auto normal = static_cast<Vec3>(contact.normal);
-    const Vec3 touched = shell_from_other.transform_point(
-        static_cast<Vec3>(contact.point) + static_cast<double>(contact.depth) * normal);
+    const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
     const auto nearness = [&](const AtRest& known) {
-      return squared_length(known.position - touched);
+      return squared_length(known.position - point);
     };
     const AtRest& nearest = *std::ranges::min_element(at_rest_, {}, nearness);
-    const SmoothSurface::Place start = surface_->nearest_from(nearest.place, touched);
-    if (squared_length(surface_->position(start) - touched) > same_within_ * same_within_) {
+    const SmoothSurface::Place start = surface_->nearest_from(nearest.place, point);
+    // Another part of the body may be nearer.
+    const double apart = length(surface_->position(start) - point);
+    if (apart > same_within_ + kNearestWithin * std::abs(static_cast<double>(contact.depth))) {
       return false;
     }
-    const Vec3 outwards =
-        shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
-    const SmoothSurface::Slide slide = surface_->slide(start, outwards, least_curvature_);
+    const Vec3 direction =
+        -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
+    const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
     return slide.is_at_rest && is_known(surface_->position(slide.place));
   };
   std::erase_if(others, is_covered);
