@@ -180,6 +180,9 @@ inline constexpr double kLeastSlope = 0.1;
 /// Contacts that slide to places nearer to each other than this fraction of the smaller body's
 /// radius are one. Larger: a body that rests on two such places rocks.
 inline constexpr double kSameOfRadius = 0.01;
+/// A contact that has moved by at most this fraction of the smaller body's radius in a step is the
+/// same one. Smaller: impulses are lost and found again as bodies roll.
+inline constexpr double kFollowedOfRadius = 0.1;
 /// How much farther than its depth a contact may be from the place of a round surface that it is said
 /// to be nearest to: far from surfaces, grids' distances are rough.
 inline constexpr double kNearestWithin = 1.25;

@@ -63,14 +63,14 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
 }  // namespace
 
 StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> features,
-                                double fraction, std::vector<Contact>& contacts,
-                                PairMemory& memory) {
+                                std::span<const std::uint32_t> exact, double fraction,
+                                std::vector<Contact>& contacts, PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
   keep_touching(step, features, contacts, memory.beside);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
   if (step.is_still && !contacts.empty()) {
-    memory.patch.settle(contacts, step.thickness, kPatchOfMargin * step.rest_margin);
+    memory.patch.settle(contacts, exact, step.thickness, kPatchOfMargin * step.rest_margin);
   } else {
     memory.patch.release();
   }

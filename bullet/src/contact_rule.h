@@ -39,10 +39,11 @@ struct StepContacts {
 /// docs/decisions/0003-contact-rule.md says why, and what it was measured to do.
 ///
 /// @param features  Those that some of the contacts are of.
+/// @param exact     Ids, ascending, of those contacts that are no samples: see RoundContacts.
 /// @param fraction  Of the step, after which the contacts were looked for: those of triangles.
 StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> features,
-                                double fraction, std::vector<Contact>& contacts,
-                                PairMemory& memory);
+                                std::span<const std::uint32_t> exact, double fraction,
+                                std::vector<Contact>& contacts, PairMemory& memory);
 
 /// One of the contacts that apply_contact_rule() left, as Bullet wants it. `rolling_lever` is that
 /// of the contacts that it shares a manifold with, metres.

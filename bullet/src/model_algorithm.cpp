@@ -116,7 +116,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   const auto rest_margin = static_cast<float>(step.rest_margin);
   if (pair.asks_both) second_.drop_doubles(rest_margin, contacts_);
   clock.end(&NarrowPhaseTimings::query);
-  const StepContacts of_step = apply_contact_rule(step, features_, fraction, contacts_, memory_);
+  const StepContacts of_step = apply_contact_rule(step, features_, exact_, fraction, contacts_, memory_);
   // Of bodies in a pile that move a little, such points carry in the next step.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
   if (takes_all && lies && !contacts_.empty()) drop_idle_points(kIdleOfMargin * rest_margin);
@@ -174,27 +174,35 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     return false;
   }
   bool has_swapped_roles = false;
+  exact_.clear();
   // What kSegmented promises are points.
   const bool slides = touch.margin > 0.0 && settings_.mode != ContactMode::kSegmented;
+  const auto reach_of = [&](const Side& side) {
+    return reach + (slides ? static_cast<float>(most_above_samples(*side.model())) : 0.0f);
+  };
+  const auto drop_far = [&](std::vector<Contact>& contacts) {
+    keep_if(contacts, [&](const Contact& contact) { return contact.depth > -reach; });
+  };
   const auto take = [&] {
     const std::span<const Contact> found =
-        ask(pair.field(), pair.shell(), pair.field_from_shell(), reach, wanted, scratch_);
+        ask(pair.field(), pair.shell(), pair.field_from_shell(), reach_of(pair.shell_side()),
+            wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
     face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
-    if (slides) {
-      first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(),
-                         pair.field_from_shell(), touch);
-    }
+    if (!slides) return;
+    first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(),
+                       pair.field_from_shell(), touch);
+    drop_far(contacts_);
   };
   take();
   if (pair.asks_both) {
     const Pose second_field_from_shell = pair.field_from_shell().inverse();
     const std::span<const Contact> found =
-        ask(pair.second_field(), pair.second_shell(), second_field_from_shell, reach, wanted,
-            second_scratch_);
+        ask(pair.second_field(), pair.second_shell(), second_field_from_shell,
+            reach_of(pair.field_side()), wanted, second_scratch_);
     second_found_.assign(found.begin(), found.end());
     face_elements(second_found_, pair.second_field(), pair.second_shell(), second_field_from_shell,
                   pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
@@ -203,6 +211,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     if (slides) {
       second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
                           second_field_from_shell, touch);
+      drop_far(second_found_);
       first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
       second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);
     }
@@ -213,6 +222,10 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     take();
   }
   if (settings_.shell == ShellRule::kAutomatic && contacts_.empty()) append_inner(pair);
+  if (slides) {
+    first_round_.append_ids(0, exact_);
+    if (pair.asks_both) second_round_.append_ids(kFirstOfSecond, exact_);
+  }
   find_features(pair, features_);
   if (!features_.empty()) append_feature_contacts(features_, pair, reach, contacts_);
   return has_swapped_roles;

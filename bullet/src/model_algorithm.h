@@ -93,6 +93,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
+  std::vector<std::uint32_t> exact_;         ///< ids, ascending, of those that are no samples
   std::vector<Contact> second_found_;        ///< those of the second shell
   std::vector<Contact> chosen_;              ///< those of contacts_ that are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points

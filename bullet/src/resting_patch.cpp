@@ -9,7 +9,8 @@
 
 namespace voxshell::bullet {
 
-void RestingPatch::settle(std::span<Contact> contacts, double thickness, double band) {
+void RestingPatch::settle(std::span<Contact> contacts, std::span<const std::uint32_t> exact,
+                          double thickness, double band) {
   const float deepest = find_deepest(contacts).depth;
   const double nearest = std::max(-static_cast<double>(deepest) - thickness, 0.0);
   const auto gap_of = [&](const Contact& contact) {
@@ -37,10 +38,16 @@ void RestingPatch::settle(std::span<Contact> contacts, double thickness, double 
     count += (lift > 0.0) & (lift <= band) ? 1u : 0u;
   }
   held_.resize(count);
+  drop_exact(exact);
   for (const Held& held : held_) {
     Contact& contact = contacts[held.place];
     contact.depth = static_cast<float>(held.lift - gap_of(contact) - thickness);
   }
+}
+
+void RestingPatch::drop_exact(std::span<const std::uint32_t> exact) {
+  if (exact.empty()) return;
+  std::erase_if(held_, [&](const Held& held) { return std::ranges::binary_search(exact, held.id); });
 }
 
 void RestingPatch::keep(std::span<const Contact> contacts) {

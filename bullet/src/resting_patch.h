@@ -19,9 +19,11 @@ class RestingPatch {
   /// Moves the depths of `contacts` that are in the patch.
   ///
   /// @param contacts   Ascending by id; not empty.
+  /// @param exact      Ids, ascending, of those that are no samples: they keep their depths.
   /// @param thickness  Of Bullet's margins, which add to the depths, metres.
   /// @param band       How much farther from the surface than the nearest points may be, metres.
-  void settle(std::span<Contact> contacts, double thickness, double band);
+  void settle(std::span<Contact> contacts, std::span<const std::uint32_t> exact, double thickness,
+              double band);
 
   /// Forgets all points but these, which the body lies on.
   void keep(std::span<const Contact> contacts);
@@ -30,6 +32,8 @@ class RestingPatch {
   void release();
 
  private:
+  void drop_exact(std::span<const std::uint32_t> exact);
+
   struct Held {
     std::uint32_t id;
     std::uint32_t place;  ///< in the list of contacts that it was found in

@@ -5,16 +5,25 @@
 #include <variant>
 
 #include "contact_constants.h"
+#include "contact_list.h"
 
 namespace voxshell::bullet {
 
+double most_above_samples(const Model& model) {
+  const SmoothSurface& surface = model.smooth_surface();
+  return surface.is_curved() ? surface.most_lift() + model.accuracy().coverage.p99 : 0.0;
+}
+
 void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
                           const Pose& field_from_shell, const TouchScale& scale) {
+  at_rest_.swap(before_);
   at_rest_.clear();
+  if (surface_ != &model.smooth_surface()) before_.clear();
   surface_ = &model.smooth_surface();
-  if (!(scale.margin > 0.0) || !surface_->is_curved()) return;
+  if (!surface_->is_curved()) return;
   least_curvature_ = kFlatBend / scale.radius;
   same_within_ = kSameOfRadius * scale.radius;
+  followed_within_ = kFollowedOfRadius * scale.radius;
   std::visit(
       [&](const auto& typed) {
         std::erase_if(contacts, [&](Contact& contact) {
@@ -22,6 +31,31 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
         });
       },
       field);
+  keep_ids(contacts);
+}
+
+/// Gives contacts the ids of those near them in the step before: a ball that rolls touches with one
+/// contact, not with one after the other.
+void RoundContacts::keep_ids(std::vector<Contact>& contacts) {
+  const auto place_of = [&](std::uint32_t id) { return find_from_id(contacts, id); };
+  changes_.clear();
+  for (AtRest& now : at_rest_) {
+    if (before_.empty()) break;
+    const auto apart = [&](const AtRest& then) {
+      return squared_length(then.position - now.position);
+    };
+    const auto nearest = std::ranges::min_element(before_, {}, apart);
+    if (apart(*nearest) > followed_within_ * followed_within_) continue;
+    const std::uint32_t id = nearest->id;
+    before_.erase(nearest);
+    const std::size_t taken = place_of(id);
+    if (taken < contacts.size() && contacts[taken].id == id) continue;
+    changes_.push_back({place_of(now.id), id});
+    now.id = id;
+  }
+  if (changes_.empty()) return;
+  for (const auto& [place, id] : changes_) contacts[place].id = id;
+  std::ranges::sort(contacts, {}, &Contact::id);
 }
 
 /// Whether the contact is one that no other is yet.
@@ -58,7 +92,7 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     const auto depth = -static_cast<double>(field.distance(in_field));
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
     if (is_known(position)) return false;
-    at_rest_.push_back({place, position});
+    at_rest_.push_back({contact.id, place, position});
     contact.point = static_cast<Vec3f>(position);
     contact.normal = static_cast<Vec3f>(outwards);
     contact.depth = static_cast<float>(depth);
@@ -71,6 +105,12 @@ bool RoundContacts::is_known(const Vec3& position) const {
   return std::ranges::any_of(at_rest_, [&](const AtRest& known) {
     return squared_length(known.position - position) <= same_within_ * same_within_;
   });
+}
+
+void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
+  const std::size_t before = ids.size();
+  for (const AtRest& at_rest : at_rest_) ids.push_back(first + at_rest.id);
+  std::sort(ids.begin() + static_cast<std::ptrdiff_t>(before), ids.end());
 }
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,

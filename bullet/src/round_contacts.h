@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "flat_elements.h"
@@ -10,15 +11,22 @@
 
 namespace voxshell::bullet {
 
-/// Slides contacts of a shell along its smooth surface to where that surface and the field's are at
-/// their deepest, so that a ball does not roll over its samples. The contacts that end at one place
-/// become one. Docs: decision 34.
+/// How much deeper than the nearest of its samples a model's smooth surface may be in a field,
+/// metres; 0 where no part of it is curved.
+double most_above_samples(const Model& model);
+
+/// Slides contacts of a shell along its smooth surface to where that surface is deepest in the
+/// field, so that a ball does not roll over its samples. Contacts that end at one place become one,
+/// which keeps its id while it moves. Decision 34.
 class RoundContacts {
  public:
   /// @param contacts          Of `model`'s shell in `field`, ascending by id; changed.
   /// @param field_from_shell  Pose of the shell's frame in the field's.
   void slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
              const Pose& field_from_shell, const TouchScale& scale);
+
+  /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
+  void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
 
   /// Drops those of `others`, contacts of the field's own shell, from which the surface of this
   /// shell leads to one of the contacts of the last slide().
@@ -29,6 +37,7 @@ class RoundContacts {
 
  private:
   struct AtRest {
+    std::uint32_t id;
     SmoothSurface::Place place;
     Vec3 position;  ///< metres, the shell's frame
   };
@@ -37,11 +46,15 @@ class RoundContacts {
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
                  const TouchScale& scale);
   bool is_known(const Vec3& position) const;
+  void keep_ids(std::vector<Contact>& contacts);
 
   const SmoothSurface* surface_ = nullptr;
   double least_curvature_ = 0.0;
-  double same_within_ = 0.0;  ///< metres
+  double same_within_ = 0.0;      ///< metres
+  double followed_within_ = 0.0;  ///< metres
   std::vector<AtRest> at_rest_;
+  std::vector<AtRest> before_;  ///< those of the step before
+  std::vector<std::pair<std::size_t, std::uint32_t>> changes_;  ///< of ids, by place in the list
 };
 
 }  // namespace voxshell::bullet

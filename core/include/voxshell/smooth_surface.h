@@ -42,6 +42,8 @@ class SmoothSurface {
   /// curved one, the curved one. Of curved surfaces.
   std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
 
+  /// How far the patches stand out above their triangles at most, metres.
+  double most_lift() const { return most_lift_; }
   Vec3 position(const Place& place) const;
   Vec3 normal(const Place& place) const;  ///< unit length
 
@@ -56,7 +58,7 @@ class SmoothSurface {
     bool is_at_rest;  ///< no place beside it is farther along
   };
   /// Slides, from triangle to triangle, to the place that is farthest along `direction` of the
-  /// surface around. It moves only along directions in which the surface is convex by at least
+  /// surface around. It moves only along directions in which the surface bends by at least
   /// `least_curvature`, 1/metres: along a cylinder's axis it stays. At creases it goes on along
   /// them.
   Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;
@@ -68,6 +70,7 @@ class SmoothSurface {
 
   void connect();
   void average_normals();
+  void measure_lift();
   void find_elements(const PointShell& shell);
   std::uint32_t curved_beside(const Vec3& place, std::uint32_t flat, double distance,
                               const BoxFinder& finder) const;
@@ -84,6 +87,7 @@ class SmoothSurface {
   std::vector<Vec3f> normals_;
   std::vector<std::uint8_t> is_flat_;
   std::vector<std::uint32_t> triangle_of_element_;
+  double most_lift_ = 0.0;
 };
 
 }  // namespace voxshell

@@ -76,8 +76,8 @@ void move(std::array<double, 3>& weights, const std::array<double, 3>& way, doub
 }
 
 /// The step to where an objective is largest, along those of its axes along which it is concave by
-/// at least `least`.
-Planar newton_step(const Shape& shape, double least) {
+/// at least `least`; along those along which it is as convex, out of the triangle.
+Planar newton_step(const Shape& shape, double least, double far) {
   const double middle = 0.5 * (shape.xx + shape.yy);
   const double half = 0.5 * (shape.xx - shape.yy);
   const double apart = std::hypot(half, shape.xy);
@@ -91,7 +91,12 @@ Planar newton_step(const Shape& shape, double least) {
   Planar step{0.0, 0.0};
   for (const auto& [direction, curvature] :
        {std::pair{axis, middle + apart}, std::pair{other, middle - apart}}) {
-    if (-curvature >= least) step = step + (-dot(shape.slope, direction) / curvature) * direction;
+    const double slope = dot(shape.slope, direction);
+    if (-curvature >= least) {
+      step = step + (-slope / curvature) * direction;
+    } else if (curvature >= least) {
+      step = step + std::copysign(far, slope) * direction;
+    }
   }
   return step;
 }
@@ -151,7 +156,9 @@ struct SmoothSurface::Height {
     }
     return shape;
   }
-  Planar step(const Shape& shape) const { return newton_step(shape, least_curvature); }
+  Planar step(const Chart& chart, const Shape& shape) const {
+    return newton_step(shape, least_curvature, chart.planar[1].x + chart.height);
+  }
   double step_along(const Shape& shape, const Planar& side) const {
     const double curvature = shape.along(side);
     return -curvature >= least_curvature ? -dot(shape.slope, side) / curvature : 0.0;
@@ -167,7 +174,7 @@ struct SmoothSurface::Nearness {
     const Vec3 way = point - surface.flat_position(place);
     return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
   }
-  Planar step(const Shape& shape) const { return shape.slope; }
+  Planar step(const Chart& /*chart*/, const Shape& shape) const { return shape.slope; }
   double step_along(const Shape& shape, const Planar& side) const {
     return dot(shape.slope, side);
   }
@@ -180,6 +187,7 @@ SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
       is_flat_(mesh.triangles().size(), 1) {
   connect();
   average_normals();
+  measure_lift();
   find_elements(shell);
 }
 
@@ -238,6 +246,19 @@ void SmoothSurface::average_normals() {
       return squared_length(normals_[normal] - face) > kFlatBend * kFlatBend;
     };
     is_flat_[triangle] = std::ranges::none_of(corner_normals_[triangle], bends) ? 1 : 0;
+  }
+}
+
+/// Patches stand out most at the middles of their sides or at their own.
+void SmoothSurface::measure_lift() {
+  constexpr double kThird = 1.0 / 3.0;
+  for (std::uint32_t triangle = 0; triangle < is_flat_.size(); ++triangle) {
+    if (is_flat(triangle)) continue;
+    for (const std::array<double, 3>& weights : {std::array{0.5, 0.5, 0.0}, {0.0, 0.5, 0.5},
+                                                 {0.5, 0.0, 0.5}, {kThird, kThird, kThird}}) {
+      const Place place{triangle, weights};
+      most_lift_ = std::max(most_lift_, length(position(place) - flat_position(place)));
+    }
   }
 }
 
@@ -356,7 +377,7 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
   for (int i = 0; i < kMostTriangles; ++i) {
     const Chart chart = chart_of(place.triangle);
     if (!(chart.height > 0.0)) return {place, false};
-    const Planar step = objective.step(objective(chart, place));
+    const Planar step = objective.step(chart, objective(chart, place));
     const std::array<double, 3> way = chart.weights_of(step);
     const Exit exit = find_exit(place.weights, way);
     move(place.weights, way, exit.fraction);

@@ -43,6 +43,7 @@ TEST_P(MultiBody, RigidBodiesOfItsWorldComeToRest) {
   btRigidBody& body =
       add_at_principal_frame(world, blob_model(), 1, {Random(51).rotation(), {0, 0, 0.3}});
   body.setFriction(scalar(0.8));
+  body.setRollingFriction(scalar(0.005));
   body.setDamping(0, scalar(0.05));
   body.setActivationState(DISABLE_DEACTIVATION);
   // This world's solver has friction in two directions, with which bodies rest less calmly.
@@ -59,6 +60,7 @@ TEST_P(MultiBody, ABaseComesToRest) {
     Tree tree(world, Tree::Base::kFree, {&shape}, {random.rotation(), {0, 0, 0.3}});
     tree.body.setCanSleep(false);
     tree.enter_world();
+    tree.colliders[0]->setRollingFriction(scalar(0.005));
     const Lying lying = expect_true_landing_and_lie(world, tree);
     constexpr double kRocking = 0.1;  // rad/s
     EXPECT_LT(lying.fastest_turn, std::max(kRocking, kCalm));
@@ -78,6 +80,7 @@ TEST_P(MultiBody, ALinkOnASlideComesToRest) {
                            true);
   tree.body.setCanSleep(false);
   tree.enter_world();
+  tree.colliders[1]->setRollingFriction(scalar(0.005));
   expect_calm_landing(world, tree);
 }
 

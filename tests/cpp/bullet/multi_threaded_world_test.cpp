@@ -56,6 +56,7 @@ TEST_P(MultiThreadedWorld, BringsADroppedModelToRest) {
     btRigidBody& body =
         add_at_principal_frame(world, blob_model(), 1, {random.rotation(), {0, 0, 0.3}});
     body.setFriction(scalar(0.8));
+    body.setRollingFriction(scalar(0.005));
     body.setDamping(0, scalar(0.05));
     body.setActivationState(DISABLE_DEACTIVATION);
     expect_calm_landing(world, body);
