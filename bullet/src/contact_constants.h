@@ -112,6 +112,11 @@ inline constexpr float kFreeInFront = 0.3f;
 /// and threads count as beside their neighbors.
 inline constexpr double kEdgeReachOfRadius = 0.02;
 
+/// Radians that a part of a surface may be turned away from the other body, beside what the pair can
+/// turn within the step. Smaller: bodies that land on a face are stopped at its edges alone. Larger:
+/// the sides of a coin that rolls upright brake it.
+inline constexpr double kSteep = 0.5;
+
 // ---- features of Bullet's shapes ----------------------------------------------------------------
 
 /// A rim whose plane and the model's surface are within this sine of each other lies flat: it has

@@ -15,7 +15,7 @@ namespace {
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
 /// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
-                   std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
+                   std::span<const std::uint32_t> exact, std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
   beside.clear();
   bool touches = false;
   bool touches_from_above = false;
@@ -34,7 +34,8 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     const Impact impact = impact_of(step, contact);
     if (is_contact(step, impact)) {
       touch(contact, contact);
-    } else if (step.uses_ccd) {
+    } else if (step.uses_ccd &&
+               (std::ranges::binary_search(exact, contact.id) || !is_steep(step, contact))) {
       const double closing = closing_of(step, impact);
       const bool is_followed = !step.pair->has_triangles();
       if (closing >= impact.gap) {
@@ -66,7 +67,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 std::span<const std::uint32_t> exact, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
-  keep_touching(step, features, contacts, memory.beside);
+  keep_touching(step, features, exact, contacts, memory.beside);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
   if (step.is_still && !contacts.empty()) {

@@ -65,6 +65,9 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.motion = RelativeMotion::of(pair.shell_is_a ? step.motion_a : step.motion_b,
                                    pair.shell_is_a ? step.motion_b : step.motion_a,
                                    pair.shell_side().world_from_geometry());
+  const Vec3 middle = pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
+  step.displacement =
+      time_step * (step.motion.velocity_at(middle) + step.motion.velocity_of_forces);
   return step;
 }
 

@@ -28,6 +28,7 @@ struct PairStep {
   double owed_energy;  ///< of a rebound that the last step stopped at the surface, J/kg
   Pose field_from_shell;
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
+  Vec3 displacement;  ///< of the middle of the smaller body's bounding ball by that, shell's frame
 
   /// The gap at which surfaces count as touching.
   double touching_gap() const;

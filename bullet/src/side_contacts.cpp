@@ -1,7 +1,9 @@
 #include "side_contacts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "contact_constants.h"
 #include "second_shell.h"
@@ -30,6 +32,24 @@ bool is_beside(const PairStep& step, const Contact& contact, const Vec3f& normal
   if (contact.depth > reach) return false;
   const Vec3f in_front = point - reach * outwards;
   return side.model()->grid().distance(in_front) < kFreeInFront * reach;
+}
+
+bool is_steep(const PairStep& step, const Contact& contact) {
+  const PosedPair& pair = *step.pair;
+  if (pair.has_triangles() || contact.id >= kInnerContact) return false;
+  const bool is_second = contact.id >= kFirstOfSecond;
+  const Side& side = is_second ? pair.field_side() : pair.shell_side();
+  const PointShell& shell = *side.participant().shell;
+  const std::uint32_t id = is_second ? contact.id - kFirstOfSecond : contact.id;
+  if (!shell.is_point(id) || side.model()->settings().tolerance == 0.0) return false;
+  auto inwards = -static_cast<Vec3>(shell.normals()[id]);
+  if (is_second) inwards = -step.field_from_shell.inverse().rotate(inwards);
+  const auto normal = static_cast<Vec3>(contact.normal);
+  // By how much it is turning, and by how much what stops it may turn it.
+  const double turn = kCcdReach * (length(cross(step.motion.angular_velocity, inwards)) * step.time_step +
+                                   std::abs(dot(step.displacement, normal)) / step.radius) +
+                      kSteep;
+  return turn < std::numbers::pi && dot(inwards, normal) < std::cos(turn);
 }
 
 }  // namespace voxshell::bullet

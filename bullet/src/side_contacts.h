@@ -14,4 +14,9 @@ namespace voxshell::bullet {
 /// @param normal    The normal that it is to have, which may be that of a place that it will reach.
 bool is_beside(const PairStep& step, const Contact& contact, const Vec3f& normal);
 
+/// Whether a sample that does not touch yet is of a part that cannot come to face the other body
+/// within the step: an edge of that part, which has elements of its own, then touches first. Of
+/// shells without edges, never.
+bool is_steep(const PairStep& step, const Contact& contact);
+
 }  // namespace voxshell::bullet
