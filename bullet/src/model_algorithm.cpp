@@ -90,7 +90,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
   if (!simulates) {
     const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
-    find_near(pair, margin, TouchScale{}, Wanted::kAll);
+    find_near(pair, margin, nullptr, Wanted::kAll);
     report(pair, *result);
     return;
   }
@@ -109,7 +109,7 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     fraction = find_on_the_way(step);
   } else {
     const bool has_swapped_roles =
-        find_near(pair, step.margin, {step.radius, step.rest_margin, step.thickness},
+        find_near(pair, step.margin, &step,
                   takes_all ? Wanted::kAll : Wanted::kOneASegment);
     if (has_swapped_roles) step = describe();
   }
@@ -159,10 +159,9 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
 }
 
 /// Fills contacts_, ascending by id, with the points within the margin or the deepest of these of
-/// each segment. `touch` is that of FlatElements, and its
-/// margin the reach of face_elements(); 0 in contact tests. Returns whether the roles of the
-/// pair were swapped for it.
-bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale& touch,
+/// each segment. `step` is null in contact tests, which take contacts as sampled. Returns whether
+/// the roles of the pair were swapped for it.
+bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* step,
                                Wanted wanted) {
   // Of surfaces thickened by Bullet's margins, contacts are points that near.
   const auto reach = static_cast<float>(margin + pair.thickness());
@@ -173,10 +172,12 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     contacts_.assign(found.begin(), found.end());
     return false;
   }
+  const TouchScale touch =
+      step == nullptr ? TouchScale{} : TouchScale{step->radius, step->rest_margin, step->thickness};
   bool has_swapped_roles = false;
   exact_.clear();
   // What kSegmented promises are points.
-  const bool slides = touch.margin > 0.0 && settings_.mode != ContactMode::kSegmented;
+  const bool slides = step != nullptr && settings_.mode != ContactMode::kSegmented;
   const auto reach_of = [&](const Side& side) {
     return reach + (slides ? static_cast<float>(most_above_samples(*side.model())) : 0.0f);
   };
@@ -192,9 +193,9 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
-    if (!slides) return;
+    if (!slides || has_swapped_roles) return;
     first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(),
-                       pair.field_from_shell(), touch);
+                       pair.field_from_shell(), touch, turning_of(*step, false));
     drop_far(contacts_);
   };
   take();
@@ -210,7 +211,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
     if (slides) {
       second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
-                          second_field_from_shell, touch);
+                          second_field_from_shell, touch, turning_of(*step, true));
       drop_far(second_found_);
       first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
       second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);
@@ -222,7 +223,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const TouchScale&
     take();
   }
   if (settings_.shell == ShellRule::kAutomatic && contacts_.empty()) append_inner(pair);
-  if (slides) {
+  if (slides && !has_swapped_roles) {
     first_round_.append_ids(0, exact_);
     if (pair.asks_both) second_round_.append_ids(kFirstOfSecond, exact_);
   }

@@ -60,7 +60,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   enum class Wanted { kAll, kOneASegment };
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
-  bool find_near(PosedPair& pair, double margin, const TouchScale& touch, Wanted wanted);
+  bool find_near(PosedPair& pair, double margin, const PairStep* step, Wanted wanted);
   void append_inner(const PosedPair& pair);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,

@@ -1,6 +1,7 @@
 #include "pair_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
@@ -69,6 +70,28 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.displacement =
       time_step * (step.motion.velocity_at(middle) + step.motion.velocity_of_forces);
   return step;
+}
+
+bool Turning::may_face(const Vec3& normal, const Vec3& direction, double slack) const {
+  const Vec3 axis = cross(normal, direction);
+  const double angle = std::atan2(length(axis), dot(normal, direction));
+  return angle <= std::abs(dot(turn, normalized(axis))) + std::abs(dot(stopped, direction)) + slack;
+}
+
+Turning turning_of(const PairStep& step, bool is_of_field) {
+  const PosedPair& pair = *step.pair;
+  const bool is_a = pair.shell_is_a != is_of_field;
+  const Motion& own = is_a ? step.motion_a : step.motion_b;
+  const Motion& other = is_a ? step.motion_b : step.motion_a;
+  // What does not move turns about the other body, as that sees it.
+  const bool moves = own.inverse_mass > 0.0 || own.is_link;
+  const Side& side = is_of_field ? pair.field_side() : pair.shell_side();
+  const auto to_own = [&](const Vec3& v) {
+    return is_of_field ? step.field_from_shell.rotate(v) : v;
+  };
+  return {side.world_from_geometry().inverse().transform_point(moves ? own.centre : other.centre),
+          kCcdReach * step.time_step * to_own(step.motion.angular_velocity),
+          kCcdReach / step.radius * to_own(step.displacement)};
 }
 
 }  // namespace voxshell::bullet

@@ -36,6 +36,18 @@ struct PairStep {
   Pose field_from_shell_after(double fraction) const;
 };
 
+/// How a body may turn within a step, as the other one sees it, in the body's own frame.
+struct Turning {
+  Vec3 centre;   ///< about which
+  Vec3 turn;     ///< radians about each axis, several times what it is turning by
+  Vec3 stopped;  ///< radians by which what stops its motion along each axis may turn it
+
+  /// Whether a normal of its surface may come to point along a direction; both unit length.
+  bool may_face(const Vec3& normal, const Vec3& direction, double slack) const;
+};
+/// Of the shell's body, or of the field's.
+Turning turning_of(const PairStep& step, bool is_of_field);
+
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
                        double owed_energy);
 

@@ -15,7 +15,8 @@ double most_above_samples(const Model& model) {
 }
 
 void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
-                          const Pose& field_from_shell, const TouchScale& scale) {
+                          const Pose& field_from_shell, const TouchScale& scale,
+                          const Turning& turning) {
   at_rest_.swap(before_);
   at_rest_.clear();
   if (surface_ != &model.smooth_surface()) before_.clear();
@@ -27,7 +28,7 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
   std::visit(
       [&](const auto& typed) {
         std::erase_if(contacts, [&](Contact& contact) {
-          return !slide_one(contact, typed, field_from_shell, scale);
+          return !slide_one(contact, typed, field_from_shell, scale, turning);
         });
       },
       field);
@@ -61,7 +62,7 @@ void RoundContacts::keep_ids(std::vector<Contact>& contacts) {
 /// Whether the contact is one that no other is yet.
 template <class F>
 bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                              const TouchScale& scale) {
+                              const TouchScale& scale, const Turning& turning) {
   const std::uint32_t triangle = surface_->triangle_of(contact.id);
   if (surface_->is_flat(triangle)) return true;
   const Pose shell_from_field = field_from_shell.inverse();
@@ -91,7 +92,14 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     }
     const auto depth = -static_cast<double>(field.distance(in_field));
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
-    if (is_known(position)) return false;
+    if (const AtRest* const known = find_known(position)) {
+      const SmoothSurface::Place start =
+          surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
+      const Vec3 normal = surface_->normal(start);
+      const double stands_out = dot(normal, surface_->position(start) - turning.centre) +
+                                dot(outwards, known->position - turning.centre);
+      return stands_out > scale.margin && turning.may_face(normal, -outwards, 0.0);
+    }
     at_rest_.push_back({contact.id, place, position});
     contact.point = static_cast<Vec3f>(position);
     contact.normal = static_cast<Vec3f>(outwards);
@@ -101,10 +109,11 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
   return true;
 }
 
-bool RoundContacts::is_known(const Vec3& position) const {
-  return std::ranges::any_of(at_rest_, [&](const AtRest& known) {
-    return squared_length(known.position - position) <= same_within_ * same_within_;
+const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position) const {
+  const auto known = std::ranges::find_if(at_rest_, [&](const AtRest& other) {
+    return squared_length(other.position - position) <= same_within_ * same_within_;
   });
+  return known == at_rest_.end() ? nullptr : &*known;
 }
 
 void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
@@ -133,7 +142,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     const Vec3 direction =
         -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
     const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
-    return slide.is_at_rest && is_known(surface_->position(slide.place));
+    return slide.is_at_rest && find_known(surface_->position(slide.place)) != nullptr;
   };
   std::erase_if(others, is_covered);
 }

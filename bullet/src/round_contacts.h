@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flat_elements.h"
+#include "pair_step.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 
@@ -22,8 +23,10 @@ class RoundContacts {
  public:
   /// @param contacts          Of `model`'s shell in `field`, ascending by id; changed.
   /// @param field_from_shell  Pose of the shell's frame in the field's.
+  /// @param turning           Of the shell's body: samples that may touch, once it has turned,
+  /// before the place that they slide to does, stay where they are.
   void slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
-             const Pose& field_from_shell, const TouchScale& scale);
+             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
 
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
   void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
@@ -44,8 +47,8 @@ class RoundContacts {
 
   template <class F>
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                 const TouchScale& scale);
-  bool is_known(const Vec3& position) const;
+                 const TouchScale& scale, const Turning& turning);
+  const AtRest* find_known(const Vec3& position) const;
   void keep_ids(std::vector<Contact>& contacts);
 
   const SmoothSurface* surface_ = nullptr;

@@ -1,9 +1,7 @@
 #include "side_contacts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "contact_constants.h"
 #include "second_shell.h"
@@ -42,14 +40,10 @@ bool is_steep(const PairStep& step, const Contact& contact) {
   const PointShell& shell = *side.participant().shell;
   const std::uint32_t id = is_second ? contact.id - kFirstOfSecond : contact.id;
   if (!shell.is_point(id) || side.model()->settings().tolerance == 0.0) return false;
-  auto inwards = -static_cast<Vec3>(shell.normals()[id]);
-  if (is_second) inwards = -step.field_from_shell.inverse().rotate(inwards);
-  const auto normal = static_cast<Vec3>(contact.normal);
-  // By how much it is turning, and by how much what stops it may turn it.
-  const double turn = kCcdReach * (length(cross(step.motion.angular_velocity, inwards)) * step.time_step +
-                                   std::abs(dot(step.displacement, normal)) / step.radius) +
-                      kSteep;
-  return turn < std::numbers::pi && dot(inwards, normal) < std::cos(turn);
+  const auto outwards = static_cast<Vec3>(shell.normals()[id]);
+  auto direction = -static_cast<Vec3>(contact.normal);
+  if (is_second) direction = -step.field_from_shell.rotate(direction);
+  return !turning_of(step, is_second).may_face(outwards, direction, kSteep);
 }
 
 }  // namespace voxshell::bullet
