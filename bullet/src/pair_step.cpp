@@ -78,6 +78,24 @@ bool Turning::may_face(const Vec3& normal, const Vec3& direction, double slack) 
   return angle <= std::abs(dot(turn, normalized(axis))) + std::abs(dot(stopped, direction)) + slack;
 }
 
+double Turning::reach_along(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
+  const Vec3 arm = place - centre;
+  // The largest value on the way of a turn about an axis by up to an angle.
+  const auto reach = [&](const Vec3& axis, double most) {
+    const double level = dot(axis, arm) * dot(axis, direction);
+    const double now = dot(arm, direction) - level;
+    const double ahead = dot(cross(axis, arm), direction);
+    const double best = std::atan2(ahead, now);
+    if (best >= 0.0 && best <= most) return level + std::hypot(now, ahead);
+    return level + std::max(now, now * std::cos(most) + ahead * std::sin(most));
+  };
+  const Vec3 towards = cross(normal, direction);
+  const double angle = std::atan2(length(towards), dot(normal, direction));
+  return std::max(
+      reach(normalized(turn), length(turn)),
+      reach(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
+}
+
 Turning turning_of(const PairStep& step, bool is_of_field) {
   const PosedPair& pair = *step.pair;
   const bool is_a = pair.shell_is_a != is_of_field;

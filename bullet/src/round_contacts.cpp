@@ -95,10 +95,9 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (const AtRest* const known = find_known(position)) {
       const SmoothSurface::Place start =
           surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
-      const Vec3 normal = surface_->normal(start);
-      const double stands_out = dot(normal, surface_->position(start) - turning.centre) +
-                                dot(outwards, known->position - turning.centre);
-      return stands_out > scale.margin && turning.may_face(normal, -outwards, 0.0);
+      const double reach =
+          turning.reach_along(surface_->position(start), surface_->normal(start), -outwards);
+      return reach > dot(turning.centre - known->position, outwards) + scale.margin;
     }
     at_rest_.push_back({contact.id, place, position});
     contact.point = static_cast<Vec3f>(position);
