@@ -1,0 +1,312 @@
+#include "voxshell/bullet/seams.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include "contact_constants.h"
+#include "motion.h"
+#include "posed_pair.h"
+#include "voxshell/bullet/convert.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The field of one shape, in the world.
+class PlacedField {
+ public:
+  explicit PlacedField(const Side& side)
+      : world_from_field_(side.world_from_geometry()),
+        field_from_world_(side.world_from_geometry().inverse()),
+        thickness_(side.thickness()) {
+    if (side.model() != nullptr) {
+      of_model_ = side.participant().field;
+    } else {
+      analytic_ = *side.participant().field;
+    }
+  }
+
+  /// Negative inside, metres.
+  double distance(const Vec3& place) const {
+    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
+    return std::visit([&](const auto& f) { return static_cast<double>(f.distance(local)); },
+                      field()) -
+           thickness_;
+  }
+
+  Vec3 outwards(const Vec3& place) const {
+    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
+    const Vec3f gradient = std::visit([&](const auto& f) { return f.gradient(local); }, field());
+    return world_from_field_.rotate(normalized(static_cast<Vec3>(gradient)));
+  }
+
+ private:
+  const Field& field() const { return of_model_ != nullptr ? *of_model_ : *analytic_; }
+
+  const Field* of_model_ = nullptr;  ///< models keep theirs
+  std::optional<Field> analytic_;
+  Pose world_from_field_;
+  Pose field_from_world_;
+  double thickness_;  ///< of Bullet's margin about it, metres
+};
+
+/// Appends the fields of a shape's parts; those that have none are left out.
+void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
+                  const btTransform& world_from_shape, std::vector<PlacedField>& fields) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+      place_fields(body, *compound.getChildShape(i),
+                   world_from_shape * compound.getChildTransform(i), fields);
+    }
+    return;
+  }
+  const Meeting meeting = meeting_with(shape);
+  if (meeting != Meeting::kModel && meeting != Meeting::kField) return;
+  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, world_from_shape, -1, -1);
+  fields.emplace_back(Side(wrap, nullptr));
+}
+
+double radius_of(const btCollisionObject& body) {
+  btVector3 centre;
+  btScalar radius = 0;
+  body.getCollisionShape()->getBoundingSphere(centre, radius);
+  return static_cast<double>(radius);
+}
+
+/// A body that another one touches.
+class Neighbor {
+ public:
+  Neighbor(const btCollisionObject& body, double time_step)
+      : body_(&body), motion_(Motion::of(body, time_step)), radius_(radius_of(body)) {}
+
+  const btCollisionObject& body() const { return *body_; }
+  const Motion& motion() const { return motion_; }
+  double radius() const { return radius_; }
+
+  /// Whether a place may be that near, by the bounds that Bullet looks for pairs with.
+  bool may_be_near(const Vec3& place, double reach) const {
+    const btBroadphaseProxy* const bounds = body_->getBroadphaseHandle();
+    if (bounds == nullptr) return false;
+    const auto is_between = [&](btScalar low, double x, btScalar high) {
+      return static_cast<double>(low) - reach <= x && x <= static_cast<double>(high) + reach;
+    };
+    const btVector3& low = bounds->m_aabbMin;
+    const btVector3& high = bounds->m_aabbMax;
+    return is_between(low.x(), place.x, high.x()) && is_between(low.y(), place.y, high.y()) &&
+           is_between(low.z(), place.z, high.z());
+  }
+
+  /// Of the part that is nearest to a place; null where the body has no field.
+  const PlacedField* nearest(const Vec3& place) {
+    if (!is_placed_) {
+      place_fields(*body_, *body_->getCollisionShape(), body_->getWorldTransform(), fields_);
+      is_placed_ = true;
+    }
+    const auto found = std::ranges::min_element(
+        fields_, {}, [&](const PlacedField& field) { return field.distance(place); });
+    return found == fields_.end() ? nullptr : &*found;
+  }
+
+ private:
+  const btCollisionObject* body_;
+  Motion motion_;
+  double radius_;
+  bool is_placed_ = false;
+  std::vector<PlacedField> fields_;
+};
+
+/// A contact as one of its bodies sees it. Metres, world frame.
+struct Touch {
+  Vec3 on_body;
+  Vec3 normal;  ///< of the other body, towards this one
+  double gap;   ///< negative where they overlap
+
+  Vec3 on_other() const { return on_body - gap * normal; }
+};
+
+Touch touch_of(const btManifoldPoint& point, bool is_first) {
+  const Vec3 normal = from_bullet(point.m_normalWorldOnB);
+  const auto gap = static_cast<double>(point.getDistance());
+  if (is_first) return {from_bullet(point.getPositionWorldOnA()), normal, gap};
+  return {from_bullet(point.getPositionWorldOnB()), -normal, gap};
+}
+
+/// How far the body of a touch gets along a direction until it touches, metres.
+double way_until(const Touch& touch, const Vec3& velocity, const Vec3& direction,
+                 double time_step) {
+  const double approach = -dot(velocity, touch.normal);
+  if (!(touch.gap > 0.0) || !(approach > 0.0)) return 0.0;
+  return dot(velocity, direction) * std::min(touch.gap / approach, kCcdReach * time_step);
+}
+
+/// The normal that the flush surfaces of `other`, which a touch is with, and `beside` have in
+/// common, if the touch is at their seam and leans over the one beside.
+std::optional<Vec3> seam_normal(const Touch& touch, const Vec3& velocity, double time_step,
+                                double radius, Neighbor& other, Neighbor& beside) {
+  const double reach = kSeamReach * radius;
+  const double step = kSeamStep * radius;
+  const Vec3 place = touch.on_other();
+  const PlacedField* covering = beside.nearest(place + reach * touch.normal);
+  if (covering == nullptr) return std::nullopt;
+  const Vec3 upwards = covering->outwards(place + reach * touch.normal);
+  const double along = dot(touch.normal, upwards);
+  if (along > kSeamAligned || along < -kSeamOpposed) return std::nullopt;
+  const Vec3 aside = normalized(touch.normal - along * upwards);
+  const double above = covering->distance(place + reach * aside);
+  const double fall = std::max(-way_until(touch, velocity, upwards, time_step), 0.0);
+  const double above_then = above > 0.0 ? std::max(above - fall, 0.0) : above;
+  if (above_then > step || above_then < -reach) return std::nullopt;
+  const Vec3 behind = place - reach * aside + (step - above) * upwards;
+  const PlacedField* const ending = other.nearest(behind);
+  if (ending == nullptr || ending->distance(behind) < 0.0) return std::nullopt;
+  return upwards;
+}
+
+/// A body, one that it touches, and a manifold of theirs.
+struct Touching {
+  const btCollisionObject* body;
+  const btCollisionObject* other;
+  btPersistentManifold* manifold;
+};
+
+/// What is to become of a contact.
+struct Correction {
+  btPersistentManifold* manifold;
+  int point;
+  bool of_first;  ///< seen from the manifold's first body
+  Vec3 normal;    ///< of the seam
+};
+
+void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
+  touching.clear();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal(i);
+    const btCollisionObject* const first = manifold->getBody0();
+    const btCollisionObject* const second = manifold->getBody1();
+    if (manifold->getNumContacts() == 0 || !first->hasContactResponse() ||
+        !second->hasContactResponse()) {
+      continue;
+    }
+    if (!first->isStaticOrKinematicObject()) touching.push_back({first, second, manifold});
+    if (!second->isStaticOrKinematicObject()) touching.push_back({second, first, manifold});
+  }
+  std::ranges::stable_sort(touching, {}, [](const Touching& each) {
+    return each.body->getWorldArrayIndex();
+  });
+}
+
+/// Turns the contact into the seam's normal, its place on the body that slides as it is.
+void turn(btManifoldPoint& point, const Correction& correction) {
+  const Touch before = touch_of(point, correction.of_first);
+  const double gap = before.gap * dot(before.normal, correction.normal);
+  const btVector3 on_other = to_bullet(before.on_body - gap * correction.normal);
+  (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
+  point.m_normalWorldOnB = to_bullet(correction.of_first ? correction.normal : -correction.normal);
+  point.setDistance(static_cast<btScalar>(gap));
+  btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
+}
+
+void apply(std::vector<Correction>& corrections) {
+  // From the last point of each manifold on: removing one moves the last to its place. Of two
+  // corrections of one contact, that of the body that was added to the world first counts.
+  const auto contact_of = [](const Correction& each) {
+    return std::pair(each.manifold, each.point);
+  };
+  std::ranges::stable_sort(corrections, std::ranges::greater{}, contact_of);
+  const auto [same, end] = std::ranges::unique(corrections, {}, contact_of);
+  corrections.erase(same, end);
+  for (const Correction& correction : corrections) {
+    btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
+    const double along = dot(touch_of(point, correction.of_first).normal, correction.normal);
+    if (along < kTurnedCosine) {
+      correction.manifold->removeContactPoint(correction.point);
+    } else {
+      turn(point, correction);
+    }
+  }
+}
+
+}  // namespace
+
+struct Seams::Room {
+  std::vector<Touching> touching;
+  std::vector<Neighbor> neighbors;
+  std::vector<Correction> corrections;
+
+  void find(std::span<const Touching> of_body, double time_step);
+  std::optional<Vec3> find_seam(const Touch& touch, const btCollisionObject& other,
+                                const Motion& motion, double radius, double time_step);
+};
+
+/// Finds the contacts of one body that are at seams.
+void Seams::Room::find(std::span<const Touching> of_body, double time_step) {
+  const btCollisionObject& body = *of_body.front().body;
+  neighbors.clear();
+  for (const Touching& each : of_body) {
+    const bool is_known = std::ranges::any_of(
+        neighbors, [&](const Neighbor& known) { return &known.body() == each.other; });
+    if (!is_known) neighbors.emplace_back(*each.other, time_step);
+  }
+  if (neighbors.size() < 2) return;
+  const Motion motion = Motion::of(body, time_step);
+  const double radius = radius_of(body);
+  for (const Touching& each : of_body) {
+    const bool is_first = each.manifold->getBody0() == &body;
+    for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
+      const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
+      if (const auto normal = find_seam(touch, *each.other, motion, radius, time_step)) {
+        corrections.push_back({each.manifold, i, is_first, *normal});
+      }
+    }
+  }
+}
+
+std::optional<Vec3> Seams::Room::find_seam(const Touch& touch, const btCollisionObject& other,
+                                           const Motion& motion, double radius, double time_step) {
+  const auto touched = std::ranges::find(neighbors, &other, [](const Neighbor& n) {
+    return &n.body();
+  });
+  const Vec3 velocity = motion.velocity_at(touch.on_body) + motion.velocity_of_forces -
+                        touched->motion().velocity_at(touch.on_body) -
+                        touched->motion().velocity_of_forces;
+  for (Neighbor& beside : neighbors) {
+    if (&beside == &*touched) continue;
+    const double least = std::min({radius, touched->radius(), beside.radius()});
+    if (!beside.may_be_near(touch.on_other(), 2.0 * kSeamReach * least)) continue;
+    if (const auto normal = seam_normal(touch, velocity, time_step, least, *touched, beside)) {
+      return normal;
+    }
+  }
+  return std::nullopt;
+}
+
+Seams::Seams() : room_(std::make_unique<Room>()) {}
+
+Seams::~Seams() = default;
+
+void Seams::correct(btDispatcher& dispatcher, double time_step) {
+  std::vector<Touching>& touching = room_->touching;
+  collect(dispatcher, touching);
+  room_->corrections.clear();
+  for (auto first = touching.begin(); first != touching.end();) {
+    const auto last = std::find_if(
+        first, touching.end(), [&](const Touching& each) { return each.body != first->body; });
+    room_->find({first, last}, time_step);
+    first = last;
+  }
+  apply(room_->corrections);
+}
+
+}  // namespace voxshell::bullet
