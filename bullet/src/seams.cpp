@@ -143,35 +143,61 @@ Touch touch_of(const btManifoldPoint& point, bool is_first) {
   return {from_bullet(point.getPositionWorldOnB()), -normal, gap};
 }
 
-/// How far the body of a touch gets along a direction until it touches, metres.
-double way_until(const Touch& touch, const Vec3& velocity, const Vec3& direction,
-                 double time_step) {
+/// The plane that two flush surfaces have in common.
+struct Seam {
+  Vec3 normal;
+  double gap;  ///< of the contact along it, metres
+};
+
+/// Until a speculative contact touches, seconds; 0 of others.
+double time_until(const Touch& touch, const Vec3& velocity, double time_step) {
   const double approach = -dot(velocity, touch.normal);
   if (!(touch.gap > 0.0) || !(approach > 0.0)) return 0.0;
-  return dot(velocity, direction) * std::min(touch.gap / approach, kCcdReach * time_step);
+  return std::min(touch.gap / approach, kCcdReach * time_step);
 }
 
-/// The normal that the flush surfaces of `other`, which a touch is with, and `beside` have in
-/// common, if the touch is at their seam and leans over the one beside.
-std::optional<Vec3> seam_normal(const Touch& touch, const Vec3& velocity, double time_step,
-                                double radius, Neighbor& other, Neighbor& beside) {
+/// Where a speculative contact touches, if the surface `beside` carries the body on its way there.
+/// What the forces alone would do is of no use: they take a body that slides into its ground.
+Vec3 place_then(const Touch& touch, const Vec3& velocity, double time, double height,
+                const Vec3& upwards) {
+  const double rise = time * dot(velocity, upwards);
+  const double rise_carried = std::max(height + rise, std::min(height, 0.0)) - height;
+  return touch.on_body + time * velocity + (rise_carried - rise) * upwards;
+}
+
+/// The direction, along a surface of that normal, in which another normal leans.
+Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
+  return normalized(normal - dot(normal, upwards) * upwards);
+}
+
+/// The seam of `other`, which the touch is with, and `beside`, if the touch leans over the latter.
+std::optional<Seam> find_seam(const Touch& touch, const Vec3& velocity, double time_step,
+                              double radius, Neighbor& other, Neighbor& beside) {
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
-  const Vec3 place = touch.on_other();
-  const PlacedField* covering = beside.nearest(place + reach * touch.normal);
+  const double time = time_until(touch, velocity, time_step);
+  const Vec3 ahead = reach * touch.normal;
+  const Vec3 now = time > 0.0 ? touch.on_body : touch.on_other();
+  const PlacedField* const covering = beside.nearest(now + ahead);
   if (covering == nullptr) return std::nullopt;
-  const Vec3 upwards = covering->outwards(place + reach * touch.normal);
-  const double along = dot(touch.normal, upwards);
-  if (along > kSeamAligned || along < -kSeamOpposed) return std::nullopt;
-  const Vec3 aside = normalized(touch.normal - along * upwards);
+  Vec3 upwards = covering->outwards(now + ahead);
+  const double height = covering->distance(now + ahead) - dot(ahead, upwards);
+  const Vec3 place = time > 0.0 ? place_then(touch, velocity, time, height, upwards) : now;
+  // A ball that rests on the place from where the normal points is clear of the other surface.
+  if (covering->distance(place + ahead) >= kSeamClear * reach) return std::nullopt;
+  Vec3 aside;
+  for (int i = 0; i < kSeamTurns; ++i) {
+    const double along = dot(touch.normal, upwards);
+    if (along > kSeamAligned || along < -kSeamOpposed) return std::nullopt;
+    aside = leaning_over(touch.normal, upwards);
+    upwards = covering->outwards(place + reach * aside);
+  }
   const double above = covering->distance(place + reach * aside);
-  const double fall = std::max(-way_until(touch, velocity, upwards, time_step), 0.0);
-  const double above_then = above > 0.0 ? std::max(above - fall, 0.0) : above;
-  if (above_then > step || above_then < -reach) return std::nullopt;
+  if (above > step || above < -reach) return std::nullopt;
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
   const PlacedField* const ending = other.nearest(behind);
   if (ending == nullptr || ending->distance(behind) < 0.0) return std::nullopt;
-  return upwards;
+  return Seam{upwards, dot(touch.on_body - place, upwards)};
 }
 
 /// A body, one that it touches, and a manifold of theirs.
@@ -186,7 +212,7 @@ struct Correction {
   btPersistentManifold* manifold;
   int point;
   bool of_first;  ///< seen from the manifold's first body
-  Vec3 normal;    ///< of the seam
+  Seam seam;
 };
 
 void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
@@ -209,11 +235,11 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
 
 /// Turns the contact into the seam's normal, its place on the body that slides as it is.
 void turn(btManifoldPoint& point, const Correction& correction) {
-  const Touch before = touch_of(point, correction.of_first);
-  const double gap = before.gap * dot(before.normal, correction.normal);
-  const btVector3 on_other = to_bullet(before.on_body - gap * correction.normal);
+  const auto& [normal, gap] = correction.seam;
+  const Vec3 on_body = touch_of(point, correction.of_first).on_body;
+  const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
-  point.m_normalWorldOnB = to_bullet(correction.of_first ? correction.normal : -correction.normal);
+  point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);
   point.setDistance(static_cast<btScalar>(gap));
   btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
 }
@@ -229,7 +255,7 @@ void apply(std::vector<Correction>& corrections) {
   corrections.erase(same, end);
   for (const Correction& correction : corrections) {
     btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
-    const double along = dot(touch_of(point, correction.of_first).normal, correction.normal);
+    const double along = dot(touch_of(point, correction.of_first).normal, correction.seam.normal);
     if (along < kTurnedCosine) {
       correction.manifold->removeContactPoint(correction.point);
     } else {
@@ -246,8 +272,8 @@ struct Seams::Room {
   std::vector<Correction> corrections;
 
   void find(std::span<const Touching> of_body, double time_step);
-  std::optional<Vec3> find_seam(const Touch& touch, const btCollisionObject& other,
-                                const Motion& motion, double radius, double time_step);
+  std::optional<Seam> seam_of(const Touch& touch, const btCollisionObject& other,
+                              const Motion& motion, double radius, double time_step);
 };
 
 /// Finds the contacts of one body that are at seams.
@@ -266,15 +292,15 @@ void Seams::Room::find(std::span<const Touching> of_body, double time_step) {
     const bool is_first = each.manifold->getBody0() == &body;
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
       const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
-      if (const auto normal = find_seam(touch, *each.other, motion, radius, time_step)) {
-        corrections.push_back({each.manifold, i, is_first, *normal});
+      if (const auto seam = seam_of(touch, *each.other, motion, radius, time_step)) {
+        corrections.push_back({each.manifold, i, is_first, *seam});
       }
     }
   }
 }
 
-std::optional<Vec3> Seams::Room::find_seam(const Touch& touch, const btCollisionObject& other,
-                                           const Motion& motion, double radius, double time_step) {
+std::optional<Seam> Seams::Room::seam_of(const Touch& touch, const btCollisionObject& other,
+                                         const Motion& motion, double radius, double time_step) {
   const auto touched = std::ranges::find(neighbors, &other, [](const Neighbor& n) {
     return &n.body();
   });
@@ -285,8 +311,8 @@ std::optional<Vec3> Seams::Room::find_seam(const Touch& touch, const btCollision
     if (&beside == &*touched) continue;
     const double least = std::min({radius, touched->radius(), beside.radius()});
     if (!beside.may_be_near(touch.on_other(), 2.0 * kSeamReach * least)) continue;
-    if (const auto normal = seam_normal(touch, velocity, time_step, least, *touched, beside)) {
-      return normal;
+    if (const auto seam = find_seam(touch, velocity, time_step, least, *touched, beside)) {
+      return seam;
     }
   }
   return std::nullopt;
