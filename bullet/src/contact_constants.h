@@ -200,11 +200,10 @@ inline constexpr double kSeamReach = 0.01;
 /// Surfaces that differ by less in height are flush: the same fraction, one and a half rest
 /// margins. Smaller: bodies that float within the margin stop. Larger: visible steps do not act.
 inline constexpr double kSeamStep = 0.003;
-/// A ball of that reach which touches at a contact is clear of the surface beside if that is
-/// farther from its centre than this fraction of the reach: normals lean by less than 2.6 degrees.
-inline constexpr double kSeamClear = 0.999;
 /// How often the normal of the surface beside is looked for: first near an edge, then over a face.
 inline constexpr int kSeamTurns = 2;
+/// How often a contact is compared with all bodies beside it: two seams cross where four meet.
+inline constexpr int kSeamRounds = 2;
 /// Normals with at least this cosine are those of one plane.
 inline constexpr double kSeamAligned = 0.999999;
 /// A contact that leans by more than 120 degrees pushes into the surface beside it.

@@ -143,10 +143,11 @@ Touch touch_of(const btManifoldPoint& point, bool is_first) {
   return {from_bullet(point.getPositionWorldOnB()), -normal, gap};
 }
 
-/// The plane that two flush surfaces have in common.
+/// What a contact at a seam becomes.
 struct Seam {
-  Vec3 normal;
-  double gap;  ///< of the contact along it, metres
+  Vec3 normal;   ///< of the plane that the flush surfaces have in common
+  double gap;    ///< along it, metres
+  bool carries;  ///< else the contact is removed
 };
 
 /// Until a speculative contact touches, seconds; 0 of others.
@@ -183,8 +184,11 @@ std::optional<Seam> find_seam(const Touch& touch, const Vec3& velocity, double t
   Vec3 upwards = covering->outwards(now + ahead);
   const double height = covering->distance(now + ahead) - dot(ahead, upwards);
   const Vec3 place = time > 0.0 ? place_then(touch, velocity, time, height, upwards) : now;
-  // A ball that rests on the place from where the normal points is clear of the other surface.
-  if (covering->distance(place + ahead) >= kSeamClear * reach) return std::nullopt;
+  const PlacedField* const touched = other.nearest(place + ahead);
+  if (touched == nullptr) return std::nullopt;
+  const bool is_covered =
+      covering->distance(place + ahead) <= touched->distance(place + ahead);
+  upwards = (is_covered ? covering : touched)->outwards(place + ahead);
   Vec3 aside;
   for (int i = 0; i < kSeamTurns; ++i) {
     const double along = dot(touch.normal, upwards);
@@ -197,7 +201,8 @@ std::optional<Seam> find_seam(const Touch& touch, const Vec3& velocity, double t
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
   const PlacedField* const ending = other.nearest(behind);
   if (ending == nullptr || ending->distance(behind) < 0.0) return std::nullopt;
-  return Seam{upwards, dot(touch.on_body - place, upwards)};
+  return Seam{upwards, dot(touch.on_body - place, upwards),
+              dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
 /// A body, one that it touches, and a manifold of theirs.
@@ -235,7 +240,7 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
 
 /// Turns the contact into the seam's normal, its place on the body that slides as it is.
 void turn(btManifoldPoint& point, const Correction& correction) {
-  const auto& [normal, gap] = correction.seam;
+  const auto& [normal, gap, carries] = correction.seam;
   const Vec3 on_body = touch_of(point, correction.of_first).on_body;
   const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
@@ -255,11 +260,10 @@ void apply(std::vector<Correction>& corrections) {
   corrections.erase(same, end);
   for (const Correction& correction : corrections) {
     btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
-    const double along = dot(touch_of(point, correction.of_first).normal, correction.seam.normal);
-    if (along < kTurnedCosine) {
-      correction.manifold->removeContactPoint(correction.point);
-    } else {
+    if (correction.seam.carries) {
       turn(point, correction);
+    } else {
+      correction.manifold->removeContactPoint(correction.point);
     }
   }
 }
@@ -272,7 +276,7 @@ struct Seams::Room {
   std::vector<Correction> corrections;
 
   void find(std::span<const Touching> of_body, double time_step);
-  std::optional<Seam> seam_of(const Touch& touch, const btCollisionObject& other,
+  std::optional<Seam> seam_of(Touch touch, const btCollisionObject& other,
                               const Motion& motion, double radius, double time_step);
 };
 
@@ -299,7 +303,7 @@ void Seams::Room::find(std::span<const Touching> of_body, double time_step) {
   }
 }
 
-std::optional<Seam> Seams::Room::seam_of(const Touch& touch, const btCollisionObject& other,
+std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& other,
                                          const Motion& motion, double radius, double time_step) {
   const auto touched = std::ranges::find(neighbors, &other, [](const Neighbor& n) {
     return &n.body();
@@ -307,15 +311,22 @@ std::optional<Seam> Seams::Room::seam_of(const Touch& touch, const btCollisionOb
   const Vec3 velocity = motion.velocity_at(touch.on_body) + motion.velocity_of_forces -
                         touched->motion().velocity_at(touch.on_body) -
                         touched->motion().velocity_of_forces;
-  for (Neighbor& beside : neighbors) {
-    if (&beside == &*touched) continue;
-    const double least = std::min({radius, touched->radius(), beside.radius()});
-    if (!beside.may_be_near(touch.on_other(), 2.0 * kSeamReach * least)) continue;
-    if (const auto seam = find_seam(touch, velocity, time_step, least, *touched, beside)) {
-      return seam;
+  // Where four bodies meet, a contact may be at several seams.
+  std::optional<Seam> found;
+  for (int round = 0; round < kSeamRounds; ++round) {
+    for (Neighbor& beside : neighbors) {
+      if (&beside == &*touched) continue;
+      const double least = std::min({radius, touched->radius(), beside.radius()});
+      if (!beside.may_be_near(touch.on_other(), 2.0 * kSeamReach * least)) continue;
+      const auto seam = find_seam(touch, velocity, time_step, least, *touched, beside);
+      if (!seam) continue;
+      if (!seam->carries) return seam;
+      found = seam;
+      touch = {touch.on_body, seam->normal, seam->gap};
     }
+    if (!found) break;
   }
-  return std::nullopt;
+  return found;
 }
 
 Seams::Seams() : room_(std::make_unique<Room>()) {}
