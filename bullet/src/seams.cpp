@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
+#include "conservative_advancement.h"
 #include "contact_constants.h"
 #include "motion.h"
 #include "posed_pair.h"
@@ -119,6 +121,12 @@ class Neighbor {
     return found == fields_.end() ? nullptr : &*found;
   }
 
+  /// Infinite where the body has no field.
+  double distance(const Vec3& place) {
+    const PlacedField* const field = nearest(place);
+    return field != nullptr ? field->distance(place) : std::numeric_limits<double>::infinity();
+  }
+
  private:
   const btCollisionObject* body_;
   Motion motion_;
@@ -150,20 +158,25 @@ struct Seam {
   bool carries;  ///< else the contact is removed
 };
 
-/// Until a speculative contact touches, seconds; 0 of others.
-double time_until(const Touch& touch, const Vec3& velocity, double time_step) {
-  const double approach = -dot(velocity, touch.normal);
-  if (!(touch.gap > 0.0) || !(approach > 0.0)) return 0.0;
-  return std::min(touch.gap / approach, kCcdReach * time_step);
-}
+/// Where the body of a touch meets the other one.
+struct Arrival {
+  Vec3 place;
+  Vec3 fall;  ///< what forces would add on the way there, if no other body carried the body
+};
 
-/// Where a speculative contact touches, if the surface `beside` carries the body on its way there.
-/// What the forces alone would do is of no use: they take a body that slides into its ground.
-Vec3 place_then(const Touch& touch, const Vec3& velocity, double time, double height,
-                const Vec3& upwards) {
-  const double rise = time * dot(velocity, upwards);
-  const double rise_carried = std::max(height + rise, std::min(height, 0.0)) - height;
-  return touch.on_body + time * velocity + (rise_carried - rise) * upwards;
+/// `velocity` is that of the touch's place as the other body sees it, m/s.
+Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
+                   double time_step, double precision, Neighbor& other) {
+  const double approach = -dot(velocity + velocity_of_forces, touch.normal);
+  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
+  const double most = kCcdReach * time_step;
+  const Vec3 way = most * (velocity + velocity_of_forces);
+  const auto reached = advance(length(way), precision, 1.0, [&](double fraction) {
+    const double gap = other.distance(touch.on_body + fraction * way);
+    return Clearance{gap, kSafeOfGap * gap};
+  });
+  const double time = reached ? reached->fraction * most : std::min(touch.gap / approach, most);
+  return {touch.on_body + time * velocity, time * velocity_of_forces};
 }
 
 /// The direction, along a surface of that normal, in which another normal leans.
@@ -172,36 +185,30 @@ Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
 }
 
 /// The seam of `other`, which the touch is with, and `beside`, if the touch leans over the latter.
-std::optional<Seam> find_seam(const Touch& touch, const Vec3& velocity, double time_step,
-                              double radius, Neighbor& other, Neighbor& beside) {
+/// Where both are the same body, a touch that is none: its normal leans over the body's own face.
+std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double radius,
+                              Neighbor& other, Neighbor& beside) {
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
-  const double time = time_until(touch, velocity, time_step);
-  const Vec3 ahead = reach * touch.normal;
-  const Vec3 now = time > 0.0 ? touch.on_body : touch.on_other();
-  const PlacedField* const covering = beside.nearest(now + ahead);
-  if (covering == nullptr) return std::nullopt;
-  Vec3 upwards = covering->outwards(now + ahead);
-  const double height = covering->distance(now + ahead) - dot(ahead, upwards);
-  const Vec3 place = time > 0.0 ? place_then(touch, velocity, time, height, upwards) : now;
-  const PlacedField* const touched = other.nearest(place + ahead);
-  if (touched == nullptr) return std::nullopt;
-  const bool is_covered =
-      covering->distance(place + ahead) <= touched->distance(place + ahead);
-  upwards = (is_covered ? covering : touched)->outwards(place + ahead);
+  const Vec3 ahead = arrival.place + reach * touch.normal;
+  const PlacedField* const covering = beside.nearest(ahead);
+  const PlacedField* const touched = other.nearest(ahead);
+  if (covering == nullptr || touched == nullptr) return std::nullopt;
+  const bool is_covered = covering->distance(ahead) <= touched->distance(ahead);
+  Vec3 upwards = (is_covered ? covering : touched)->outwards(ahead);
   Vec3 aside;
   for (int i = 0; i < kSeamTurns; ++i) {
     const double along = dot(touch.normal, upwards);
     if (along > kSeamAligned || along < -kSeamOpposed) return std::nullopt;
     aside = leaning_over(touch.normal, upwards);
-    upwards = covering->outwards(place + reach * aside);
+    upwards = covering->outwards(arrival.place + reach * aside);
   }
-  const double above = covering->distance(place + reach * aside);
-  if (above > step || above < -reach) return std::nullopt;
-  const Vec3 behind = place - reach * aside + (step - above) * upwards;
-  const PlacedField* const ending = other.nearest(behind);
-  if (ending == nullptr || ending->distance(behind) < 0.0) return std::nullopt;
-  return Seam{upwards, dot(touch.on_body - place, upwards),
+  const double above = covering->distance(arrival.place + reach * aside);
+  const double fallen = above > 0.0 ? std::max(above + dot(arrival.fall, upwards), 0.0) : above;
+  if (fallen > step || fallen < -reach) return std::nullopt;
+  const Vec3 behind = arrival.place - reach * aside + (step - above) * upwards;
+  if (other.distance(behind) < 0.0) return std::nullopt;
+  return Seam{upwards, above + dot(touch.on_body - arrival.place, upwards),
               dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
@@ -308,19 +315,22 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
   const auto touched = std::ranges::find(neighbors, &other, [](const Neighbor& n) {
     return &n.body();
   });
-  const Vec3 velocity = motion.velocity_at(touch.on_body) + motion.velocity_of_forces -
-                        touched->motion().velocity_at(touch.on_body) -
-                        touched->motion().velocity_of_forces;
+  const Vec3 velocity =
+      motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
+  const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
+  const Arrival arrival =
+      arrival_of(touch, velocity, velocity_of_forces, time_step,
+                 kSeamStep * std::min(radius, touched->radius()), *touched);
   // Where four bodies meet, a contact may be at several seams.
   std::optional<Seam> found;
   for (int round = 0; round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
-      if (&beside == &*touched) continue;
       const double least = std::min({radius, touched->radius(), beside.radius()});
-      if (!beside.may_be_near(touch.on_other(), 2.0 * kSeamReach * least)) continue;
-      const auto seam = find_seam(touch, velocity, time_step, least, *touched, beside);
+      if (!beside.may_be_near(arrival.place, 2.0 * kSeamReach * least)) continue;
+      const auto seam = find_seam(touch, arrival, least, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;
+      if (&beside == &*touched) continue;
       found = seam;
       touch = {touch.on_body, seam->normal, seam->gap};
     }
