@@ -326,7 +326,8 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
   for (int round = 0; round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
       const double least = std::min({radius, touched->radius(), beside.radius()});
-      if (!beside.may_be_near(arrival.place, 2.0 * kSeamReach * least)) continue;
+      const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
+      if (!beside.may_be_near(arrival.place, reach)) continue;
       const auto seam = find_seam(touch, arrival, least, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;
