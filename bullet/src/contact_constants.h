@@ -202,6 +202,12 @@ inline constexpr double kSeamReach = 0.01;
 inline constexpr double kSeamStep = 0.003;
 /// How often the normal of the surface beside is looked for: first near an edge, then over a face.
 inline constexpr int kSeamTurns = 2;
+/// How often a place is lowered by its distance from the surface that carries it: on slopes, once
+/// is not enough.
+inline constexpr int kSeamDrops = 3;
+/// A place counts as over a face if it is beside its edge by no more than this fraction of a step.
+/// 0: where a body's edge lies along a seam, neither tile is beside it. Larger: normals of edges.
+inline constexpr double kSeamBeside = 0.1;
 /// How often a contact is compared with all bodies beside it: two seams cross where four meet.
 inline constexpr int kSeamRounds = 2;
 /// Normals with at least this cosine are those of one plane.

@@ -158,30 +158,52 @@ struct Seam {
   bool carries;  ///< else the contact is removed
 };
 
-/// Where the body of a touch meets the other one.
+/// Where the body of a touch meets the other one, if nothing carried it it would be `fall` farther:
+/// forces, and the motion along them, take a body that slides into its ground.
 struct Arrival {
   Vec3 place;
-  Vec3 fall;  ///< what forces would add on the way there, if no other body carried the body
+  Vec3 fall;
 };
 
 /// `velocity` is that of the touch's place as the other body sees it, m/s.
 Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
                    double time_step, double precision, Neighbor& other) {
-  const double approach = -dot(velocity + velocity_of_forces, touch.normal);
+  const Vec3 all = velocity + velocity_of_forces;
+  const double approach = -dot(all, touch.normal);
   if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
   const double most = kCcdReach * time_step;
-  const Vec3 way = most * (velocity + velocity_of_forces);
-  const auto reached = advance(length(way), precision, 1.0, [&](double fraction) {
-    const double gap = other.distance(touch.on_body + fraction * way);
+  const auto reached = advance(most * length(all), precision, 1.0, [&](double fraction) {
+    const double gap = other.distance(touch.on_body + fraction * most * all);
     return Clearance{gap, kSafeOfGap * gap};
   });
   const double time = reached ? reached->fraction * most : std::min(touch.gap / approach, most);
-  return {touch.on_body + time * velocity, time * velocity_of_forces};
+  const Vec3 down = normalized(velocity_of_forces);
+  const Vec3 fall = std::max(dot(all, down), 0.0) * down;
+  return {touch.on_body + time * (all - fall), time * fall};
+}
+
+/// The place of an arrival on the surface `beside`, if that is on the way down.
+Vec3 carried_place(const Arrival& arrival, const Vec3& normal, double reach, Neighbor& beside) {
+  const Vec3 down = normalized(arrival.fall);
+  const Vec3 over = reach * (normal - dot(normal, down) * down);
+  Vec3 place = arrival.place;
+  double left = length(arrival.fall);
+  for (int i = 0; i < kSeamDrops; ++i) {
+    const double drop = std::clamp(beside.distance(place + over), 0.0, left);
+    place += drop * down;
+    left -= drop;
+  }
+  return place;
 }
 
 /// The direction, along a surface of that normal, in which another normal leans.
 Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
   return normalized(normal - dot(normal, upwards) * upwards);
+}
+
+bool leans(const Vec3& normal, const Vec3& upwards) {
+  const double along = dot(normal, upwards);
+  return along <= kSeamAligned && along >= -kSeamOpposed;
 }
 
 /// The seam of `other`, which the touch is with, and `beside`, if the touch leans over the latter.
@@ -190,25 +212,29 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
                               Neighbor& other, Neighbor& beside) {
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
-  const Vec3 ahead = arrival.place + reach * touch.normal;
+  const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
+  const Vec3 ahead = place + reach * touch.normal;
   const PlacedField* const covering = beside.nearest(ahead);
   const PlacedField* const touched = other.nearest(ahead);
   if (covering == nullptr || touched == nullptr) return std::nullopt;
   const bool is_covered = covering->distance(ahead) <= touched->distance(ahead);
   Vec3 upwards = (is_covered ? covering : touched)->outwards(ahead);
+  if (!leans(touch.normal, upwards)) return std::nullopt;
   Vec3 aside;
   for (int i = 0; i < kSeamTurns; ++i) {
-    const double along = dot(touch.normal, upwards);
-    if (along > kSeamAligned || along < -kSeamOpposed) return std::nullopt;
     aside = leaning_over(touch.normal, upwards);
-    upwards = covering->outwards(arrival.place + reach * aside);
+    upwards = covering->outwards(place + reach * (aside + upwards));
+    if (!leans(touch.normal, upwards)) return std::nullopt;
   }
-  const double above = covering->distance(arrival.place + reach * aside);
-  const double fallen = above > 0.0 ? std::max(above + dot(arrival.fall, upwards), 0.0) : above;
-  if (fallen > step || fallen < -reach) return std::nullopt;
-  const Vec3 behind = arrival.place - reach * aside + (step - above) * upwards;
+  const Vec3 over = place + reach * aside;
+  const double above = covering->distance(over);
+  if (above > step || above < -reach) return std::nullopt;
+  // Under its face, not beside its edge.
+  const Vec3 under = over - (above + step) * upwards;
+  if (covering->distance(under) > kSeamBeside * step) return std::nullopt;
+  const Vec3 behind = place - reach * aside + (step - above) * upwards;
   if (other.distance(behind) < 0.0) return std::nullopt;
-  return Seam{upwards, above + dot(touch.on_body - arrival.place, upwards),
+  return Seam{upwards, above + dot(touch.on_body - place, upwards),
               dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
@@ -320,7 +346,7 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
   const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
   const Arrival arrival =
       arrival_of(touch, velocity, velocity_of_forces, time_step,
-                 kSeamStep * std::min(radius, touched->radius()), *touched);
+                 0.5 * kSeamStep * std::min(radius, touched->radius()), *touched);
   // Where four bodies meet, a contact may be at several seams.
   std::optional<Seam> found;
   for (int round = 0; round < kSeamRounds; ++round) {
