@@ -110,14 +110,12 @@ class Neighbor {
            is_between(low.z(), place.z, high.z());
   }
 
+  bool has_field() { return !fields().empty(); }
+
   /// Of the part that is nearest to a place; null where the body has no field.
   const PlacedField* nearest(const Vec3& place) {
-    if (!is_placed_) {
-      place_fields(*body_, *body_->getCollisionShape(), body_->getWorldTransform(), fields_);
-      is_placed_ = true;
-    }
     const auto found = std::ranges::min_element(
-        fields_, {}, [&](const PlacedField& field) { return field.distance(place); });
+        fields(), {}, [&](const PlacedField& field) { return field.distance(place); });
     return found == fields_.end() ? nullptr : &*found;
   }
 
@@ -128,6 +126,14 @@ class Neighbor {
   }
 
  private:
+  const std::vector<PlacedField>& fields() {
+    if (!is_placed_) {
+      place_fields(*body_, *body_->getCollisionShape(), body_->getWorldTransform(), fields_);
+      is_placed_ = true;
+    }
+    return fields_;
+  }
+
   const btCollisionObject* body_;
   Motion motion_;
   double radius_;
@@ -165,18 +171,22 @@ struct Arrival {
   Vec3 fall;
 };
 
-/// `velocity` is that of the touch's place as the other body sees it, m/s.
+/// `velocity` is that of the touch's place as the other body sees it, m/s. A speculative contact has
+/// up to `step` metres left where its body was found to touch: with a slow approach, a long way.
 Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
-                   double time_step, double precision, Neighbor& other) {
+                   double step, Neighbor& other) {
   const Vec3 all = velocity + velocity_of_forces;
   const double approach = -dot(all, touch.normal);
   if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
-  const double most = kCcdReach * time_step;
-  const auto reached = advance(most * length(all), precision, 1.0, [&](double fraction) {
-    const double gap = other.distance(touch.on_body + fraction * most * all);
+  const double earliest = std::max(touch.gap - step, 0.0) / approach;
+  const double latest = touch.gap / approach;
+  const Vec3 first = touch.on_body + earliest * all;
+  const Vec3 way = (latest - earliest) * all;
+  const auto reached = advance(length(way), 0.5 * step, 1.0, [&](double fraction) {
+    const double gap = other.distance(first + fraction * way);
     return Clearance{gap, kSafeOfGap * gap};
   });
-  const double time = reached ? reached->fraction * most : std::min(touch.gap / approach, most);
+  const double time = reached ? earliest + reached->fraction * (latest - earliest) : latest;
   const Vec3 down = normalized(velocity_of_forces);
   const Vec3 fall = std::max(dot(all, down), 0.0) * down;
   return {touch.on_body + time * (all - fall), time * fall};
@@ -206,34 +216,49 @@ bool leans(const Vec3& normal, const Vec3& upwards) {
   return along <= kSeamAligned && along >= -kSeamOpposed;
 }
 
-/// The seam of `other`, which the touch is with, and `beside`, if the touch leans over the latter.
-/// Where both are the same body, a touch that is none: its normal leans over the body's own face.
+/// The surface of two bodies together. Both have fields.
+class Union {
+ public:
+  Union(Neighbor& a, Neighbor& b) : a_(a), b_(b) {}
+
+  const PlacedField& nearest(const Vec3& place) const {
+    const PlacedField& of_a = *a_.nearest(place);
+    const PlacedField& of_b = *b_.nearest(place);
+    return of_b.distance(place) < of_a.distance(place) ? of_b : of_a;
+  }
+  double distance(const Vec3& place) const { return nearest(place).distance(place); }
+  Vec3 outwards(const Vec3& place) const { return nearest(place).outwards(place); }
+
+ private:
+  Neighbor& a_;
+  Neighbor& b_;
+};
+
+/// The seam of `other`, which the touch is with, and `beside`, if the touch is there and leans out
+/// of their plane.
 std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double radius,
                               Neighbor& other, Neighbor& beside) {
+  if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
   const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
-  const Vec3 ahead = place + reach * touch.normal;
-  const PlacedField* const covering = beside.nearest(ahead);
-  const PlacedField* const touched = other.nearest(ahead);
-  if (covering == nullptr || touched == nullptr) return std::nullopt;
-  const bool is_covered = covering->distance(ahead) <= touched->distance(ahead);
-  Vec3 upwards = (is_covered ? covering : touched)->outwards(ahead);
+  if (beside.distance(place) > reach) return std::nullopt;
+  const Union both(other, beside);
+  Vec3 upwards = both.outwards(place + reach * touch.normal);
   if (!leans(touch.normal, upwards)) return std::nullopt;
   Vec3 aside;
   for (int i = 0; i < kSeamTurns; ++i) {
     aside = leaning_over(touch.normal, upwards);
-    upwards = covering->outwards(place + reach * (aside + upwards));
+    upwards = both.outwards(place + reach * (aside + upwards));
     if (!leans(touch.normal, upwards)) return std::nullopt;
   }
   const Vec3 over = place + reach * aside;
-  const double above = covering->distance(over);
+  const double above = both.distance(over);
   if (above > step || above < -reach) return std::nullopt;
-  // Under its face, not beside its edge.
-  const Vec3 under = over - (above + step) * upwards;
-  if (covering->distance(under) > kSeamBeside * step) return std::nullopt;
+  // Over a face, not beside its edge.
+  if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
-  if (other.distance(behind) < 0.0) return std::nullopt;
+  if (both.distance(behind) < 0.0) return std::nullopt;
   return Seam{upwards, above + dot(touch.on_body - place, upwards),
               dot(touch.normal, upwards) >= kTurnedCosine};
 }
@@ -345,19 +370,19 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
       motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
   const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
   const Arrival arrival =
-      arrival_of(touch, velocity, velocity_of_forces, time_step,
-                 0.5 * kSeamStep * std::min(radius, touched->radius()), *touched);
+      arrival_of(touch, velocity, velocity_of_forces,
+                 kSeamStep * std::min(radius, touched->radius()), *touched);
   // Where four bodies meet, a contact may be at several seams.
   std::optional<Seam> found;
   for (int round = 0; round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
+      if (&beside == &*touched) continue;
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
       if (!beside.may_be_near(arrival.place, reach)) continue;
       const auto seam = find_seam(touch, arrival, least, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;
-      if (&beside == &*touched) continue;
       found = seam;
       touch = {touch.on_body, seam->normal, seam->gap};
     }
