@@ -376,13 +376,14 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
   std::optional<Seam> found;
   for (int round = 0; round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
-      if (&beside == &*touched) continue;
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
       if (!beside.may_be_near(arrival.place, reach)) continue;
       const auto seam = find_seam(touch, arrival, least, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;
+      // What leans a little over the touched face itself is a curved one's own normal.
+      if (&beside == &*touched) continue;
       found = seam;
       touch = {touch.on_body, seam->normal, seam->gap};
     }
