@@ -1,8 +1,6 @@
 #include "voxshell/bullet/seams.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -110,6 +108,7 @@ class Neighbor {
            is_between(low.z(), place.z, high.z());
   }
 
+  /// Hulls and Bullet's triangles have none at hand.
   bool has_field() { return !fields().empty(); }
 
   /// Of the part that is nearest to a place; null where the body has no field.
@@ -164,15 +163,16 @@ struct Seam {
   bool carries;  ///< else the contact is removed
 };
 
-/// Where the body of a touch meets the other one, if nothing carried it it would be `fall` farther:
-/// forces, and the motion along them, take a body that slides into its ground.
+/// Where the body of a touch meets the other one. Forces, and motion along them, would take a body
+/// that slides into its ground, so they are kept apart.
 struct Arrival {
   Vec3 place;
-  Vec3 fall;
+  Vec3 fall;  ///< how much farther it is where nothing carries the body
 };
 
-/// `velocity` is that of the touch's place as the other body sees it, m/s. A speculative contact has
-/// up to `step` metres left where its body was found to touch: with a slow approach, a long way.
+/// `velocity` is that of the touch's place as the other body sees it, m/s. A speculative contact
+/// has up to `step` metres left where its body was found to touch: with a slow approach, a long
+/// way.
 Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
                    double step, Neighbor& other) {
   const Vec3 all = velocity + velocity_of_forces;
@@ -291,9 +291,8 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
     if (!first->isStaticOrKinematicObject()) touching.push_back({first, second, manifold});
     if (!second->isStaticOrKinematicObject()) touching.push_back({second, first, manifold});
   }
-  std::ranges::stable_sort(touching, {}, [](const Touching& each) {
-    return each.body->getWorldArrayIndex();
-  });
+  std::ranges::stable_sort(touching, {},
+                           [](const Touching& each) { return each.body->getWorldArrayIndex(); });
 }
 
 /// Turns the contact into the seam's normal, its place on the body that slides as it is.
@@ -328,51 +327,54 @@ void apply(std::vector<Correction>& corrections) {
 
 }  // namespace
 
-struct Seams::Room {
+struct Seams::Scratch {
   std::vector<Touching> touching;
   std::vector<Neighbor> neighbors;
   std::vector<Correction> corrections;
 
   void find(std::span<const Touching> of_body, double time_step);
-  std::optional<Seam> seam_of(Touch touch, const btCollisionObject& other,
-                              const Motion& motion, double radius, double time_step);
+  std::optional<Seam> seam_of(Touch touch, const btCollisionObject& other, const Motion& motion,
+                              double radius);
 };
 
 /// Finds the contacts of one body that are at seams.
-void Seams::Room::find(std::span<const Touching> of_body, double time_step) {
-  const btCollisionObject& body = *of_body.front().body;
+void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
+  const auto& [first_body, first_other, first_manifold] = of_body.front();
+  if (std::ranges::all_of(of_body, [&](const Touching& t) { return t.other == first_other; })) {
+    return;
+  }
+  const btCollisionObject& body = *first_body;
   neighbors.clear();
   for (const Touching& each : of_body) {
     const bool is_known = std::ranges::any_of(
         neighbors, [&](const Neighbor& known) { return &known.body() == each.other; });
     if (!is_known) neighbors.emplace_back(*each.other, time_step);
   }
-  if (neighbors.size() < 2) return;
   const Motion motion = Motion::of(body, time_step);
   const double radius = radius_of(body);
   for (const Touching& each : of_body) {
     const bool is_first = each.manifold->getBody0() == &body;
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
       const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
-      if (const auto seam = seam_of(touch, *each.other, motion, radius, time_step)) {
+      if (const auto seam = seam_of(touch, *each.other, motion, radius)) {
         corrections.push_back({each.manifold, i, is_first, *seam});
       }
     }
   }
 }
 
-std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& other,
-                                         const Motion& motion, double radius, double time_step) {
-  const auto touched = std::ranges::find(neighbors, &other, [](const Neighbor& n) {
-    return &n.body();
-  });
+/// The seam that a touch of the body with one of its neighbors is at.
+std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject& other,
+                                            const Motion& motion, double radius) {
+  const auto touched =
+      std::ranges::find(neighbors, &other, [](const Neighbor& n) { return &n.body(); });
   const Vec3 velocity =
       motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
   const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
-  const Arrival arrival =
-      arrival_of(touch, velocity, velocity_of_forces,
-                 kSeamStep * std::min(radius, touched->radius()), *touched);
-  // Where four bodies meet, a contact may be at several seams.
+  const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces,
+                                     kSeamStep * std::min(radius, touched->radius()), *touched);
+  // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
+  // lean over the face of the very body that the corner is of.
   std::optional<Seam> found;
   for (int round = 0; round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
@@ -392,21 +394,21 @@ std::optional<Seam> Seams::Room::seam_of(Touch touch, const btCollisionObject& o
   return found;
 }
 
-Seams::Seams() : room_(std::make_unique<Room>()) {}
+Seams::Seams() : scratch_(std::make_unique<Scratch>()) {}
 
 Seams::~Seams() = default;
 
 void Seams::correct(btDispatcher& dispatcher, double time_step) {
-  std::vector<Touching>& touching = room_->touching;
+  std::vector<Touching>& touching = scratch_->touching;
   collect(dispatcher, touching);
-  room_->corrections.clear();
+  scratch_->corrections.clear();
   for (auto first = touching.begin(); first != touching.end();) {
-    const auto last = std::find_if(
-        first, touching.end(), [&](const Touching& each) { return each.body != first->body; });
-    room_->find({first, last}, time_step);
+    const auto last = std::find_if(first, touching.end(),
+                                   [&](const Touching& each) { return each.body != first->body; });
+    scratch_->find({first, last}, time_step);
     first = last;
   }
-  apply(room_->corrections);
+  apply(scratch_->corrections);
 }
 
 }  // namespace voxshell::bullet

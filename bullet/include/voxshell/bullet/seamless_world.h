@@ -14,8 +14,7 @@ class SeamlessWorld : public World {
 
   void performDiscreteCollisionDetection() override {
     World::performDiscreteCollisionDetection();
-    seams_.correct(*this->getDispatcher(),
-                   static_cast<double>(this->getDispatchInfo().m_timeStep));
+    seams_.correct(*this->getDispatcher(), static_cast<double>(this->getDispatchInfo().m_timeStep));
   }
 
  private:

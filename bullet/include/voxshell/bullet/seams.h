@@ -9,12 +9,12 @@ namespace voxshell::bullet {
 /// Corrects contacts where bodies lie flush, as the tiles of a floor do: a body that slides over
 /// their seam must not notice it.
 ///
-/// To collision detection of pairs, the second tile's side is a wall. Here, the other bodies that
-/// the sliding one touches are asked as well. A contact whose normal leans over the surface of such
-/// a body, where the two surfaces go on in one plane, takes the normal of that plane; it is removed
-/// where it leans by more than kTurnedCosine allows. Steps, corners and wide gaps stay as they are.
-/// Models, Bullet's boxes, balls, capsules, cylinders, cones and planes, and compounds of these.
-/// docs/decisions/0035-seams.md.
+/// Collision detection looks at two bodies at a time, and to it the side of the next tile is a
+/// wall. This looks at each contact of a body together with the other bodies that it touches. Where
+/// two of them lie in one plane, a contact whose normal leans out of that plane gets the plane's
+/// normal, or is removed where it leans by more than 45 degrees. Steps, corners and wide gaps stay
+/// as they are. Serves models, Bullet's boxes, balls, capsules, cylinders, cones and planes, and
+/// compounds of these. docs/decisions/0035-seams.md.
 class Seams {
  public:
   Seams();
@@ -22,13 +22,13 @@ class Seams {
   Seams(const Seams&) = delete;
   Seams& operator=(const Seams&) = delete;
 
-  /// For between collision detection and the solver. `time_step` in seconds. Costs nothing for
-  /// bodies that touch only one other.
+  /// Call it between collision detection and the solver. `time_step` in seconds. Bodies that touch
+  /// only one other cost nothing.
   void correct(btDispatcher& dispatcher, double time_step);
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;  ///< kept from step to step, as settled steps take no memory
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
 };
 
 }  // namespace voxshell::bullet
