@@ -170,25 +170,35 @@ struct Arrival {
   Vec3 fall;  ///< how much farther it is where nothing carries the body
 };
 
-/// `velocity` is that of the touch's place as the other body sees it, m/s. A speculative contact
-/// has up to `step` metres left where its body was found to touch: with a slow approach, a long
-/// way.
-Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
-                   double step, Neighbor& other) {
-  const Vec3 all = velocity + velocity_of_forces;
-  const double approach = -dot(all, touch.normal);
-  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
+/// When the body of a speculative contact touches, seconds. It was found to touch with up to `step`
+/// metres left, which with a slow approach are a long way.
+double time_until(const Touch& touch, const Vec3& velocity, double approach, double step,
+                  Neighbor& other) {
   const double earliest = std::max(touch.gap - step, 0.0) / approach;
   const double latest = touch.gap / approach;
-  const Vec3 first = touch.on_body + earliest * all;
-  const Vec3 way = (latest - earliest) * all;
+  const Vec3 first = touch.on_body + earliest * velocity;
+  const Vec3 way = (latest - earliest) * velocity;
   const auto reached = advance(length(way), 0.5 * step, 1.0, [&](double fraction) {
     const double gap = other.distance(first + fraction * way);
     return Clearance{gap, kSafeOfGap * gap};
   });
-  const double time = reached ? earliest + reached->fraction * (latest - earliest) : latest;
+  return reached ? earliest + reached->fraction * (latest - earliest) : latest;
+}
+
+/// `velocity` is that of the touch's place as the other body sees it, m/s.
+Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
+                   double radius, Neighbor& other) {
+  const Vec3 all = velocity + velocity_of_forces;
+  const double approach = -dot(all, touch.normal);
+  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
   const Vec3 down = normalized(velocity_of_forces);
   const Vec3 fall = std::max(dot(all, down), 0.0) * down;
+  // Speculative contacts have the smaller body's place as it is now (speculative_contacts.cpp).
+  if (radius > other.radius()) {
+    const double time = touch.gap / approach;
+    return {touch.on_other() - time * fall, time * fall};
+  }
+  const double time = time_until(touch, all, approach, kSeamStep * radius, other);
   return {touch.on_body + time * (all - fall), time * fall};
 }
 
@@ -371,8 +381,7 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject
   const Vec3 velocity =
       motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
   const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
-  const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces,
-                                     kSeamStep * std::min(radius, touched->radius()), *touched);
+  const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces, radius, *touched);
   // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
   // lean over the face of the very body that the corner is of.
   std::optional<Seam> found;
