@@ -1,6 +1,7 @@
 #include "voxshell/bullet/seams.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "contact_constants.h"
 #include "motion.h"
 #include "posed_pair.h"
+#include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -94,6 +96,7 @@ class Neighbor {
   const btCollisionObject& body() const { return *body_; }
   const Motion& motion() const { return motion_; }
   double radius() const { return radius_; }
+  bool is_model() const { return meeting_with(*body_->getCollisionShape()) == Meeting::kModel; }
 
   /// Whether a place may be that near, by the bounds that Bullet looks for pairs with.
   bool may_be_near(const Vec3& place, double reach) const {
@@ -145,6 +148,7 @@ struct Touch {
   Vec3 on_body;
   Vec3 normal;  ///< of the other body, towards this one
   double gap;   ///< negative where they overlap
+  bool is_feature;
 
   Vec3 on_other() const { return on_body - gap * normal; }
 };
@@ -152,8 +156,9 @@ struct Touch {
 Touch touch_of(const btManifoldPoint& point, bool is_first) {
   const Vec3 normal = from_bullet(point.m_normalWorldOnB);
   const auto gap = static_cast<double>(point.getDistance());
-  if (is_first) return {from_bullet(point.getPositionWorldOnA()), normal, gap};
-  return {from_bullet(point.getPositionWorldOnB()), -normal, gap};
+  const bool is_feature = static_cast<std::uint32_t>(point.m_index0) >= kFirstFeature;
+  if (is_first) return {from_bullet(point.getPositionWorldOnA()), normal, gap, is_feature};
+  return {from_bullet(point.getPositionWorldOnB()), -normal, gap, is_feature};
 }
 
 /// What a contact at a seam becomes.
@@ -193,8 +198,9 @@ Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocit
   if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
   const Vec3 down = normalized(velocity_of_forces);
   const Vec3 fall = std::max(dot(all, down), 0.0) * down;
-  // Speculative contacts have the smaller body's place as it is now (speculative_contacts.cpp).
-  if (radius > other.radius()) {
+  // Speculative contacts have the place of the feature, or of the smaller body, as it is now
+  // (speculative_contacts.cpp).
+  if (touch.is_feature ? !other.is_model() : radius > other.radius()) {
     const double time = touch.gap / approach;
     return {touch.on_other() - time * fall, time * fall};
   }
@@ -396,7 +402,7 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject
       // What leans a little over the touched face itself is a curved one's own normal.
       if (&beside == &*touched) continue;
       found = seam;
-      touch = {touch.on_body, seam->normal, seam->gap};
+      touch = {touch.on_body, seam->normal, seam->gap, touch.is_feature};
     }
     if (!found) break;
   }
