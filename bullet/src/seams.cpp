@@ -33,9 +33,9 @@ class PlacedField {
         field_from_world_(side.world_from_geometry().inverse()),
         thickness_(side.thickness()) {
     if (side.model() != nullptr) {
-      of_model_ = side.participant().field;
+      field_ = side.participant().field;
     } else {
-      analytic_ = *side.participant().field;
+      field_ = *side.participant().field;
     }
   }
 
@@ -54,10 +54,12 @@ class PlacedField {
   }
 
  private:
-  const Field& field() const { return of_model_ != nullptr ? *of_model_ : *analytic_; }
+  const Field& field() const {
+    if (const auto* of_model = std::get_if<const Field*>(&field_)) return **of_model;
+    return std::get<Field>(field_);
+  }
 
-  const Field* of_model_ = nullptr;  ///< models keep theirs
-  std::optional<Field> analytic_;
+  std::variant<const Field*, Field> field_;  ///< models keep theirs
   Pose world_from_field_;
   Pose field_from_world_;
   double thickness_;  ///< of Bullet's margin about it, metres
