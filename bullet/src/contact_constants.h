@@ -217,6 +217,32 @@ inline constexpr int kFacingDoublings = 3;
 /// least this cosine: within ten degrees. Decision 26.
 inline constexpr float kDoubleCosine = 0.985f;
 
+// ---- seams --------------------------------------------------------------------------------------
+// Decision 35.
+
+/// How far around a contact surfaces are looked for, as a fraction of the smallest body's radius.
+/// Smaller: narrow gaps between tiles act. Larger: wider gaps and gentle ramps do not.
+inline constexpr double kSeamReach = 0.01;
+/// Surfaces that differ by less in height are flush: the same fraction, one and a half rest
+/// margins. Smaller: bodies that float within the margin stop. Larger: visible steps do not act.
+inline constexpr double kSeamStep = 0.003;
+/// How often the normal of the surface beside is looked for: first near an edge, then over a face.
+inline constexpr int kSeamTurns = 2;
+/// How often a place is lowered by its distance from the surface that carries it: on slopes, once
+/// is not enough.
+inline constexpr int kSeamDrops = 3;
+/// A place counts as over a face if it is beside its edge by no more than this fraction of a step.
+/// 0: where a body's edge lies along a seam, neither tile is beside it. Larger: normals of edges.
+inline constexpr double kSeamBeside = 0.1;
+/// How often a contact is compared with all bodies beside it: two seams cross where four meet.
+inline constexpr int kSeamRounds = 2;
+/// Normals with at least this cosine are those of one plane.
+inline constexpr double kSeamAligned = 0.999999;
+/// A contact that leans by more than 120 degrees pushes into the surface beside it.
+inline constexpr double kSeamOpposed = 0.5;
+/// Contacts that lean by up to 45 degrees carry the body, and are turned; others are removed.
+inline constexpr double kTurnedCosine = 0.70710678118654752;
+
 // ---- segments -----------------------------------------------------------------------------------
 
 /// Level of the segments, up to 64.

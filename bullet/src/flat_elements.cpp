@@ -39,7 +39,13 @@ void FlatElements::align(std::vector<Contact>& contacts, const Field& field,
     if (!bends_before(typed, on_field, field_normal, scale.radius, bends)) return true;
     const Vec3 out_of_field = -field_from_shell.rotate(normal);
     const auto depth = depth_along(typed, in_field, out_of_field, scale.thickness, scale.margin);
-    if (!depth) return gap < 0.0;
+    if (!depth) {
+      if (gap >= 0.0) return false;
+      // Along the rim, a place with a depth by face_elements() may lie a little beside the field.
+      const auto distance = static_cast<double>(typed.distance(static_cast<Vec3f>(in_field)));
+      if (distance > scale.thickness) contact.normal = -outwards;
+      return true;
+    }
     // At that depth the nearest surface of the shell's body must still be this one.
     if (*depth > 0.0) {
       const auto inside = static_cast<Vec3f>(place - *depth * normal);

@@ -16,6 +16,7 @@
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/momentum_world.h"
+#include "voxshell/bullet/seamless_world.h"
 
 namespace voxshell::python {
 using bullet::from_bullet;
@@ -83,8 +84,9 @@ void Simulation::make_world() {
   broadphase_ = std::make_unique<btDbvtBroadphase>();
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
-  world_ = std::make_unique<bullet::MomentumWorld<bullet::ForceAwareWorld<>>>(
-      dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
+  world_ =
+      std::make_unique<bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>(
+          dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   world_->getSolverInfo().m_splitImpulse = 1;

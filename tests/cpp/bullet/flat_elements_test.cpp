@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -71,6 +72,27 @@ TEST(FlatElements, BesideABoxAreNotContacts) {
     }
   }
   EXPECT_GT(beside, 10);
+}
+
+// Places a few micrometres beside a rim, where face_elements() had given them a depth, kept normals
+// aslant: a cube that slid over a slab of 1 m at 60 Hz turned by more than a degree.
+TEST(FlatElements, AHairBesideARimCarryABoxUpright) {
+  const Field box = BoxField{{0.05, 0.05, 0.05}};
+  const PointShell& shell = slab_model()->shell();
+  // The point that is nearest to the middle of the slab's top.
+  std::uint32_t id = 0;
+  for (std::uint32_t i = 0; i < shell.size(); ++i) {
+    if (length(shell.points()[i]) < length(shell.points()[id])) id = i;
+  }
+  ASSERT_GT(shell.normals()[id].z, 0.99f);
+  const auto place = static_cast<Vec3>(shell.points()[id]);
+  const Pose slab_from_box{{}, place + Vec3{0.05 + 3e-6, 0, 0.05}};
+  std::vector<Contact> contacts{{id, 5e-7f, shell.points()[id], normalized(Vec3f{0.02f, 0, -1})}};
+  FlatElements().align(contacts, box, shell, slab_model()->grid(), slab_from_box.inverse(),
+                       {0.087, kMargin, 0.0});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_TRUE(is_upright(contacts[0])) << contacts[0].normal.z;
+  EXPECT_GT(contacts[0].depth, 0.0f);
 }
 
 // A ball that dropped straight on a ground left sideways, as its facets are aslant.

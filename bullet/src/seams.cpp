@@ -1,0 +1,431 @@
+#include "voxshell/bullet/seams.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include "conservative_advancement.h"
+#include "contact_constants.h"
+#include "motion.h"
+#include "posed_pair.h"
+#include "shape_features.h"
+#include "voxshell/bullet/convert.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The field of one shape, in the world.
+class PlacedField {
+ public:
+  explicit PlacedField(const Side& side)
+      : world_from_field_(side.world_from_geometry()),
+        field_from_world_(side.world_from_geometry().inverse()),
+        thickness_(side.thickness()) {
+    if (side.model() != nullptr) {
+      field_ = side.participant().field;
+    } else {
+      field_ = *side.participant().field;
+    }
+  }
+
+  /// Negative inside, metres.
+  double distance(const Vec3& place) const {
+    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
+    return std::visit([&](const auto& f) { return static_cast<double>(f.distance(local)); },
+                      field()) -
+           thickness_;
+  }
+
+  Vec3 outwards(const Vec3& place) const {
+    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
+    const Vec3f gradient = std::visit([&](const auto& f) { return f.gradient(local); }, field());
+    return world_from_field_.rotate(normalized(static_cast<Vec3>(gradient)));
+  }
+
+ private:
+  const Field& field() const {
+    if (const auto* of_model = std::get_if<const Field*>(&field_)) return **of_model;
+    return std::get<Field>(field_);
+  }
+
+  std::variant<const Field*, Field> field_;  ///< models keep theirs
+  Pose world_from_field_;
+  Pose field_from_world_;
+  double thickness_;  ///< of Bullet's margin about it, metres
+};
+
+/// Appends the fields of a shape's parts; those that have none are left out.
+void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
+                  const btTransform& world_from_shape, std::vector<PlacedField>& fields) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+      place_fields(body, *compound.getChildShape(i),
+                   world_from_shape * compound.getChildTransform(i), fields);
+    }
+    return;
+  }
+  const Meeting meeting = meeting_with(shape);
+  if (meeting != Meeting::kModel && meeting != Meeting::kField) return;
+  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, world_from_shape, -1, -1);
+  fields.emplace_back(Side(wrap, nullptr));
+}
+
+double radius_of(const btCollisionObject& body) {
+  btVector3 centre;
+  btScalar radius = 0;
+  body.getCollisionShape()->getBoundingSphere(centre, radius);
+  return static_cast<double>(radius);
+}
+
+/// A body that another one touches.
+class Neighbor {
+ public:
+  Neighbor(const btCollisionObject& body, double time_step)
+      : body_(&body), motion_(Motion::of(body, time_step)), radius_(radius_of(body)) {}
+
+  const btCollisionObject& body() const { return *body_; }
+  const Motion& motion() const { return motion_; }
+  double radius() const { return radius_; }
+  bool is_model() const { return meeting_with(*body_->getCollisionShape()) == Meeting::kModel; }
+
+  /// Whether a place may be that near, by the bounds that Bullet looks for pairs with.
+  bool may_be_near(const Vec3& place, double reach) const {
+    const btBroadphaseProxy* const bounds = body_->getBroadphaseHandle();
+    if (bounds == nullptr) return false;
+    const auto is_between = [&](btScalar low, double x, btScalar high) {
+      return static_cast<double>(low) - reach <= x && x <= static_cast<double>(high) + reach;
+    };
+    const btVector3& low = bounds->m_aabbMin;
+    const btVector3& high = bounds->m_aabbMax;
+    return is_between(low.x(), place.x, high.x()) && is_between(low.y(), place.y, high.y()) &&
+           is_between(low.z(), place.z, high.z());
+  }
+
+  /// Hulls and Bullet's triangles have none at hand.
+  bool has_field() { return !fields().empty(); }
+
+  /// Of the part that is nearest to a place; null where the body has no field.
+  const PlacedField* nearest(const Vec3& place) {
+    const auto found = std::ranges::min_element(
+        fields(), {}, [&](const PlacedField& field) { return field.distance(place); });
+    return found == fields_.end() ? nullptr : &*found;
+  }
+
+  /// Infinite where the body has no field.
+  double distance(const Vec3& place) {
+    const PlacedField* const field = nearest(place);
+    return field != nullptr ? field->distance(place) : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const std::vector<PlacedField>& fields() {
+    if (!is_placed_) {
+      place_fields(*body_, *body_->getCollisionShape(), body_->getWorldTransform(), fields_);
+      is_placed_ = true;
+    }
+    return fields_;
+  }
+
+  const btCollisionObject* body_;
+  Motion motion_;
+  double radius_;
+  bool is_placed_ = false;
+  std::vector<PlacedField> fields_;
+};
+
+/// A contact as one of its bodies sees it. Metres, world frame.
+struct Touch {
+  Vec3 on_body;
+  Vec3 normal;  ///< of the other body, towards this one
+  double gap;   ///< negative where they overlap
+  bool is_feature;
+
+  Vec3 on_other() const { return on_body - gap * normal; }
+};
+
+Touch touch_of(const btManifoldPoint& point, bool is_first) {
+  const Vec3 normal = from_bullet(point.m_normalWorldOnB);
+  const auto gap = static_cast<double>(point.getDistance());
+  const bool is_feature = static_cast<std::uint32_t>(point.m_index0) >= kFirstFeature;
+  if (is_first) return {from_bullet(point.getPositionWorldOnA()), normal, gap, is_feature};
+  return {from_bullet(point.getPositionWorldOnB()), -normal, gap, is_feature};
+}
+
+/// What a contact at a seam becomes.
+struct Seam {
+  Vec3 normal;   ///< of the plane that the flush surfaces have in common
+  double gap;    ///< along it, metres
+  bool carries;  ///< else the contact is removed
+};
+
+/// Where the body of a touch meets the other one. Forces, and motion along them, would take a body
+/// that slides into its ground, so they are kept apart.
+struct Arrival {
+  Vec3 place;
+  Vec3 fall;  ///< how much farther it is where nothing carries the body
+};
+
+/// When the body of a speculative contact touches, seconds. It was found to touch with up to `step`
+/// metres left, which with a slow approach are a long way.
+double time_until(const Touch& touch, const Vec3& velocity, double approach, double step,
+                  Neighbor& other) {
+  const double earliest = std::max(touch.gap - step, 0.0) / approach;
+  const double latest = touch.gap / approach;
+  const Vec3 first = touch.on_body + earliest * velocity;
+  const Vec3 way = (latest - earliest) * velocity;
+  const auto reached = advance(length(way), 0.5 * step, 1.0, [&](double fraction) {
+    const double gap = other.distance(first + fraction * way);
+    return Clearance{gap, kSafeOfGap * gap};
+  });
+  return reached ? earliest + reached->fraction * (latest - earliest) : latest;
+}
+
+/// `velocity` is that of the touch's place as the other body sees it, m/s.
+Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
+                   double radius, Neighbor& other) {
+  const Vec3 all = velocity + velocity_of_forces;
+  const double approach = -dot(all, touch.normal);
+  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
+  const Vec3 down = normalized(velocity_of_forces);
+  const Vec3 fall = std::max(dot(all, down), 0.0) * down;
+  // Speculative contacts have the place of the feature, or of the smaller body, as it is now
+  // (speculative_contacts.cpp).
+  if (touch.is_feature ? !other.is_model() : radius > other.radius()) {
+    const double time = touch.gap / approach;
+    return {touch.on_other() - time * fall, time * fall};
+  }
+  const double time = time_until(touch, all, approach, kSeamStep * radius, other);
+  return {touch.on_body + time * (all - fall), time * fall};
+}
+
+/// The place of an arrival on the surface `beside`, if that is on the way down.
+Vec3 carried_place(const Arrival& arrival, const Vec3& normal, double reach, Neighbor& beside) {
+  const Vec3 down = normalized(arrival.fall);
+  const Vec3 over = reach * (normal - dot(normal, down) * down);
+  Vec3 place = arrival.place;
+  double left = length(arrival.fall);
+  for (int i = 0; i < kSeamDrops; ++i) {
+    const double drop = std::clamp(beside.distance(place + over), 0.0, left);
+    place += drop * down;
+    left -= drop;
+  }
+  return place;
+}
+
+/// The direction, along a surface of that normal, in which another normal leans.
+Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
+  return normalized(normal - dot(normal, upwards) * upwards);
+}
+
+bool leans(const Vec3& normal, const Vec3& upwards) {
+  const double along = dot(normal, upwards);
+  return along <= kSeamAligned && along >= -kSeamOpposed;
+}
+
+/// The surface of two bodies together. Both have fields.
+class Union {
+ public:
+  Union(Neighbor& a, Neighbor& b) : a_(a), b_(b) {}
+
+  const PlacedField& nearest(const Vec3& place) const {
+    const PlacedField& of_a = *a_.nearest(place);
+    const PlacedField& of_b = *b_.nearest(place);
+    return of_b.distance(place) < of_a.distance(place) ? of_b : of_a;
+  }
+  double distance(const Vec3& place) const { return nearest(place).distance(place); }
+  Vec3 outwards(const Vec3& place) const { return nearest(place).outwards(place); }
+
+ private:
+  Neighbor& a_;
+  Neighbor& b_;
+};
+
+/// The seam of `other`, which the touch is with, and `beside`, if the touch is there and leans out
+/// of their plane.
+std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double radius,
+                              Neighbor& other, Neighbor& beside) {
+  if (!other.has_field() || !beside.has_field()) return std::nullopt;
+  const double reach = kSeamReach * radius;
+  const double step = kSeamStep * radius;
+  const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
+  if (beside.distance(place) > reach) return std::nullopt;
+  const Union both(other, beside);
+  Vec3 upwards = both.outwards(place + reach * touch.normal);
+  if (!leans(touch.normal, upwards)) return std::nullopt;
+  Vec3 aside;
+  for (int i = 0; i < kSeamTurns; ++i) {
+    aside = leaning_over(touch.normal, upwards);
+    upwards = both.outwards(place + reach * (aside + upwards));
+    if (!leans(touch.normal, upwards)) return std::nullopt;
+  }
+  const Vec3 over = place + reach * aside;
+  const double above = both.distance(over);
+  if (above > step || above < -reach) return std::nullopt;
+  // Over a face, not beside its edge.
+  if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
+  const Vec3 behind = place - reach * aside + (step - above) * upwards;
+  if (both.distance(behind) < 0.0) return std::nullopt;
+  return Seam{upwards, above + dot(touch.on_body - place, upwards),
+              dot(touch.normal, upwards) >= kTurnedCosine};
+}
+
+/// A body, one that it touches, and a manifold of theirs.
+struct Touching {
+  const btCollisionObject* body;
+  const btCollisionObject* other;
+  btPersistentManifold* manifold;
+};
+
+/// What is to become of a contact.
+struct Correction {
+  btPersistentManifold* manifold;
+  int point;
+  bool of_first;  ///< seen from the manifold's first body
+  Seam seam;
+};
+
+void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
+  touching.clear();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal(i);
+    const btCollisionObject* const first = manifold->getBody0();
+    const btCollisionObject* const second = manifold->getBody1();
+    if (manifold->getNumContacts() == 0 || !first->hasContactResponse() ||
+        !second->hasContactResponse()) {
+      continue;
+    }
+    if (!first->isStaticOrKinematicObject()) touching.push_back({first, second, manifold});
+    if (!second->isStaticOrKinematicObject()) touching.push_back({second, first, manifold});
+  }
+  std::ranges::stable_sort(touching, {},
+                           [](const Touching& each) { return each.body->getWorldArrayIndex(); });
+}
+
+/// Turns the contact into the seam's normal, its place on the body that slides as it is.
+void turn(btManifoldPoint& point, const Correction& correction) {
+  const auto& [normal, gap, carries] = correction.seam;
+  const Vec3 on_body = touch_of(point, correction.of_first).on_body;
+  const btVector3 on_other = to_bullet(on_body - gap * normal);
+  (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
+  point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);
+  point.setDistance(static_cast<btScalar>(gap));
+  btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
+}
+
+void apply(std::vector<Correction>& corrections) {
+  // From the last point of each manifold on: removing one moves the last to its place. Of two
+  // corrections of one contact, that of the body that was added to the world first counts.
+  const auto contact_of = [](const Correction& each) {
+    return std::pair(each.manifold, each.point);
+  };
+  std::ranges::stable_sort(corrections, std::ranges::greater{}, contact_of);
+  const auto [same, end] = std::ranges::unique(corrections, {}, contact_of);
+  corrections.erase(same, end);
+  for (const Correction& correction : corrections) {
+    btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
+    if (correction.seam.carries) {
+      turn(point, correction);
+    } else {
+      correction.manifold->removeContactPoint(correction.point);
+    }
+  }
+}
+
+}  // namespace
+
+struct Seams::Scratch {
+  std::vector<Touching> touching;
+  std::vector<Neighbor> neighbors;
+  std::vector<Correction> corrections;
+
+  void find(std::span<const Touching> of_body, double time_step);
+  std::optional<Seam> seam_of(Touch touch, const btCollisionObject& other, const Motion& motion,
+                              double radius);
+};
+
+/// Finds the contacts of one body that are at seams.
+void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
+  const auto& [first_body, first_other, first_manifold] = of_body.front();
+  if (std::ranges::all_of(of_body, [&](const Touching& t) { return t.other == first_other; })) {
+    return;
+  }
+  const btCollisionObject& body = *first_body;
+  neighbors.clear();
+  for (const Touching& each : of_body) {
+    const bool is_known = std::ranges::any_of(
+        neighbors, [&](const Neighbor& known) { return &known.body() == each.other; });
+    if (!is_known) neighbors.emplace_back(*each.other, time_step);
+  }
+  const Motion motion = Motion::of(body, time_step);
+  const double radius = radius_of(body);
+  for (const Touching& each : of_body) {
+    const bool is_first = each.manifold->getBody0() == &body;
+    for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
+      const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
+      if (const auto seam = seam_of(touch, *each.other, motion, radius)) {
+        corrections.push_back({each.manifold, i, is_first, *seam});
+      }
+    }
+  }
+}
+
+/// The seam that a touch of the body with one of its neighbors is at.
+std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject& other,
+                                            const Motion& motion, double radius) {
+  const auto touched =
+      std::ranges::find(neighbors, &other, [](const Neighbor& n) { return &n.body(); });
+  const Vec3 velocity =
+      motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
+  const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
+  const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces, radius, *touched);
+  // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
+  // lean over the face of the very body that the corner is of.
+  std::optional<Seam> found;
+  for (int round = 0; round < kSeamRounds; ++round) {
+    for (Neighbor& beside : neighbors) {
+      const double least = std::min({radius, touched->radius(), beside.radius()});
+      const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
+      if (!beside.may_be_near(arrival.place, reach)) continue;
+      const auto seam = find_seam(touch, arrival, least, *touched, beside);
+      if (!seam) continue;
+      if (!seam->carries) return seam;
+      // What leans a little over the touched face itself is a curved one's own normal.
+      if (&beside == &*touched) continue;
+      found = seam;
+      touch = {touch.on_body, seam->normal, seam->gap, touch.is_feature};
+    }
+    if (!found) break;
+  }
+  return found;
+}
+
+Seams::Seams() : scratch_(std::make_unique<Scratch>()) {}
+
+Seams::~Seams() = default;
+
+void Seams::correct(btDispatcher& dispatcher, double time_step) {
+  std::vector<Touching>& touching = scratch_->touching;
+  collect(dispatcher, touching);
+  scratch_->corrections.clear();
+  for (auto first = touching.begin(); first != touching.end();) {
+    const auto last = std::find_if(first, touching.end(),
+                                   [&](const Touching& each) { return each.body != first->body; });
+    scratch_->find({first, last}, time_step);
+    first = last;
+  }
+  apply(scratch_->corrections);
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,91 @@
+"""Bodies that slide over the seams of others, in a World at its defaults."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+import voxshell as vx
+from trimesh.creation import box, cylinder
+
+RATES = (1000, 200, 60, 30)
+TILE = 0.4  # side of a tile, metres
+SPEED = 1.0  # m/s
+
+MESHES = {
+    "cube": lambda: box((0.1, 0.1, 0.1)),
+    "can": lambda: cylinder(0.033, 0.1, sections=64),
+    "tile": lambda: box((TILE, TILE, 0.05)),
+}
+TILES = {
+    "models": lambda: model("tile"),
+    "boxes": lambda: vx.Box((TILE / 2, TILE / 2, 0.025)),
+}
+
+
+@cache
+def model(name: str) -> vx.Model:
+    return vx.Model.from_mesh(MESHES[name](), cache=False)
+
+
+def at(x: float, y: float, z: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def push(world: vx.World, rate: int, name: str, heading: float = 0.0):
+    """A body that stands 0.12 m before the origin and is pushed towards it."""
+    ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+    body = world.add(
+        model(name), mass=1.0, pose=at(*((0.0013, 0.0007, 0.05) - 0.12 * ahead)), friction=0.0
+    )
+    world.step(max(rate // 20, 3))
+    body.linear_velocity = tuple(SPEED * ahead)
+    return body, ahead
+
+
+@pytest.mark.parametrize("tiles", TILES)
+@pytest.mark.parametrize("name", ["cube", "can"])
+@pytest.mark.parametrize("rate", RATES)
+def test_bodies_do_not_notice_the_seams_of_four_tiles(rate, name, tiles):
+    world = vx.World(time_step=1 / rate)
+    shape = TILES[tiles]()
+    for x in (-0.5, 0.5):
+        for y in (-0.5, 0.5):
+            world.add(shape, mass=0, pose=at(x * TILE, y * TILE, -0.025), friction=0.0)
+    body, ahead = push(world, rate, name, heading=0.3)
+    start = body.pose
+    for _ in range(round(0.24 / SPEED * rate)):
+        world.step()
+        cosine = (np.trace(start[:3, :3].T @ body.pose[:3, :3]) - 1) / 2
+        assert abs(body.pose[2, 3] - start[2, 3]) < 3e-4
+        assert math.degrees(math.acos(np.clip(cosine, -1, 1))) < 1
+    assert body.linear_velocity @ ahead == pytest.approx(SPEED, rel=0.02)
+
+
+@pytest.mark.parametrize("tiles", TILES)
+@pytest.mark.parametrize("rate", RATES)
+def test_a_step_of_two_millimetres_stops_a_cube(rate, tiles):
+    world = vx.World(time_step=1 / rate)
+    shape = TILES[tiles]()
+    for x, top in ((-0.5, 0.0), (0.5, 0.002)):
+        world.add(shape, mass=0, pose=at(x * TILE, 0, top - 0.025), friction=0.0)
+    body, _ = push(world, rate, "cube")
+    world.step(rate // 5)
+    assert body.linear_velocity[0] < 0.5 * SPEED
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_a_wall_at_the_end_of_the_ground_stops_a_cube_upright(rate):
+    world = vx.World(time_step=1 / rate)
+    world.add(model("tile"), mass=0, pose=at(0, 0, -0.025), friction=0.0)
+    wall = vx.Box((0.05, 0.2, 0.1))
+    world.add(wall, mass=0, pose=at(TILE / 2 + 0.05, 0, 0.05), friction=0.0)
+    body, _ = push(world, rate, "cube")
+    world.step(rate // 2)
+    assert body.pose[0, 3] < TILE / 2 - 0.05 + 1e-3
+    assert abs(body.linear_velocity[0]) < 0.01
+    assert body.pose[2, 3] == pytest.approx(0.05, abs=3e-4)
