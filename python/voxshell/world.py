@@ -168,8 +168,9 @@ class World:
         if friction_directions not in (1, 2):
             raise SettingsError(f"friction_directions must be 1 or 2, not {friction_directions!r}")
         self.time_step: float = as_positive(time_step, "time_step")
+        as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
-            iterations = max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
+            iterations = 10 if as_needed else self._fixed_iterations()
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._takes_joints = solver != "nncg"
@@ -186,6 +187,7 @@ class World:
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
             solver=_SOLVERS[solver],
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
+            effort=_bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
             two_friction_directions=friction_directions == 2,
             mode=_CONTACT_MODES[contact],
             shell=_SHELL_RULES[shell],
@@ -195,6 +197,10 @@ class World:
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
         )
+
+    def _fixed_iterations(self) -> int:
+        """Those of solvers that do not find out how many they need."""
+        return max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
 
     def add(
         self,

@@ -12,7 +12,6 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
-#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/momentum_world.h"
@@ -87,6 +86,9 @@ void Simulation::make_world() {
       dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
+  if (settings_.effort == bullet::SolverEffort::kAsNeeded) {
+    world_->getSolverInfo().m_minimumSolverBatchSize = 1;
+  }
   world_->getSolverInfo().m_splitImpulse = 1;
   world_->getSolverInfo().m_splitImpulsePenetrationThreshold = settings_.split_impulse_threshold;
   if (settings_.two_friction_directions) {
@@ -115,7 +117,7 @@ void Simulation::drop_world() {
 void Simulation::make_solver() {
   switch (settings_.solver) {
     case ConstraintSolver::kCoulomb:
-      solver_ = std::make_unique<bullet::CoulombSolver>();
+      solver_ = std::make_unique<bullet::CoulombSolver>(settings_.effort);
       return;
     case ConstraintSolver::kSequentialImpulse:
       solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();

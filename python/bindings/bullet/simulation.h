@@ -15,6 +15,7 @@
 #include "bullet/joint.h"
 #include "bullet/shapes.h"
 #include "voxshell/bullet/collision_configuration.h"
+#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/mass_properties.h"
 
 namespace voxshell::python {
@@ -38,6 +39,8 @@ struct SimulationSettings {
   double split_impulse_threshold = 0.0;
   ConstraintSolver solver = ConstraintSolver::kCoulomb;
   int iterations = 10;  ///< of the solver; Dantzig's has none
+  /// Of the Coulomb solver: whether it does more where that many are not enough.
+  bullet::SolverEffort effort = bullet::SolverEffort::kAsNeeded;
   /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
   /// that lies still falls freely for a step before friction knows where to.
   bool two_friction_directions = true;

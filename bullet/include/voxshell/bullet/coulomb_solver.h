@@ -1,8 +1,21 @@
 #pragma once
 
+#include <memory>
+
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 namespace voxshell::bullet {
+
+class IslandProblem;
+struct SolverPools;
+
+/// How long CoulombSolver works on an island in a step.
+enum class SolverEffort {
+  /// As many sweeps as m_numIterations says.
+  kFixed,
+  /// That many, and then Newton's method for all of the island at once until it is solved.
+  kAsNeeded,
+};
 
 /// Bullet's sequential impulse solver with Coulomb's friction at every contact point.
 ///
@@ -13,11 +26,24 @@ namespace voxshell::bullet {
 ///   - the friction of a point is at most friction times its normal impulse, in whichever direction
 ///     (a circular cone), and opposes sliding;
 ///   - rolling and spinning friction grow with the normal impulse without an upper limit;
-///   - friction withstands torques of the same step (btRigidBody::applyTorque()).
+///   - friction withstands torques of the same step (btRigidBody::applyTorque());
+///   - islands that iterations have not solved, as heavy bodies on light ones, are solved by
+///     Newton's method (docs/decisions/0034-loads.md).
+/// Set m_minimumSolverBatchSize of btContactSolverInfo to 1, so that Bullet does not merge islands.
 /// Works in place of btSequentialImpulseConstraintSolver with every solver mode of it, one friction
 /// direction included, in worlds without multibodies. docs/decisions/0031-coulomb-solver.md.
 class CoulombSolver : public btSequentialImpulseConstraintSolver {
+ public:
+  explicit CoulombSolver(SolverEffort effort = SolverEffort::kAsNeeded);
+  ~CoulombSolver() override;
+
  protected:
+  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
+                                             btPersistentManifold** manifolds, int manifold_count,
+                                             btTypedConstraint** constraints, int constraint_count,
+                                             const btContactSolverInfo& info,
+                                             btIDebugDraw* drawer) override;
+
   void convertContacts(btPersistentManifold** manifolds, int manifold_count,
                        const btContactSolverInfo& info) override;
 
@@ -27,6 +53,12 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override;
 
  private:
+  template <class Sweep>
+  void solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info);
+  template <class Sweep>
+  void solve_by_newton(const Sweep& sweep, btScalar converged);
+  btScalar velocity_of_forces() const;
+  SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
   void warm_start_friction(const btContactSolverInfo& info);
@@ -37,6 +69,9 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   btScalar solve_rolling_friction();
   btScalar solve_row(btSolverConstraint& row, btScalar bound);
   btScalar solve_disc(btSolverConstraint& row_1, btSolverConstraint& row_2, btScalar bound);
+
+  SolverEffort effort_;
+  std::unique_ptr<IslandProblem> problem_;  ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet
