@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
 #include "island_problem.h"
 #include "solver_constants.h"
 
@@ -55,10 +58,53 @@ void CoulombSolver::complete_rows(btConstraintArray& rows) const {
 
 void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifold_count,
                                     const btContactSolverInfo& info) {
+  if (!surface_velocities_.empty()) release_anchors(manifolds, manifold_count);
   btSequentialImpulseConstraintSolver::convertContacts(manifolds, manifold_count, info);
   complete_rows(m_tmpSolverContactFrictionConstraintPool);
   complete_rows(m_tmpSolverContactRollingFrictionConstraintPool);
+  if (!surface_velocities_.empty()) move_surfaces();
   if (keeps_directions(info)) warm_start_friction(info);
+}
+
+void CoulombSolver::set_surface_velocity(const btCollisionObject& body,
+                                         const btVector3& velocity) {
+  if (velocity.isZero()) {
+    surface_velocities_.erase(&body);
+  } else {
+    surface_velocities_[&body] = velocity;
+  }
+}
+
+/// Friction does not pull back to where they were what rides on a moving surface.
+void CoulombSolver::release_anchors(btPersistentManifold** manifolds, int manifold_count) const {
+  for (int m = 0; m < manifold_count; ++m) {
+    btPersistentManifold& manifold = *manifolds[m];
+    if (!surface_velocities_.contains(manifold.getBody0()) &&
+        !surface_velocities_.contains(manifold.getBody1())) {
+      continue;
+    }
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      manifold.getContactPoint(i).m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    }
+  }
+}
+
+/// Lets friction aim at the velocities of surfaces.
+void CoulombSolver::move_surfaces() {
+  for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[i];
+    row.m_rhs -= (row.m_contactNormal1.dot(surface_velocity(row.m_solverBodyIdA)) +
+                  row.m_contactNormal2.dot(surface_velocity(row.m_solverBodyIdB))) *
+                 row.m_jacDiagABInv;
+  }
+}
+
+/// m/s, world frame.
+btVector3 CoulombSolver::surface_velocity(int solver_body) const {
+  const btRigidBody* const body = m_tmpSolverBodyPool[solver_body].m_originalBody;
+  const auto found = surface_velocities_.find(body);
+  if (found == surface_velocities_.end()) return {0, 0, 0};
+  return body->getWorldTransform().getBasis() * found->second;
 }
 
 /// Begins with the share that Bullet gives to normal impulses, m_warmstartingFactor, of the

@@ -7,7 +7,7 @@ namespace voxshell::bullet {
 /// An island is solved when no row's velocity changes in a sweep by more than this fraction of the
 /// velocity that forces give a body in a step. Larger: chains under load open and grips slip.
 /// Smaller: more rounds in which nothing visible changes.
-inline constexpr double kConvergedOfForces = 1e-3;
+inline constexpr double kConvergedOfForces = 2e-4;
 /// Most rounds of Newton's method for an island and step. Smaller: heavy loads that arrive at speed
 /// squeeze what they land on. Larger: islands that do not converge cost more.
 inline constexpr int kMostRounds = 8;

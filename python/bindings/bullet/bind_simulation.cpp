@@ -116,6 +116,12 @@ void bind_simulation(nb::module_& module) {
       .def_rw("restitution", &BodyMaterial::restitution)
       .def_rw("linear_damping", &BodyMaterial::linear_damping)
       .def_rw("angular_damping", &BodyMaterial::angular_damping)
+      .def_prop_rw(
+          "surface_velocity",
+          [](const BodyMaterial& material) { return to_coordinates(material.surface_velocity); },
+          [](BodyMaterial& material, const Coordinates& velocity) {
+            material.surface_velocity = to_vec3(velocity);
+          })
       .def_rw("group", &BodyMaterial::group)
       .def_rw("mask", &BodyMaterial::mask);
 

@@ -170,6 +170,8 @@ void Simulation::remove_body(std::size_t body) {
     if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
   }
   world_->removeRigidBody(&bodies_[body]->rigid_body);
+  bodies_[body]->material.surface_velocity = {};
+  move_surface(*bodies_[body]);
   bodies_[body].reset();
   if (restored_contacts_) {
     std::erase_if(*restored_contacts_, [&](const SimulationContact& contact) {
@@ -402,8 +404,16 @@ void Simulation::set_material(std::size_t number, const BodyMaterial& material) 
   const bool meets_others =
       material.group != body.material.group || material.mask != body.material.mask;
   body.material = material;
+  move_surface(body);
   if (meets_others) update_pairs(body);
   body.rigid_body.activate();
+}
+
+void Simulation::move_surface(const Body& body) {
+  if (settings_.solver != ConstraintSolver::kCoulomb) return;
+  const Vec3 velocity = body.body_from_geometry.rotate(body.material.surface_velocity);
+  static_cast<bullet::CoulombSolver&>(*solver_).set_surface_velocity(body.rigid_body,
+                                                                     to_bullet(velocity));
 }
 
 }  // namespace voxshell::python

@@ -62,6 +62,7 @@ struct BodyMaterial {
   double restitution = 0.0;
   double linear_damping = 0.0;  ///< share of the velocity that is lost in a second
   double angular_damping = 0.0;
+  Vec3 surface_velocity;  ///< m/s, geometry's frame; of kinematic bodies under the Coulomb solver
   /// Bodies meet if each one's group is in the other's mask.
   int group = 1;
   int mask = -1;
@@ -189,6 +190,7 @@ class Simulation {
 
   void note_spins();
   void make_solver();
+  void move_surface(const Body& body);
   void make_world();
   void drop_world();
   void enter(Body& body);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -37,6 +38,12 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   explicit CoulombSolver(SolverEffort effort = SolverEffort::kAsNeeded);
   ~CoulombSolver() override;
 
+  /// Lets a kinematic body's surface move while the body stays, as a conveyor's belt does.
+  ///
+  /// @param velocity m/s, in the body's frame; friction takes along what touches it. Works with two
+  ///        fixed friction directions. 0 forgets the body: call that before the body is deleted.
+  void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
+
  protected:
   btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
                                              btPersistentManifold** manifolds, int manifold_count,
@@ -61,6 +68,9 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
+  void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
+  void move_surfaces();
+  btVector3 surface_velocity(int solver_body) const;
   void warm_start_friction(const btContactSolverInfo& info);
   btScalar solve_joints(int iteration);
   void solve_obsolete(btTypedConstraint** constraints, int count, btScalar time_step);
@@ -71,6 +81,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   btScalar solve_disc(btSolverConstraint& row_1, btSolverConstraint& row_2, btScalar bound);
 
   SolverEffort effort_;
+  std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
   std::unique_ptr<IslandProblem> problem_;  ///< kept for its memory
 };
 
