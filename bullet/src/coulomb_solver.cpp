@@ -166,19 +166,18 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
     if (residual <= least_residual) return;
   }
   const btScalar of_forces = velocity_of_forces();
-  const btScalar converged =
-      static_cast<btScalar>(kConvergedOfForces) * (of_forces > 0 ? of_forces : first);
+  const btScalar reference = of_forces > 0 ? of_forces : first;
+  const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged) return;
-  if (problem_->prepare(pools())) {
-    solve_by_newton(sweep, converged);
-    return;
-  }
+  const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
+  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged)) return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
-  for (int i = least; i < kSweepsOfLargeIslands && residual > converged; ++i) residual = sweep(0);
+  for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
 }
 
+/// @return Whether the island is solved. If not, it is as near to it as any round has brought it.
 template <class Sweep>
-void CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
+bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
   const SolverPools rows = pools();
   btScalar residual = std::numeric_limits<btScalar>::infinity();
   btScalar best = btSqrt(m_leastSquaresResidual);
@@ -186,22 +185,22 @@ void CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
   double stiffness = kFirstStiffness;
   int idle_rounds = 0;
   for (int round = 0; round < kMostRounds && idle_rounds < kMostIdleRounds; ++round) {
-    problem_->solve(rows, stiffness,
-                    round < kStickingRounds ? IslandProblem::Sliding::kIgnored
-                                            : IslandProblem::Sliding::kCorrected);
+    const auto sliding = round < kStickingRounds ? IslandProblem::Sliding::kIgnored
+                                                 : IslandProblem::Sliding::kCorrected;
+    if (!problem_->solve(rows, stiffness, sliding)) break;
     for (int i = 0; i < kSweepsAfterRound; ++i) {
       residual = sweep(0);
-      if (residual <= converged) return;
+      if (residual <= converged) return true;
     }
-    ++idle_rounds;
+    idle_rounds = residual <= static_cast<btScalar>(kProgress) * best ? 0 : idle_rounds + 1;
     if (residual < best) {
       best = residual;
       problem_->keep_impulses(rows);
-      idle_rounds = 0;
     }
     stiffness = std::min(kStiffnessGrowth * stiffness, kLargestStiffness);
   }
   if (!(residual <= best)) problem_->restore_impulses(rows);
+  return false;
 }
 
 /// The largest change of a body's velocity by the forces of this step, m/s.

@@ -62,12 +62,11 @@ btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, 
   return velocity * velocity;
 }
 
-bool IslandProblem::prepare(const SolverPools& pools) {
+bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
   number_bodies(pools);
-  if (scales_.empty()) return false;
+  if (scales_.empty() || (!is_far_off && scales_.size() > kFewBodies)) return false;
   fill(pools, Sliding::kIgnored);
-  const double cost = newton_.prepare(scales_.size(), rows_);
-  return cost <= kMostCostOfRow * static_cast<double>(rows_.size());
+  return newton_.prepare(scales_.size(), rows_) <= kMostCost;
 }
 
 void IslandProblem::number_bodies(const SolverPools& pools) {
@@ -84,15 +83,21 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
   }
 }
 
-void IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
+bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
   fill(pools, sliding);
-  for (int i = 0; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness);
+  const bool is_small = scales_.size() <= kFewBodies;
+  const int most_steps = is_small ? kMostNewtonSteps : kMostNewtonStepsOfMany;
+  const bool goes_on = newton_.solve(rows_, stiffness, most_steps) || is_small;
+  for (int i = 1; goes_on && i < kSolvesPerRound; ++i) {
+    newton_.solve(rows_, stiffness, most_steps);
+  }
   if (!std::ranges::all_of(rows_, [](const auto& row) { return std::isfinite(row.impulse); })) {
-    return;
+    return false;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     change_impulse(pools, *sources_[i], static_cast<btScalar>(rows_[i].impulse));
   }
+  return goes_on;
 }
 
 void IslandProblem::fill(const SolverPools& pools, Sliding sliding) {

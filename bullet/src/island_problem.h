@@ -37,10 +37,12 @@ class IslandProblem {
     kCorrected,  ///< by the speed at which each slides now
   };
 
-  /// Whether the island has something to solve that is cheap enough.
-  bool prepare(const SolverPools& pools);
+  /// Whether Newton's method pays for the island, which may be far off its solution.
+  bool prepare(const SolverPools& pools, bool is_far_off);
   /// Changes all impulses to those of Newton's method.
-  void solve(const SolverPools& pools, double stiffness, Sliding sliding);
+  ///
+  /// @return Whether more rounds pay: it has converged, or the island is small.
+  bool solve(const SolverPools& pools, double stiffness, Sliding sliding);
 
   void keep_impulses(const SolverPools& pools);
   void restore_impulses(const SolverPools& pools);

@@ -129,13 +129,15 @@ double VelocityNewton::prepare(std::size_t body_count, std::span<const VelocityR
   return cost;
 }
 
-void VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness) {
+bool VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness, int most_steps) {
   start(rows, stiffness);
   double first_gradient = 0.0;
-  for (int step = 0; step < kMostNewtonSteps; ++step) {
+  bool is_solved = false;
+  for (int step = 0; step < most_steps; ++step) {
     const double gradient = find_gradient(rows);
     if (step == 0) first_gradient = gradient;
-    if (gradient <= kConvergedGradient * first_gradient) break;
+    is_solved = gradient <= kConvergedGradient * first_gradient;
+    if (is_solved) break;
     find_direction(rows);
     const double fraction = search_line(rows);
     for (std::size_t i = 0; i < size_; ++i) velocities_[i] += fraction * direction_[i];
@@ -143,6 +145,7 @@ void VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness) {
     project(rows, along_);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = impulses_[i];
+  return is_solved;
 }
 
 /// Starts from the velocities that the rows' impulses give.

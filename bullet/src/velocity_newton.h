@@ -45,7 +45,8 @@ class VelocityNewton {
   /// Finds the impulses of the rows that were prepared, from those that they have.
   ///
   /// @param stiffness Impulse by which a row answers to a violation, in units of its unit impulse.
-  void solve(std::span<VelocityRow> rows, double stiffness);
+  /// @return Whether `most_steps` were enough.
+  bool solve(std::span<VelocityRow> rows, double stiffness, int most_steps);
 
  private:
   void order(std::size_t body_count, std::span<const VelocityRow> rows);
