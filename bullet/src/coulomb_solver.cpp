@@ -66,8 +66,7 @@ void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifo
   if (keeps_directions(info)) warm_start_friction(info);
 }
 
-void CoulombSolver::set_surface_velocity(const btCollisionObject& body,
-                                         const btVector3& velocity) {
+void CoulombSolver::set_surface_velocity(const btCollisionObject& body, const btVector3& velocity) {
   if (velocity.isZero()) {
     surface_velocities_.erase(&body);
   } else {
@@ -157,7 +156,8 @@ btScalar CoulombSolver::solveGroupCacheFriendlyIterations(
 template <class Sweep>
 void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info) {
   const int least = std::max(info.m_numIterations, m_maxOverrideNumSolverIterations);
-  const btScalar least_residual = btSqrt(std::max(info.m_leastSquaresResidualThreshold, btScalar(0)));
+  const btScalar least_residual =
+      btSqrt(std::max(info.m_leastSquaresResidualThreshold, btScalar(0)));
   btScalar first = 0;
   btScalar residual = 0;
   for (int i = 0; i < least; ++i) {

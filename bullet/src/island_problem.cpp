@@ -77,9 +77,9 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
     if (body.m_originalBody == nullptr || body.m_originalBody->getInvMass() == 0) continue;
     numbers_[i] = static_cast<int>(scales_.size());
     const btVector3& inverse_mass = body.internalGetInvMass();
-    scales_.push_back({{btSqrt(inverse_mass.x()), btSqrt(inverse_mass.y()),
-                        btSqrt(inverse_mass.z())},
-                       root_of(body.m_originalBody->getInvInertiaTensorWorld())});
+    scales_.push_back(
+        {{btSqrt(inverse_mass.x()), btSqrt(inverse_mass.y()), btSqrt(inverse_mass.z())},
+         root_of(body.m_originalBody->getInvInertiaTensorWorld())});
   }
 }
 

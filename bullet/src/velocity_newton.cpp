@@ -113,8 +113,7 @@ double VelocityNewton::prepare(std::size_t body_count, std::span<const VelocityR
   for (std::size_t i = 0; i < size_; ++i) last_[i] = i - i % kSix + kSix - 1;
   for (const VelocityRow& row : rows) {
     if (!joins_bodies(row)) continue;
-    const auto [upper, lower] =
-        std::minmax(offset_[index(row.body_a)], offset_[index(row.body_b)]);
+    const auto [upper, lower] = std::minmax(offset_[index(row.body_a)], offset_[index(row.body_b)]);
     for (std::size_t k = 0; k < kSix; ++k) {
       last_[upper + k] = std::max(last_[upper + k], lower + kSix - 1);
     }
@@ -184,7 +183,8 @@ void VelocityNewton::find_direction(std::span<const VelocityRow> rows) {
   }
 }
 
-// ---- curvature -----------------------------------------------------------------------------------
+// ---- curvature
+// -----------------------------------------------------------------------------------
 
 void VelocityNewton::assemble(std::span<const VelocityRow> rows) {
   for (std::size_t i = 0; i < size_; ++i) {
@@ -276,14 +276,17 @@ void VelocityNewton::substitute() {
   }
 }
 
-// ---- line search ---------------------------------------------------------------------------------
+// ---- line search
+// ---------------------------------------------------------------------------------
 
 /// The fraction of the step at which the function's slope, which rises along it, is near 0.
 double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
   constexpr int kMostDoublings = 3;
   constexpr int kMostCuts = 12;
   const double start = slope_at(0.0, rows);
-  const auto is_flat = [&](double slope) { return std::abs(slope) <= kFlatSlope * std::abs(start); };
+  const auto is_flat = [&](double slope) {
+    return std::abs(slope) <= kFlatSlope * std::abs(start);
+  };
   double low = 0.0;
   double low_slope = start;
   double high = 1.0;
@@ -298,8 +301,8 @@ double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
   double fraction = high;
   for (int i = 0; i < kMostCuts; ++i) {
     // Secants alone creep where the slope has kinks.
-    fraction = i % 2 == 0 ? low + (high - low) * low_slope / (low_slope - high_slope)
-                          : 0.5 * (low + high);
+    fraction =
+        i % 2 == 0 ? low + (high - low) * low_slope / (low_slope - high_slope) : 0.5 * (low + high);
     const double slope = slope_at(fraction, rows);
     if (is_flat(slope)) break;
     if (slope < 0.0) {
@@ -324,7 +327,8 @@ double VelocityNewton::slope_at(double fraction, std::span<const VelocityRow> ro
   return slope;
 }
 
-// ---- limits --------------------------------------------------------------------------------------
+// ---- limits
+// --------------------------------------------------------------------------------------
 
 /// The impulses by which rows answer to velocities along them.
 void VelocityNewton::project(std::span<const VelocityRow> rows,

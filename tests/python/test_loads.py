@@ -74,7 +74,9 @@ def test_given_iterations_are_all_that_is_done(brick):
     for i, mass in enumerate((1.0, 100.0)):
         world.add(brick, mass=mass, pose=at(0.0, (i + 0.5) * BRICK[2]))
     world.step(60)
-    assert np.abs([body.pose[2, 3] for body in world.bodies[1:]] - np.array([0.02, 0.06])).max() > 1e-3
+    assert (
+        np.abs([body.pose[2, 3] for body in world.bodies[1:]] - np.array([0.02, 0.06])).max() > 1e-3
+    )
 
 
 def carry(rate, velocity, friction, seconds, yaw=0.0):
@@ -103,7 +105,7 @@ def carry(rate, velocity, friction, seconds, yaw=0.0):
 def test_a_box_on_a_belt_reaches_its_speed_after_v_over_mu_g(rate, yaw):
     """Friction accelerates it with mu g until it has the belt's speed."""
     velocity, friction = 0.5, 0.2
-    _, body, speeds = carry(rate, velocity, friction, 0.6, yaw)
+    _, _, speeds = carry(rate, velocity, friction, 0.6, yaw)
     times = np.arange(1, len(speeds) + 1) / rate
     expected = np.minimum(friction * G * times, velocity)
     assert np.abs(speeds - expected).max() < 0.02 * velocity

@@ -134,8 +134,8 @@ void bind_simulation(nb::module_& module) {
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
-             bullet::SolverEffort effort, bool two_friction_directions, bullet::ContactMode mode, bullet::ShellRule shell,
-             int level, double margin, double ccd_motion_threshold) {
+             bullet::SolverEffort effort, bool two_friction_directions, bullet::ContactMode mode,
+             bullet::ShellRule shell, int level, double margin, double ccd_motion_threshold) {
             new (self)
                 Simulation({.gravity = to_vec3(gravity),
                             .time_step = time_step,
@@ -153,9 +153,9 @@ void bind_simulation(nb::module_& module) {
                                         .rolling_at_rest = solver != ConstraintSolver::kNncg}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
-          nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"), nb::arg("effort"),
-          nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"), nb::arg("level"),
-          nb::arg("margin"), nb::arg("ccd_motion_threshold"))
+          nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
+          nb::arg("effort"), nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"),
+          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,

@@ -25,7 +25,8 @@ void prepare(CoulombWorld& world) {
   world.world.getSolverInfo().m_minimumSolverBatchSize = 1;
 }
 
-// ---- Newton's method -----------------------------------------------------------------------------
+// ---- Newton's method
+// -----------------------------------------------------------------------------
 
 /// Bodies of given masses on one line; each stands on the one below, the first one on the ground.
 std::vector<VelocityRow> make_column(const std::vector<double>& masses, double fall) {
@@ -94,7 +95,8 @@ TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
   EXPECT_NEAR(sliding[2] / sliding[1], 4.0 / 3.0, 1e-6);
 }
 
-// ---- worlds --------------------------------------------------------------------------------------
+// ---- worlds
+// --------------------------------------------------------------------------------------
 
 /// How far the lower one of two cubes on a slab moves in a second, metres.
 double squeeze(double upper_mass, int rate, SolverEffort effort) {
@@ -130,7 +132,8 @@ TEST(Loads, StepTheSameWayOnEveryRun) {
             squeeze(1000.0, 60, SolverEffort::kAsNeeded));
 }
 
-// ---- moving surfaces -----------------------------------------------------------------------------
+// ---- moving surfaces
+// -----------------------------------------------------------------------------
 
 TEST(SurfaceVelocity, TakesACubeAlongAfterVOverMuG) {
   constexpr double kSpeed = 0.5;

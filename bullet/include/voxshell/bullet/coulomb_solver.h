@@ -82,7 +82,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
 
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
-  std::unique_ptr<IslandProblem> problem_;  ///< kept for its memory
+  std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet
