@@ -1,39 +1,22 @@
 #include "voxshell/bullet/coulomb_solver.h"
 
 #include <algorithm>
+#include <limits>
+
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include "island_problem.h"
+#include "solver_constants.h"
 
 namespace voxshell::bullet {
 namespace {
-
-/// The velocity along a row that the impulses so far have added.
-btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
-                        const btSolverBody& b) {
-  return row.m_contactNormal1.dot(a.getDeltaLinearVelocity()) +
-         row.m_relpos1CrossNormal.dot(a.getDeltaAngularVelocity()) +
-         row.m_contactNormal2.dot(b.getDeltaLinearVelocity()) +
-         row.m_relpos2CrossNormal.dot(b.getDeltaAngularVelocity());
-}
 
 /// The impulse that would give a row the velocity it aims at, if nothing else acted.
 btScalar missing_impulse(const btSolverConstraint& row, const btSolverBody& a,
                          const btSolverBody& b) {
   return row.m_rhs - btScalar(row.m_appliedImpulse) * row.m_cfm -
          added_velocity(row, a, b) * row.m_jacDiagABInv;
-}
-
-/// Lets the row's impulse, N s, be `impulse`.
-///
-/// @return The velocity along the row that this changes, squared: what the solver's residual is of.
-btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse) {
-  const btScalar change = impulse - btScalar(row.m_appliedImpulse);
-  row.m_appliedImpulse = impulse;
-  a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
-                         change);
-  b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
-                         change);
-  if (change == 0) return 0;
-  const btScalar velocity = change / row.m_jacDiagABInv;
-  return velocity * velocity;
 }
 
 btScalar squared(btScalar x) { return x * x; }
@@ -48,6 +31,11 @@ bool keeps_directions(const btContactSolverInfo& info) {
 bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpulse) == 0; }
 
 }  // namespace
+
+CoulombSolver::CoulombSolver(SolverEffort effort)
+    : effort_(effort), problem_(std::make_unique<IslandProblem>()) {}
+
+CoulombSolver::~CoulombSolver() = default;
 
 /// Completes what the stock solver has set up. It leaves out the torques of this step, by which a
 /// body at rest would turn at torque / inertia * time step whatever its friction. And it divides by
@@ -70,10 +58,52 @@ void CoulombSolver::complete_rows(btConstraintArray& rows) const {
 
 void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifold_count,
                                     const btContactSolverInfo& info) {
+  if (!surface_velocities_.empty()) release_anchors(manifolds, manifold_count);
   btSequentialImpulseConstraintSolver::convertContacts(manifolds, manifold_count, info);
   complete_rows(m_tmpSolverContactFrictionConstraintPool);
   complete_rows(m_tmpSolverContactRollingFrictionConstraintPool);
+  if (!surface_velocities_.empty()) move_surfaces();
   if (keeps_directions(info)) warm_start_friction(info);
+}
+
+void CoulombSolver::set_surface_velocity(const btCollisionObject& body, const btVector3& velocity) {
+  if (velocity.isZero()) {
+    surface_velocities_.erase(&body);
+  } else {
+    surface_velocities_[&body] = velocity;
+  }
+}
+
+/// Friction does not pull back to where they were what rides on a moving surface.
+void CoulombSolver::release_anchors(btPersistentManifold** manifolds, int manifold_count) const {
+  for (int m = 0; m < manifold_count; ++m) {
+    btPersistentManifold& manifold = *manifolds[m];
+    if (!surface_velocities_.contains(manifold.getBody0()) &&
+        !surface_velocities_.contains(manifold.getBody1())) {
+      continue;
+    }
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      manifold.getContactPoint(i).m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
+    }
+  }
+}
+
+/// Lets friction aim at the velocities of surfaces.
+void CoulombSolver::move_surfaces() {
+  for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[i];
+    row.m_rhs -= (row.m_contactNormal1.dot(surface_velocity(row.m_solverBodyIdA)) +
+                  row.m_contactNormal2.dot(surface_velocity(row.m_solverBodyIdB))) *
+                 row.m_jacDiagABInv;
+  }
+}
+
+/// m/s, world frame.
+btVector3 CoulombSolver::surface_velocity(int solver_body) const {
+  const btRigidBody* const body = m_tmpSolverBodyPool[solver_body].m_originalBody;
+  const auto found = surface_velocities_.find(body);
+  if (found == surface_velocities_.end()) return {0, 0, 0};
+  return body->getWorldTransform().getBasis() * found->second;
 }
 
 /// Begins with the share that Bullet gives to normal impulses, m_warmstartingFactor, of the
@@ -99,6 +129,93 @@ void CoulombSolver::warm_start_friction(const btContactSolverInfo& info) {
     set_impulse(m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + 1], a, b,
                 share * impulse_2);
   }
+}
+
+btScalar CoulombSolver::solveGroupCacheFriendlyIterations(
+    btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+    int manifold_count, btTypedConstraint** constraints, int constraint_count,
+    const btContactSolverInfo& info, btIDebugDraw* drawer) {
+  if (effort_ == SolverEffort::kFixed) {
+    return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
+        bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
+  }
+  solveGroupCacheFriendlySplitImpulseIterations(bodies, body_count, manifolds, manifold_count,
+                                                constraints, constraint_count, info, drawer);
+  solve_as_needed(
+      [&](int iteration) {
+        m_leastSquaresResidual =
+            solveSingleIteration(iteration, bodies, body_count, manifolds, manifold_count,
+                                 constraints, constraint_count, info, drawer);
+        return btSqrt(m_leastSquaresResidual);
+      },
+      info);
+  return 0;
+}
+
+/// @param sweep Solves every row once and returns the largest velocity that this changed.
+template <class Sweep>
+void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info) {
+  const int least = std::max(info.m_numIterations, m_maxOverrideNumSolverIterations);
+  const btScalar least_residual =
+      btSqrt(std::max(info.m_leastSquaresResidualThreshold, btScalar(0)));
+  btScalar first = 0;
+  btScalar residual = 0;
+  for (int i = 0; i < least; ++i) {
+    residual = sweep(i);
+    if (i == 0) first = residual;
+    if (residual <= least_residual) return;
+  }
+  const btScalar of_forces = velocity_of_forces();
+  const btScalar reference = of_forces > 0 ? of_forces : first;
+  const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
+  if (residual <= converged) return;
+  const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
+  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged)) return;
+  // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
+  for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
+}
+
+/// @return Whether the island is solved. If not, it is as near to it as any round has brought it.
+template <class Sweep>
+bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
+  const SolverPools rows = pools();
+  btScalar residual = std::numeric_limits<btScalar>::infinity();
+  btScalar best = btSqrt(m_leastSquaresResidual);
+  problem_->keep_impulses(rows);
+  double stiffness = kFirstStiffness;
+  int idle_rounds = 0;
+  for (int round = 0; round < kMostRounds && idle_rounds < kMostIdleRounds; ++round) {
+    const auto sliding = round < kStickingRounds ? IslandProblem::Sliding::kIgnored
+                                                 : IslandProblem::Sliding::kCorrected;
+    if (!problem_->solve(rows, stiffness, sliding)) break;
+    for (int i = 0; i < kSweepsAfterRound; ++i) {
+      residual = sweep(0);
+      if (residual <= converged) return true;
+    }
+    idle_rounds = residual <= static_cast<btScalar>(kProgress) * best ? 0 : idle_rounds + 1;
+    if (residual < best) {
+      best = residual;
+      problem_->keep_impulses(rows);
+    }
+    stiffness = std::min(kStiffnessGrowth * stiffness, kLargestStiffness);
+  }
+  if (!(residual <= best)) problem_->restore_impulses(rows);
+  return false;
+}
+
+/// The largest change of a body's velocity by the forces of this step, m/s.
+btScalar CoulombSolver::velocity_of_forces() const {
+  btScalar largest = 0;
+  for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
+    largest = std::max(largest, m_tmpSolverBodyPool[i].m_externalForceImpulse.length());
+  }
+  return largest;
+}
+
+SolverPools CoulombSolver::pools() {
+  return {&m_tmpSolverBodyPool, &m_tmpSolverNonContactConstraintPool,
+          &m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+          &m_tmpSolverContactRollingFrictionConstraintPool};
 }
 
 btScalar CoulombSolver::solveSingleIteration(

@@ -122,6 +122,11 @@ class ConstraintSolver(enum.Enum):
 
     PROJECTED_GAUSS_SEIDEL = 4
 
+class SolverEffort(enum.Enum):
+    FIXED = 0
+
+    AS_NEEDED = 1
+
 class Motion(enum.Enum):
     DYNAMIC = 0
 
@@ -169,6 +174,12 @@ class BodyMaterial:
     def angular_damping(self, arg: float, /) -> None: ...
 
     @property
+    def surface_velocity(self) -> list[float]: ...
+
+    @surface_velocity.setter
+    def surface_velocity(self, arg: Sequence[float], /) -> None: ...
+
+    @property
     def group(self) -> int: ...
 
     @group.setter
@@ -186,7 +197,7 @@ class SimulationState:
 most_turn: float = 0.7853981633974483
 
 class Simulation:
-    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, ccd_motion_threshold: float) -> None: ...
+    def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, effort: SolverEffort, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, ccd_motion_threshold: float) -> None: ...
 
     def add_body(self, geometry: ModelGeometry | PlaneGeometry | BoxGeometry | SphereGeometry | CapsuleGeometry | CylinderGeometry | ConeGeometry | GImpactGeometry | HullsGeometry | CompoundGeometry, motion: Motion, mass: float, centre_of_mass: Sequence[float], inertia: Sequence[Sequence[float]], pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], material: BodyMaterial) -> int: ...
 

@@ -54,7 +54,7 @@ class Body(WorldPart):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("mass", "motion", "number", "shape")
+    __slots__ = ("_moves_surfaces", "mass", "motion", "number", "shape")
 
     def __init__(
         self,
@@ -64,8 +64,10 @@ class Body(WorldPart):
         shape: Shape,
         mass: float,
         motion: Motion,
+        moves_surfaces: bool,
     ) -> None:
         super().__init__(simulation, name)
+        self._moves_surfaces = moves_surfaces
         self.number: int = number
         self.shape: Shape = shape
         self.mass: float = mass
@@ -284,6 +286,44 @@ class Body(WorldPart):
         self._set(angular_damping=as_share(value, "angular_damping"))
 
     @property
+    def surface_velocity(self) -> NDArray[np.float64]:
+        """Of a kinematic body's surface while the body stays, (3,) float64, m/s, body frame.
+
+        Friction takes along what touches the body, as a conveyor's belt does. The part along a
+        contact's normal does not count.
+
+        Raises:
+            SettingsError: It is set to what is not three finite numbers, or to other than 0 of a body that
+                is not kinematic or in a world with another solver than "coulomb" or with one friction
+                direction.
+
+        Example:
+            A belt takes a parcel along at 0.5 m/s:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> box = vx.Box((1.0, 0.2, 0.05))
+            >>> belt = world.add(box, motion="kinematic", surface_velocity=(0.5, 0, 0))
+            >>> on_it = np.eye(4)
+            >>> on_it[:3, 3] = -0.5, 0.0, 0.1
+            >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_it)
+            >>> world.step(200)
+            >>> bool(abs(parcel.linear_velocity[0] - 0.5) < 0.01)
+            True
+            >>> float(belt.pose[0, 3])
+            0.0
+        """
+        return np.array(self._simulation.material(self.number).surface_velocity)
+
+    @surface_velocity.setter
+    def surface_velocity(self, value: ArrayLike) -> None:
+        velocity = as_vector(value, "surface_velocity")
+        if any(velocity):
+            check_surface(self.motion, repr(self.name), self._moves_surfaces)
+        self._set(surface_velocity=velocity)
+
+    @property
     def group(self) -> int:
         """Bits of the groups that it is in; bodies meet if each is in a group of the other's mask.
 
@@ -315,7 +355,7 @@ class Body(WorldPart):
     def mask(self, value: int) -> None:
         self._set(mask=as_groups(value, "mask"))
 
-    def _set(self, **changes: float) -> None:
+    def _set(self, **changes: object) -> None:
         material = self._simulation.material(self.number)
         for name, value in changes.items():
             setattr(material, name, value)
@@ -358,6 +398,7 @@ def make_material(
     angular_damping: float,
     group: int,
     mask: int,
+    surface_velocity: ArrayLike,
 ) -> _bullet.BodyMaterial:
     """What a body has beside its matter, checked."""
     material = _bullet.BodyMaterial()
@@ -369,7 +410,24 @@ def make_material(
     material.angular_damping = as_share(angular_damping, "angular_damping")
     material.group = as_groups(group, "group")
     material.mask = as_groups(mask, "mask")
+    material.surface_velocity = as_vector(surface_velocity, "surface_velocity")
     return material
+
+
+def check_surface(motion: Motion, name: str, moves_surfaces: bool) -> None:
+    """Whether a body's surface can move while the body stays.
+
+    Raises:
+        SettingsError: It cannot.
+    """
+    if motion != "kinematic":
+        raise SettingsError(
+            f"surface_velocity is for kinematic bodies and {name} is {motion}: pass motion='kinematic'"
+        )
+    if not moves_surfaces:
+        raise SettingsError(
+            "surface_velocity needs a world with solver='coulomb' and friction_directions=2"
+        )
 
 
 def as_share(value: float, name: str) -> float:

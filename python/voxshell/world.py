@@ -21,7 +21,7 @@ from voxshell._arguments import (
     as_vector,
 )
 from voxshell.accuracy import AccuracyWarning
-from voxshell.body import MOTIONS, Body, as_mass_and_motion, make_material
+from voxshell.body import MOTIONS, Body, as_mass_and_motion, check_surface, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
 from voxshell.compound import Compound
@@ -101,9 +101,10 @@ class World:
             Bullet's default; "nncg" follows conjugate gradients and takes no joints; "dantzig" solves
             all of an island's constraints as one problem, exactly, in a time that grows with the cube
             of their number; "projected_gauss_seidel" solves that problem step by step.
-        iterations: Of the solver a step, at least 1. Bullet's own default of 10 is enough for single
-            bodies; stacks and machines want 50, pybullet's default. By default 50, and in longer steps
-            as many for each 30th of a second. "dantzig" does without.
+        iterations: Of the solver a step, at least 1; exactly as many as given. By default "coulomb"
+            does 10 and, where bodies that touch are not solved by then, as with heavy bodies on light
+            ones, goes on with Newton's method until they are; the others do 50, pybullet's default, and in longer
+            steps as many for each 30th of a second. "dantzig" does without.
         friction_directions: Along which each contact resists sliding: 2 fixed ones, or 1, that in which
             it slides, as is Bullet's default. With 1, gripped bodies creep; convex hulls of few
             vertices rest sooner.
@@ -168,10 +169,12 @@ class World:
         if friction_directions not in (1, 2):
             raise SettingsError(f"friction_directions must be 1 or 2, not {friction_directions!r}")
         self.time_step: float = as_positive(time_step, "time_step")
+        as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
-            iterations = max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
+            iterations = 10 if as_needed else self._fixed_iterations()
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self._moves_surfaces = solver == "coulomb" and friction_directions == 2
         self._takes_joints = solver != "nncg"
         self._recorders: list[Recorder] = []
         self._judges = shell == "auto"
@@ -186,6 +189,7 @@ class World:
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
             solver=_SOLVERS[solver],
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
+            effort=_bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
             two_friction_directions=friction_directions == 2,
             mode=_CONTACT_MODES[contact],
             shell=_SHELL_RULES[shell],
@@ -195,6 +199,10 @@ class World:
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
         )
+
+    def _fixed_iterations(self) -> int:
+        """Those of solvers that do not find out how many they need."""
+        return max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
 
     def add(
         self,
@@ -211,6 +219,7 @@ class World:
         spinning_friction: float = 0.0,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
+        surface_velocity: ArrayLike = (0.0, 0.0, 0.0),
         group: int = 1,
         mask: int = 2**31 - 1,
     ) -> Body:
@@ -234,6 +243,8 @@ class World:
                 beside rolling friction.
             linear_damping: Share of the velocity that is lost in a second, 0 to 1.
             angular_damping: The same of the angular velocity.
+            surface_velocity: Of a kinematic body's surface, (3,), m/s, body frame: the body stays, and
+                friction takes along what touches it; see :attr:`Body.surface_velocity`.
             group: Bits of the groups that the body is in.
             mask: Bits of the groups that it meets. Two bodies meet if each one's group has a bit of
                 the other's mask; see also :meth:`set_collision`.
@@ -243,7 +254,9 @@ class World:
 
         Raises:
             InputTypeError: ``shape`` cannot be simulated, or ``inertia`` is of another type.
-            SettingsError: A number is out of range, or a plane is to move.
+            SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
+                0 and the body is not kinematic, the solver is not "coulomb", or
+                ``friction_directions`` is 1.
             PoseError: ``pose`` is not a rigid transform.
 
         Example:
@@ -276,7 +289,10 @@ class World:
             angular_damping=angular_damping,
             group=group,
             mask=mask,
+            surface_velocity=surface_velocity,
         )
+        if any(material.surface_velocity):
+            check_surface(motion, "the body" if name is None else repr(name), self._moves_surfaces)
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
@@ -289,7 +305,15 @@ class World:
             pose=world_from_body,
             material=material,
         )
-        body = Body(self._simulation, number, name or f"body {number}", shape, kilograms, motion)
+        body = Body(
+            self._simulation,
+            number,
+            name or f"body {number}",
+            shape,
+            kilograms,
+            motion,
+            self._moves_surfaces,
+        )
         self.bodies.append(body)
         if self._judges:
             for model in set(_models_of(shape)):

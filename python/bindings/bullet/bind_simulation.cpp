@@ -99,6 +99,10 @@ void bind_simulation(nb::module_& module) {
       .value("DANTZIG", ConstraintSolver::kDantzig)
       .value("PROJECTED_GAUSS_SEIDEL", ConstraintSolver::kProjectedGaussSeidel);
 
+  nb::enum_<bullet::SolverEffort>(module, "SolverEffort")
+      .value("FIXED", bullet::SolverEffort::kFixed)
+      .value("AS_NEEDED", bullet::SolverEffort::kAsNeeded);
+
   nb::enum_<Motion>(module, "Motion")
       .value("DYNAMIC", Motion::kDynamic)
       .value("STATIC", Motion::kStatic)
@@ -112,6 +116,12 @@ void bind_simulation(nb::module_& module) {
       .def_rw("restitution", &BodyMaterial::restitution)
       .def_rw("linear_damping", &BodyMaterial::linear_damping)
       .def_rw("angular_damping", &BodyMaterial::angular_damping)
+      .def_prop_rw(
+          "surface_velocity",
+          [](const BodyMaterial& material) { return to_coordinates(material.surface_velocity); },
+          [](BodyMaterial& material, const Coordinates& velocity) {
+            material.surface_velocity = to_vec3(velocity);
+          })
       .def_rw("group", &BodyMaterial::group)
       .def_rw("mask", &BodyMaterial::mask);
 
@@ -124,8 +134,8 @@ void bind_simulation(nb::module_& module) {
           "__init__",
           [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
-             bool two_friction_directions, bullet::ContactMode mode, bullet::ShellRule shell,
-             int level, double margin, double ccd_motion_threshold) {
+             bullet::SolverEffort effort, bool two_friction_directions, bullet::ContactMode mode,
+             bullet::ShellRule shell, int level, double margin, double ccd_motion_threshold) {
             new (self)
                 Simulation({.gravity = to_vec3(gravity),
                             .time_step = time_step,
@@ -133,6 +143,7 @@ void bind_simulation(nb::module_& module) {
                             .split_impulse_threshold = split_impulse_threshold,
                             .solver = solver,
                             .iterations = iterations,
+                            .effort = effort,
                             .two_friction_directions = two_friction_directions,
                             .contact = {.mode = mode,
                                         .shell = shell,
@@ -143,8 +154,8 @@ void bind_simulation(nb::module_& module) {
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
-          nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"), nb::arg("level"),
-          nb::arg("margin"), nb::arg("ccd_motion_threshold"))
+          nb::arg("effort"), nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"),
+          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"))
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,

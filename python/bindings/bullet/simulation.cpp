@@ -12,7 +12,6 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
-#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/momentum_world.h"
@@ -89,6 +88,9 @@ void Simulation::make_world() {
           dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
+  if (settings_.effort == bullet::SolverEffort::kAsNeeded) {
+    world_->getSolverInfo().m_minimumSolverBatchSize = 1;
+  }
   world_->getSolverInfo().m_splitImpulse = 1;
   world_->getSolverInfo().m_splitImpulsePenetrationThreshold = settings_.split_impulse_threshold;
   if (settings_.two_friction_directions) {
@@ -117,7 +119,7 @@ void Simulation::drop_world() {
 void Simulation::make_solver() {
   switch (settings_.solver) {
     case ConstraintSolver::kCoulomb:
-      solver_ = std::make_unique<bullet::CoulombSolver>();
+      solver_ = std::make_unique<bullet::CoulombSolver>(settings_.effort);
       return;
     case ConstraintSolver::kSequentialImpulse:
       solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
@@ -170,6 +172,8 @@ void Simulation::remove_body(std::size_t body) {
     if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
   }
   world_->removeRigidBody(&bodies_[body]->rigid_body);
+  bodies_[body]->material.surface_velocity = {};
+  move_surface(*bodies_[body]);
   bodies_[body].reset();
   if (restored_contacts_) {
     std::erase_if(*restored_contacts_, [&](const SimulationContact& contact) {
@@ -402,8 +406,16 @@ void Simulation::set_material(std::size_t number, const BodyMaterial& material) 
   const bool meets_others =
       material.group != body.material.group || material.mask != body.material.mask;
   body.material = material;
+  move_surface(body);
   if (meets_others) update_pairs(body);
   body.rigid_body.activate();
+}
+
+void Simulation::move_surface(const Body& body) {
+  if (settings_.solver != ConstraintSolver::kCoulomb) return;
+  const Vec3 velocity = body.body_from_geometry.rotate(body.material.surface_velocity);
+  static_cast<bullet::CoulombSolver&>(*solver_).set_surface_velocity(body.rigid_body,
+                                                                     to_bullet(velocity));
 }
 
 }  // namespace voxshell::python

@@ -15,6 +15,7 @@
 #include "bullet/joint.h"
 #include "bullet/shapes.h"
 #include "voxshell/bullet/collision_configuration.h"
+#include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/mass_properties.h"
 
 namespace voxshell::python {
@@ -38,6 +39,8 @@ struct SimulationSettings {
   double split_impulse_threshold = 0.0;
   ConstraintSolver solver = ConstraintSolver::kCoulomb;
   int iterations = 10;  ///< of the solver; Dantzig's has none
+  /// Of the Coulomb solver: whether it does more where that many are not enough.
+  bullet::SolverEffort effort = bullet::SolverEffort::kAsNeeded;
   /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
   /// that lies still falls freely for a step before friction knows where to.
   bool two_friction_directions = true;
@@ -59,6 +62,7 @@ struct BodyMaterial {
   double restitution = 0.0;
   double linear_damping = 0.0;  ///< share of the velocity that is lost in a second
   double angular_damping = 0.0;
+  Vec3 surface_velocity;  ///< m/s, geometry's frame; of kinematic bodies under the Coulomb solver
   /// Bodies meet if each one's group is in the other's mask.
   int group = 1;
   int mask = -1;
@@ -186,6 +190,7 @@ class Simulation {
 
   void note_spins();
   void make_solver();
+  void move_surface(const Body& body);
   void make_world();
   void drop_world();
   void enter(Body& body);

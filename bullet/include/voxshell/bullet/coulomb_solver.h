@@ -1,8 +1,22 @@
 #pragma once
 
+#include <map>
+#include <memory>
+
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 namespace voxshell::bullet {
+
+class IslandProblem;
+struct SolverPools;
+
+/// How long CoulombSolver works on an island in a step.
+enum class SolverEffort {
+  /// As many sweeps as m_numIterations says.
+  kFixed,
+  /// That many, and then Newton's method for all of the island at once until it is solved.
+  kAsNeeded,
+};
 
 /// Bullet's sequential impulse solver with Coulomb's friction at every contact point.
 ///
@@ -13,11 +27,30 @@ namespace voxshell::bullet {
 ///   - the friction of a point is at most friction times its normal impulse, in whichever direction
 ///     (a circular cone), and opposes sliding;
 ///   - rolling and spinning friction grow with the normal impulse without an upper limit;
-///   - friction withstands torques of the same step (btRigidBody::applyTorque()).
+///   - friction withstands torques of the same step (btRigidBody::applyTorque());
+///   - islands that iterations have not solved, as heavy bodies on light ones, are solved by
+///     Newton's method (docs/decisions/0034-loads.md).
+/// Set m_minimumSolverBatchSize of btContactSolverInfo to 1, so that Bullet does not merge islands.
 /// Works in place of btSequentialImpulseConstraintSolver with every solver mode of it, one friction
 /// direction included, in worlds without multibodies. docs/decisions/0031-coulomb-solver.md.
 class CoulombSolver : public btSequentialImpulseConstraintSolver {
+ public:
+  explicit CoulombSolver(SolverEffort effort = SolverEffort::kAsNeeded);
+  ~CoulombSolver() override;
+
+  /// Lets a kinematic body's surface move while the body stays, as a conveyor's belt does.
+  ///
+  /// @param velocity m/s, in the body's frame; friction takes along what touches it. Works with two
+  ///        fixed friction directions. 0 forgets the body: call that before the body is deleted.
+  void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
+
  protected:
+  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
+                                             btPersistentManifold** manifolds, int manifold_count,
+                                             btTypedConstraint** constraints, int constraint_count,
+                                             const btContactSolverInfo& info,
+                                             btIDebugDraw* drawer) override;
+
   void convertContacts(btPersistentManifold** manifolds, int manifold_count,
                        const btContactSolverInfo& info) override;
 
@@ -27,8 +60,17 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override;
 
  private:
+  template <class Sweep>
+  void solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info);
+  template <class Sweep>
+  bool solve_by_newton(const Sweep& sweep, btScalar converged);
+  btScalar velocity_of_forces() const;
+  SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
+  void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
+  void move_surfaces();
+  btVector3 surface_velocity(int solver_body) const;
   void warm_start_friction(const btContactSolverInfo& info);
   btScalar solve_joints(int iteration);
   void solve_obsolete(btTypedConstraint** constraints, int count, btScalar time_step);
@@ -37,6 +79,10 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   btScalar solve_rolling_friction();
   btScalar solve_row(btSolverConstraint& row, btScalar bound);
   btScalar solve_disc(btSolverConstraint& row_1, btSolverConstraint& row_2, btScalar bound);
+
+  SolverEffort effort_;
+  std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
+  std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet

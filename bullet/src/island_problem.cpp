@@ -1,0 +1,190 @@
+#include "island_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include "solver_constants.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The lower triangular matrix whose product with its transpose is `matrix`, by Cholesky.
+btMatrix3x3 root_of(const btMatrix3x3& matrix) {
+  const auto root = [](btScalar square) { return btSqrt(std::max(square, btScalar(0))); };
+  const auto over = [](btScalar x, btScalar y) { return y > 0 ? x / y : btScalar(0); };
+  const btScalar xx = root(matrix[0][0]);
+  const btScalar yx = over(matrix[1][0], xx);
+  const btScalar zx = over(matrix[2][0], xx);
+  const btScalar yy = root(matrix[1][1] - yx * yx);
+  const btScalar zy = over(matrix[2][1] - zx * yx, yy);
+  const btScalar zz = root(matrix[2][2] - zx * zx - zy * zy);
+  return {xx, 0, 0, yx, yy, 0, zx, zy, zz};
+}
+
+/// A value of Bullet's that is relative to the row's unit impulse.
+double per_unit_impulse(btScalar value, const btSolverConstraint& row) {
+  return row.m_jacDiagABInv > 0 ? static_cast<double>(value / row.m_jacDiagABInv) : 0.0;
+}
+
+template <class Visit>
+void for_each_row(const SolverPools& pools, const Visit& visit) {
+  for (btConstraintArray* rows : {pools.joints, pools.contacts, pools.friction, pools.rolling}) {
+    for (int i = 0; i < rows->size(); ++i) visit((*rows)[i]);
+  }
+}
+
+void change_impulse(const SolverPools& pools, btSolverConstraint& row, btScalar impulse) {
+  set_impulse(row, (*pools.bodies)[row.m_solverBodyIdA], (*pools.bodies)[row.m_solverBodyIdB],
+              impulse);
+}
+
+}  // namespace
+
+btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
+                        const btSolverBody& b) {
+  return row.m_contactNormal1.dot(a.getDeltaLinearVelocity()) +
+         row.m_relpos1CrossNormal.dot(a.getDeltaAngularVelocity()) +
+         row.m_contactNormal2.dot(b.getDeltaLinearVelocity()) +
+         row.m_relpos2CrossNormal.dot(b.getDeltaAngularVelocity());
+}
+
+btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse) {
+  const btScalar change = impulse - btScalar(row.m_appliedImpulse);
+  if (change == 0) return 0;
+  row.m_appliedImpulse = impulse;
+  a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
+                         change);
+  b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
+                         change);
+  const btScalar velocity = change / row.m_jacDiagABInv;
+  return velocity * velocity;
+}
+
+bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
+  number_bodies(pools);
+  if (scales_.empty() || (!is_far_off && scales_.size() > kFewBodies)) return false;
+  fill(pools, Sliding::kIgnored);
+  return newton_.prepare(scales_.size(), rows_) <= kMostCost;
+}
+
+void IslandProblem::number_bodies(const SolverPools& pools) {
+  numbers_.assign(static_cast<std::size_t>(pools.bodies->size()), VelocityRow::kFixed);
+  scales_.clear();
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const btSolverBody& body = (*pools.bodies)[static_cast<int>(i)];
+    if (body.m_originalBody == nullptr || body.m_originalBody->getInvMass() == 0) continue;
+    numbers_[i] = static_cast<int>(scales_.size());
+    const btVector3& inverse_mass = body.internalGetInvMass();
+    scales_.push_back(
+        {{btSqrt(inverse_mass.x()), btSqrt(inverse_mass.y()), btSqrt(inverse_mass.z())},
+         root_of(body.m_originalBody->getInvInertiaTensorWorld())});
+  }
+}
+
+bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
+  fill(pools, sliding);
+  const bool is_small = scales_.size() <= kFewBodies;
+  const int most_steps = is_small ? kMostNewtonSteps : kMostNewtonStepsOfMany;
+  const bool goes_on = newton_.solve(rows_, stiffness, most_steps) || is_small;
+  for (int i = 1; goes_on && i < kSolvesPerRound; ++i) {
+    newton_.solve(rows_, stiffness, most_steps);
+  }
+  if (!std::ranges::all_of(rows_, [](const auto& row) { return std::isfinite(row.impulse); })) {
+    return false;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    change_impulse(pools, *sources_[i], static_cast<btScalar>(rows_[i].impulse));
+  }
+  return goes_on;
+}
+
+void IslandProblem::fill(const SolverPools& pools, Sliding sliding) {
+  rows_.clear();
+  sources_.clear();
+  for (int i = 0; i < pools.joints->size(); ++i) append((*pools.joints)[i]);
+  const int contact_count = pools.contacts->size();
+  const int friction_rows = contact_count == 0 ? 0 : pools.friction->size() / contact_count;
+  for (int i = 0; i < contact_count; ++i) {
+    fill_contact(pools, (*pools.contacts)[i], friction_rows, sliding);
+  }
+  for (int i = 0; i < pools.rolling->size(); ++i) {
+    btSolverConstraint& source = (*pools.rolling)[i];
+    const btSolverConstraint& contact = (*pools.contacts)[source.m_frictionIndex];
+    VelocityRow& row = append(source);
+    row.upper = static_cast<double>(source.m_friction) *
+                std::max(static_cast<double>(btScalar(contact.m_appliedImpulse)), 0.0);
+    row.lower = -row.upper;
+  }
+}
+
+void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& contact,
+                                 int friction_rows, Sliding sliding) {
+  const std::size_t place_of_normal = rows_.size();
+  append(contact);
+  double unit_impulse = contact.m_jacDiagABInv;
+  double friction = 0.0;
+  double squared_sliding = 0.0;
+  for (int k = 0; k < friction_rows; ++k) {
+    btSolverConstraint& source = (*pools.friction)[contact.m_frictionIndex + k];
+    const double speed =
+        static_cast<double>(added_velocity(source, (*pools.bodies)[source.m_solverBodyIdA],
+                                           (*pools.bodies)[source.m_solverBodyIdB])) -
+        append(source).target;
+    squared_sliding += speed * speed;
+    unit_impulse = std::min(unit_impulse, static_cast<double>(source.m_jacDiagABInv));
+    friction = source.m_friction;
+  }
+  VelocityRow& normal = rows_[place_of_normal];
+  normal.is_contact = true;
+  normal.friction_rows = friction_rows;
+  normal.friction = friction;
+  normal.unit_impulse = unit_impulse;
+  if (sliding == Sliding::kCorrected) normal.target -= friction * std::sqrt(squared_sliding);
+}
+
+VelocityRow& IslandProblem::append(btSolverConstraint& source) {
+  VelocityRow row;
+  row.body_a = place(source.m_solverBodyIdA, source.m_contactNormal1, source.m_relpos1CrossNormal,
+                     row.along_a);
+  row.body_b = place(source.m_solverBodyIdB, source.m_contactNormal2, source.m_relpos2CrossNormal,
+                     row.along_b);
+  row.target = per_unit_impulse(source.m_rhs, source);
+  row.softness = per_unit_impulse(source.m_cfm, source);
+  row.impulse = btScalar(source.m_appliedImpulse);
+  row.unit_impulse = source.m_jacDiagABInv;
+  row.lower = source.m_lowerLimit;
+  row.upper = source.m_upperLimit;
+  sources_.push_back(&source);
+  return rows_.emplace_back(row);
+}
+
+/// The body's number, and in `along` what a unit impulse does to its scaled velocity.
+int IslandProblem::place(int body, const btVector3& linear, const btVector3& angular,
+                         std::array<double, 6>& along) const {
+  const int number = numbers_[static_cast<std::size_t>(body)];
+  if (number == VelocityRow::kFixed) return number;
+  const Scale& scale = scales_[static_cast<std::size_t>(number)];
+  const btVector3 scaled_linear = linear * scale.linear;
+  const btVector3 scaled_angular = scale.angular.transpose() * angular;
+  for (int k = 0; k < 3; ++k) {
+    along[static_cast<std::size_t>(k)] = scaled_linear[k];
+    along[static_cast<std::size_t>(k) + 3] = scaled_angular[k];
+  }
+  return number;
+}
+
+void IslandProblem::keep_impulses(const SolverPools& pools) {
+  kept_.clear();
+  for_each_row(pools, [&](const btSolverConstraint& row) {
+    kept_.push_back(btScalar(row.m_appliedImpulse));
+  });
+}
+
+void IslandProblem::restore_impulses(const SolverPools& pools) {
+  std::size_t i = 0;
+  for_each_row(pools, [&](btSolverConstraint& row) { change_impulse(pools, row, kept_[i++]); });
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
+#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
+
+#include "velocity_newton.h"
+
+namespace voxshell::bullet {
+
+/// What Bullet's solver has set up for an island; all of it belongs to the solver.
+struct SolverPools {
+  btAlignedObjectArray<btSolverBody>* bodies;
+  btConstraintArray* joints;
+  btConstraintArray* contacts;
+  btConstraintArray* friction;
+  btConstraintArray* rolling;
+};
+
+/// The velocity along a row that the impulses so far have added.
+btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
+                        const btSolverBody& b);
+
+/// Lets the row's impulse, N s, be `impulse`.
+///
+/// @return The velocity along the row that this changes, squared: what the solver's residual is of.
+btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse);
+
+/// Bullet's rows of an island as VelocityNewton takes them.
+class IslandProblem {
+ public:
+  /// How sliding contacts are kept from opening.
+  enum class Sliding {
+    kIgnored,    ///< not at all: right where nothing slides
+    kCorrected,  ///< by the speed at which each slides now
+  };
+
+  /// Whether Newton's method pays for the island, which may be far off its solution.
+  bool prepare(const SolverPools& pools, bool is_far_off);
+  /// Changes all impulses to those of Newton's method.
+  ///
+  /// @return Whether more rounds pay: it has converged, or the island is small.
+  bool solve(const SolverPools& pools, double stiffness, Sliding sliding);
+
+  void keep_impulses(const SolverPools& pools);
+  void restore_impulses(const SolverPools& pools);
+
+ private:
+  /// Roots of a body's inverse mass and inertia.
+  struct Scale {
+    btVector3 linear;
+    btMatrix3x3 angular;
+  };
+
+  void number_bodies(const SolverPools& pools);
+  void fill(const SolverPools& pools, Sliding sliding);
+  void fill_contact(const SolverPools& pools, btSolverConstraint& contact, int friction_rows,
+                    Sliding sliding);
+  VelocityRow& append(btSolverConstraint& source);
+  int place(int body, const btVector3& linear, const btVector3& angular,
+            std::array<double, 6>& along) const;
+
+  VelocityNewton newton_;
+  std::vector<int> numbers_;  ///< of solver bodies among those that move
+  std::vector<Scale> scales_;
+  std::vector<VelocityRow> rows_;
+  std::vector<btSolverConstraint*> sources_;  ///< of the rows
+  std::vector<btScalar> kept_;                ///< impulses
+};
+
+}  // namespace voxshell::bullet

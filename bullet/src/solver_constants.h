@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+
+/// The numbers of CoulombSolver. Decision 34 (docs/decisions/0034-loads.md) argues them.
+
+namespace voxshell::bullet {
+
+/// An island is solved when no row's velocity changes in a sweep by more than this fraction of the
+/// velocity that forces give a body in a step. Larger: chains under load open and grips slip.
+/// Smaller: more rounds in which nothing visible changes.
+inline constexpr double kConvergedOfForces = 2e-4;
+/// Most rounds of Newton's method for an island and step. Smaller: heavy loads that arrive at speed
+/// squeeze what they land on. Larger: islands that do not converge cost more.
+inline constexpr int kMostRounds = 8;
+/// A round has brought an island nearer to its solution if it leaves at most this fraction of the
+/// least residual before. Larger: heaps that tumble cost more.
+inline constexpr double kProgress = 0.7;
+/// Rounds end when this many in a row have not.
+inline constexpr int kMostIdleRounds = 2;
+/// Rounds before sliding is corrected for. They take all contacts to stick where they can.
+/// Smaller: a grip that could hold goes on sliding.
+inline constexpr int kStickingRounds = 3;
+/// Sweeps after each round. They leave friction that is exactly Coulomb's.
+inline constexpr int kSweepsAfterRound = 3;
+/// Newton's steps a solve at most. Smaller: a load that arrives squeezes out what it lands on.
+inline constexpr int kMostNewtonSteps = 20;
+/// The same of islands of more than `kFewBodies`. If the first solve of such an island needs more,
+/// too many contacts open and close for the method to pay. Larger: heaps that tumble cost more.
+inline constexpr int kMostNewtonStepsOfMany = 8;
+/// Solves a round. Each takes the impulses of the one before as known, and errors shrink by the
+/// stiffness.
+inline constexpr int kSolvesPerRound = 2;
+/// Stiffness of violated rows in the first round, relative to what they act on; 4 times as much in
+/// each later one, up to the largest. Larger at first: more steps for contacts that open or close.
+/// Smaller: more rounds for ratios of masses.
+inline constexpr double kFirstStiffness = 1e2;
+inline constexpr double kStiffnessGrowth = 4.0;
+inline constexpr double kLargestStiffness = 1e4;
+/// Squared gradient, relative to the first, at which Newton's method has converged.
+inline constexpr double kConvergedGradient = 1e-10;
+/// The line search ends where the slope is this fraction of that at its start.
+inline constexpr double kFlatSlope = 0.1;
+/// Islands whose matrix takes more multiplications than this to factorize keep to sweeps. Larger:
+/// heaps are slower.
+inline constexpr double kMostCost = 1e4;
+/// Islands of more bodies than this keep to sweeps if the residual is at most `kSmallOfForces` of
+/// the velocity that forces give a body. Larger: heaps at rest are slower. Smaller: towers rock.
+inline constexpr std::size_t kFewBodies = 12;
+inline constexpr double kSmallOfForces = 0.1;
+/// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
+/// sooner. Smaller: heaps sag.
+inline constexpr int kMostSweeps = 50;
+
+}  // namespace voxshell::bullet

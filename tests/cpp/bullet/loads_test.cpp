@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/models.h"
+#include "support/world.h"
+#include "velocity_newton.h"
+#include "voxshell/bullet/coulomb_solver.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+
+using CoulombWorld = WorldOf<btDiscreteDynamicsWorld, CoulombSolver>;
+
+constexpr double kGravity = 9.81;  // m/s2
+
+void prepare(CoulombWorld& world) {
+  world.world.getSolverInfo().m_solverMode |=
+      SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+  world.world.getSolverInfo().m_minimumSolverBatchSize = 1;
+}
+
+// ---- Newton's method
+// -----------------------------------------------------------------------------
+
+/// Bodies of given masses on one line; each stands on the one below, the first one on the ground.
+std::vector<VelocityRow> make_column(const std::vector<double>& masses, double fall) {
+  std::vector<VelocityRow> rows;
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    VelocityRow row;
+    row.is_contact = true;
+    row.body_a = static_cast<int>(i);
+    row.along_a[2] = 1.0 / std::sqrt(masses[i]);
+    row.unit_impulse = masses[i];
+    if (i > 0) {
+      row.body_b = static_cast<int>(i) - 1;
+      row.along_b[2] = -1.0 / std::sqrt(masses[i - 1]);
+      row.unit_impulse = 1.0 / (1.0 / masses[i] + 1.0 / masses[i - 1]);
+    } else {
+      row.target = fall;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(VelocityNewton, FindsWhatEachContactOfAColumnCarries) {
+  const std::vector<double> masses{1.0, 1000.0, 1.0, 50.0};
+  constexpr double kFall = 0.1;  // m/s
+  std::vector<VelocityRow> rows = make_column(masses, kFall);
+  VelocityNewton newton;
+  newton.prepare(masses.size(), rows);
+  for (int i = 0; i < 10; ++i) newton.solve(rows, 1e4, 20);
+  double carried = 0.0;
+  for (std::size_t i = masses.size(); i-- > 0;) {
+    carried += masses[i] * kFall;
+    EXPECT_NEAR(rows[i].impulse, carried, 1e-6 * carried) << i;
+  }
+}
+
+TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
+  VelocityRow normal;
+  normal.is_contact = true;
+  normal.friction_rows = 2;
+  normal.friction = 0.5;
+  normal.body_a = 0;
+  normal.along_a[2] = 1.0;
+  normal.unit_impulse = 1.0;
+  VelocityRow along_x = normal;
+  along_x.is_contact = false;
+  along_x.along_a = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  along_x.friction_rows = 0;
+  VelocityRow along_y = along_x;
+  along_y.along_a = {0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  const auto solve = [&](double up, double x, double y) {
+    std::array rows{normal, along_x, along_y};
+    rows[0].target = up;
+    rows[1].target = x;
+    rows[2].target = y;
+    VelocityNewton newton;
+    newton.prepare(1, rows);
+    EXPECT_TRUE(newton.solve(rows, 1e4, 20));
+    return std::array{rows[0].impulse, rows[1].impulse, rows[2].impulse};
+  };
+  EXPECT_EQ(solve(-1.0, 0.0, 0.0), (std::array{0.0, 0.0, 0.0}));
+  const auto sticking = solve(1.0, 0.3, 0.3);
+  EXPECT_NEAR(sticking[1], 0.3, 1e-3);
+  const auto sliding = solve(1.0, 3.0, 4.0);
+  EXPECT_NEAR(std::hypot(sliding[1], sliding[2]), 0.5 * sliding[0], 1e-9);
+  EXPECT_NEAR(sliding[2] / sliding[1], 4.0 / 3.0, 1e-6);
+}
+
+// ---- worlds
+// --------------------------------------------------------------------------------------
+
+/// How far the lower one of two cubes on a slab moves in a second, metres.
+double squeeze(double upper_mass, int rate, SolverEffort effort) {
+  CoulombWorld world;
+  CoulombSolver solver(effort);
+  world.world.setConstraintSolver(&solver);
+  prepare(world);
+  world.add_model(slab_model(), 0).setFriction(1);
+  btRigidBody& lower = world.add_model(cube_model(), 1, {{}, {0, 0, 0.1}});
+  btRigidBody& upper = world.add_model(cube_model(), upper_mass, {{}, {0, 0, 0.3}});
+  lower.setFriction(scalar(0.7));
+  upper.setFriction(scalar(0.7));
+  const btVector3 start = lower.getWorldTransform().getOrigin();
+  world.step(rate, 1.0 / rate);
+  return (lower.getWorldTransform().getOrigin() - start).length();
+}
+
+TEST(Loads, CubesCarryAThousandTimesTheirMass) {
+  for (const int rate : {200, 60, 30}) {
+    for (const double mass : {0.001, 100.0, 1000.0}) {
+      SCOPED_TRACE(testing::Message() << rate << " Hz, " << mass << " kg");
+      EXPECT_LT(squeeze(mass, rate, SolverEffort::kAsNeeded), 5e-4);
+    }
+  }
+}
+
+TEST(Loads, FixedEffortDoesNoMoreThanTheIterationsGiven) {
+  EXPECT_GT(squeeze(1000.0, 60, SolverEffort::kFixed), 1e-3);
+}
+
+TEST(Loads, StepTheSameWayOnEveryRun) {
+  EXPECT_EQ(squeeze(1000.0, 60, SolverEffort::kAsNeeded),
+            squeeze(1000.0, 60, SolverEffort::kAsNeeded));
+}
+
+// ---- moving surfaces
+// -----------------------------------------------------------------------------
+
+TEST(SurfaceVelocity, TakesACubeAlongAfterVOverMuG) {
+  constexpr double kSpeed = 0.5;
+  constexpr double kFriction = 0.2;
+  for (const int rate : {1000, 200, 60, 30}) {
+    SCOPED_TRACE(rate);
+    CoulombSolver solver;
+    CoulombWorld world;
+    world.world.setConstraintSolver(&solver);
+    prepare(world);
+    btRigidBody& belt = world.add_model(slab_model(), 0);
+    belt.setCollisionFlags(belt.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    belt.setActivationState(DISABLE_DEACTIVATION);
+    belt.setFriction(1);
+    solver.set_surface_velocity(belt, {scalar(kSpeed), 0, 0});
+    btRigidBody& cube = world.add_model(cube_model(), 1, {{}, {0, 0, 0.1}});
+    cube.setFriction(scalar(kFriction));
+    for (int i = 1; i <= rate * 2 / 5; ++i) {
+      world.step(1, 1.0 / rate);
+      const double expected = std::min(kFriction * kGravity * i / rate, kSpeed);
+      EXPECT_NEAR(cube.getLinearVelocity().x(), expected, 0.02 * kSpeed);
+    }
+    solver.set_surface_velocity(belt, {0, 0, 0});
+    world.step(rate, 1.0 / rate);
+    EXPECT_NEAR(cube.getLinearVelocity().x(), 0.0, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace voxshell::bullet

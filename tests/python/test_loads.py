@@ -1,0 +1,153 @@
+"""Heavy loads, firm grips, calm towers and moving surfaces, in worlds at default settings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.experiments.everyday_runs import run_stage
+from voxshell.scenes.everyday import forms
+from voxshell.scenes.everyday.machines import _gripper
+
+G = 9.81  # m/s2
+RATES = (200.0, 60.0, 30.0)
+BRICK = (0.12, 0.08, 0.04)
+
+
+def at(x, z):
+    pose = np.eye(4)
+    pose[0, 3], pose[2, 3] = x, z
+    return pose
+
+
+@pytest.fixture(scope="module")
+def brick():
+    return vx.Model.from_mesh(trimesh.creation.box(extents=BRICK))
+
+
+def stack(brick, masses, rate):
+    """Bricks of these masses on a plane, from below."""
+    world = vx.World(time_step=1.0 / rate)
+    world.add(vx.Plane(), mass=0)
+    bodies = [
+        world.add(brick, mass=mass, pose=at(0.0, (i + 0.5) * BRICK[2]), friction=0.7)
+        for i, mass in enumerate(masses)
+    ]
+    return world, bodies
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("masses", [(1.0, 100.0), (1.0, 1000.0), (1.0, 1.0, 1000.0), (1000.0, 1.0)])
+def test_bricks_hold_a_thousand_times_their_mass(brick, masses, rate):
+    """Ten iterations squeeze a brick of 1 kg out below 100 kg."""
+    world, bodies = stack(brick, masses, rate)
+    starts = [body.pose for body in bodies]
+    world.step(round(2.0 * rate))
+    for body, start in zip(bodies, starts, strict=True):
+        assert np.linalg.norm(body.pose[:3, 3] - start[:3, 3]) < 2e-4
+
+
+@pytest.mark.parametrize(("count", "rate"), [(5, 60.0), (5, 30.0), (8, 200.0)])
+def test_towers_are_calm(brick, count, rate):
+    """With fifty iterations five bricks rock at 60 mm/s at 60 Hz."""
+    world, bodies = stack(brick, [0.5] * count, rate)
+    fastest = 0.0
+    world.step(round(rate))
+    for _ in range(round(rate)):
+        world.step()
+        fastest = max(fastest, *(float(np.linalg.norm(b.linear_velocity)) for b in bodies))
+    assert fastest < 1e-3
+
+
+@pytest.mark.parametrize("rate", [1000.0, *RATES])
+def test_a_gripper_holds_a_mug_at_every_rate(rate):
+    """With fifty iterations the mug slips by 26 mm at 200 Hz and falls at 60 Hz."""
+    track = run_stage(_gripper(0, 20.0, forms.mug()), "voxshell", rate, 2.0)
+    assert abs(track.path("body")[-1, 2]) < 5e-5
+
+
+def test_given_iterations_are_all_that_is_done(brick):
+    """Two iterations do not carry 100 kg on 1 kg."""
+    world = vx.World(time_step=1.0 / 60.0, iterations=2)
+    world.add(vx.Plane(), mass=0)
+    for i, mass in enumerate((1.0, 100.0)):
+        world.add(brick, mass=mass, pose=at(0.0, (i + 0.5) * BRICK[2]))
+    world.step(60)
+    assert (
+        np.abs([body.pose[2, 3] for body in world.bodies[1:]] - np.array([0.02, 0.06])).max() > 1e-3
+    )
+
+
+def carry(rate, velocity, friction, seconds, yaw=0.0):
+    """A cube on a belt that is turned by `yaw`: speeds along the belt after each step, m/s."""
+    world = vx.World(time_step=1.0 / rate)
+    way = trimesh.transformations.rotation_matrix(yaw, (0, 0, 1))
+    belt = vx.Model.from_mesh(trimesh.creation.box(extents=(3.0, 0.4, 0.05)))
+    cube = vx.Model.from_mesh(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
+    world.add(
+        belt,
+        motion="kinematic",
+        pose=way @ at(0.0, -0.025),
+        friction=1.0,
+        surface_velocity=(velocity, 0.0, 0.0),
+    )
+    body = world.add(cube, pose=way @ at(-1.0, 0.05), friction=friction)
+    speeds = []
+    for _ in range(round(seconds * rate)):
+        world.step()
+        speeds.append(float(way[:3, 0] @ body.linear_velocity))
+    return world, body, np.array(speeds)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+@pytest.mark.parametrize("rate", [1000.0, *RATES])
+def test_a_box_on_a_belt_reaches_its_speed_after_v_over_mu_g(rate, yaw):
+    """Friction accelerates it with mu g until it has the belt's speed."""
+    velocity, friction = 0.5, 0.2
+    _, _, speeds = carry(rate, velocity, friction, 0.6, yaw)
+    times = np.arange(1, len(speeds) + 1) / rate
+    expected = np.minimum(friction * G * times, velocity)
+    assert np.abs(speeds - expected).max() < 0.02 * velocity
+    assert np.abs(speeds[-1] - velocity) < 1e-3 * velocity
+
+
+def test_a_slow_belt_takes_along_what_rests_on_it():
+    """Where a resting body would be held in its place."""
+    _, _, speeds = carry(1000.0, 0.001, 0.5, 0.3)
+    assert np.abs(speeds[-100:] - 0.001).max() < 2e-5
+
+
+def test_surface_velocities_are_saved_with_states():
+    world, body, _ = carry(200.0, 0.5, 0.2, 0.05)
+    belt = world.bodies[0]
+    state = world.save_state()
+    world.step(40)
+    first = body.pose
+    belt.surface_velocity = (0.0, 0.0, 0.0)
+    world.restore_state(state)
+    assert belt.surface_velocity.tolist() == [0.5, 0.0, 0.0]
+    world.step(40)
+    assert (body.pose == first).all()
+
+
+def test_a_belt_that_stops_stops_what_it_carries():
+    world, body, _ = carry(200.0, 0.5, 0.5, 0.5)
+    world.bodies[0].surface_velocity = (0.0, 0.0, 0.0)
+    world.step(100)
+    assert np.linalg.norm(body.linear_velocity) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("world", "body", "message"),
+    [
+        ({}, {"mass": 1.0}, "kinematic"),
+        ({}, {"mass": 0.0}, "kinematic"),
+        ({"solver": "sequential_impulse"}, {"motion": "kinematic"}, "solver='coulomb'"),
+        ({"friction_directions": 1}, {"motion": "kinematic"}, "friction_directions=2"),
+        ({}, {"motion": "kinematic", "surface_velocity": (np.nan, 0, 0)}, "surface_velocity"),
+    ],
+)
+def test_surface_velocities_that_cannot_be_are_refused(world, body, message):
+    with pytest.raises(vx.SettingsError, match=message):
+        vx.World(**world).add(vx.Sphere(0.1), **{"surface_velocity": (1, 0, 0), **body})
