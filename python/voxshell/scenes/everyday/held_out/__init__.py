@@ -6,9 +6,21 @@ after the code they judge is finished.
 
 from __future__ import annotations
 
-from voxshell.scenes.everyday.held_out import balance, bounces, edges, mechanisms, pulling, rolls
+from voxshell.scenes.everyday.held_out import (
+    balance,
+    bounces,
+    edges,
+    fits,
+    landing,
+    mechanisms,
+    pulling,
+    rolls,
+    shots,
+)
 
 SCENES = tuple(
-    scene for module in (pulling, rolls, edges, bounces, balance, mechanisms) for scene in module.SCENES
+    scene
+    for module in (pulling, rolls, edges, bounces, shots, balance, landing, mechanisms, fits)
+    for scene in module.SCENES
 )
 """All of them, in the order of the report."""

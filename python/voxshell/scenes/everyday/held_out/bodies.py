@@ -39,7 +39,9 @@ def pencil() -> Form:
     """A regular hexagonal prism, 4 mm from axis to edges, 175 mm long along y, on one of its faces."""
     angles = (np.arange(6) + 0.5) * math.pi / 3.0 + 0.5 * math.pi
     points = tuple(
-        (0.004 * math.cos(a), y, 0.004 * math.sin(a)) for a in angles.tolist() for y in (-0.0875, 0.0875)
+        (0.004 * math.cos(a), y, 0.004 * math.sin(a))
+        for a in angles.tolist()
+        for y in (-0.0875, 0.0875)
     )
     return forms.solid("hexagonal pencil", points)
 
@@ -108,7 +110,9 @@ def cup() -> Form:
         return [(radius * math.cos(a), radius * math.sin(a), z) for a in angles]
 
     turns = [sector * i for i in range(49)]
-    pieces = [Piece("hull", points=np.array(ring(0.0, 0.0, turns[:-1]) + ring(floor, 0.0, turns[:-1])))]
+    pieces = [
+        Piece("hull", points=np.array(ring(0.0, 0.0, turns[:-1]) + ring(floor, 0.0, turns[:-1])))
+    ]
     for i in range(48):
         pair = turns[i : i + 2]
         points = [*ring(floor, 0.0, pair), *ring(floor, wall, pair)]

@@ -145,10 +145,9 @@ _WHIRL = (1.0, 40.0, 0.3, 0.05, 0.045)
 def _whirl(placement: int) -> Stage:
     speed, spin, friction, outer, inner = _WHIRL
     ring = forms.tube(outer, inner, 0.004)
-    stage = on_ramp(
+    return on_ramp(
         *(ring, forms.PLANE, 0.0, placement), friction=friction, speed=speed, spin=(0.0, 0.0, spin)
     )
-    return stage
 
 
 def _whirl_way(track: Track) -> float:
@@ -215,8 +214,13 @@ SCENES = (
         PULL,
         f"{COULOMB}: way of a = g (sin 40 deg - 0.6 cos 40 deg) from rest.",
         lambda i: on_ramp(
-            *(forms.box(0.005, 0.005, 0.005), forms.slab(0.5), math.radians(40.0), i),
-            **{"friction": 0.6, "at": -0.1, "mass": 0.001},
+            forms.box(0.005, 0.005, 0.005),
+            forms.slab(0.5),
+            math.radians(40.0),
+            i,
+            friction=0.6,
+            at=-0.1,
+            mass=0.001,
         ),
         0.4,
         (SLIDES,),
@@ -282,9 +286,16 @@ SCENES = (
         0.4,
         (
             Measure(
-                "way of the board", "m", lambda t: _along(t, "board"), _board_way, 0.05, relative=True
+                "way of the board",
+                "m",
+                lambda t: _along(t, "board"),
+                _board_way,
+                0.05,
+                relative=True,
             ),
-            Measure("way of the box", "m", lambda t: _along(t, "box"), _box_way, 0.05, relative=True),
+            Measure(
+                "way of the box", "m", lambda t: _along(t, "box"), _box_way, 0.05, relative=True
+            ),
         ),
         held_out=True,
     ),
