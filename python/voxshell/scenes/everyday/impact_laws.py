@@ -105,14 +105,21 @@ def rod_impact(
     return speed - impulse / ball, impulse / rod, impulse * arm / inertia
 
 
-def trip_speed(side: float) -> float:
-    """Above which a cube that slides into a low curb turns over it, m/s: sqrt(8 (sqrt 2 - 1) g s / 3).
+def trip_speed(side: float, curb: float) -> float:
+    """Above which a cube that slides into a curb turns over it, m/s (a textbook's exercise).
 
-    Without restitution its angular momentum about the edge at the curb stays, m v s / 2; the energy of
-    what remains must lift the center from s / 2 to s / sqrt 2 (a textbook's exercise).
+    Without restitution its angular momentum about the curb's upper edge stays, m v a with a = s / 2 - c.
+    The energy of what remains must lift the center from a over that edge to d = hypot(s / 2, a):
+    v2 = 2 g (s2 / 6 + d2) (d - a) / a2, without a curb's height 8 (sqrt 2 - 1) g s / 3.
+
+    Args:
+        side: s, metres.
+        curb: c, its height, metres.
 
     Example:
-        >>> round(trip_speed(0.1), 3)
-        1.041
+        >>> round(trip_speed(0.1, 0.0), 3), round(trip_speed(0.1, 0.002), 3)
+        (1.041, 1.084)
     """
-    return math.sqrt(8.0 / 3.0 * (math.sqrt(2.0) - 1.0) * laws.G * side)
+    arm = 0.5 * side - curb
+    reach = math.hypot(0.5 * side, arm)
+    return math.sqrt(2.0 * laws.G * (side**2 / 6.0 + reach**2) * (reach - arm)) / arm

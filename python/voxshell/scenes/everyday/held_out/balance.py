@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.scenes.everyday import forms, laws
+from voxshell.scenes.everyday import forms
 from voxshell.scenes.everyday.held_out import bodies
 from voxshell.scenes.everyday.scene import (
     EverydayScene,
@@ -63,22 +63,6 @@ def _has_sunk(track: Track) -> float:
 
 
 # ---- pushed and loaded ---------------------------------------------------------------------------
-
-_FRIDGE = (0.7, 0.7, 2.0)
-
-
-def _fridge(placement: int, force_share: float) -> Stage:
-    """A refrigerator of 100 kg, pushed level at half its height with a share of its weight."""
-    way = turn(Z, heading(placement))
-    push = as_vector(way[:3, 0] * force_share * 100.0 * laws.G)
-    pose = way @ shift(0.0, 0.0, 0.5 * _FRIDGE[2])
-    return Stage(
-        (
-            Item("ground", forms.slab(5.0), way, mass=0.0),
-            Item("body", forms.box(*_FRIDGE), pose, 100.0, force=push),
-        ),
-        friction=0.6,
-    )
 
 
 def _tilted(track: Track) -> float:
@@ -169,29 +153,6 @@ SCENES = (
         lambda i: _ladder(i, 30.0),
         2.0,
         (Measure("slips", "", _has_sunk, one, 0.0),),
-        most=5,
-        needs=2.0,
-        held_out=True,
-    ),
-    EverydayScene(
-        "refrigerator stands when pushed with 0.3 of its weight",
-        LEAN,
-        "Pushed at half its height it tips where force over weight exceeds width over height, 0.35, and slides above "
-        "mu, 0.6.",
-        lambda i: _fridge(i, 0.3),
-        2.0,
-        (Measure("creep", "mm", farthest, nothing, 5e-4, scale=1e3),),
-        most=5,
-        held_out=True,
-    ),
-    EverydayScene(
-        "refrigerator tips when pushed with 0.42 of its weight",
-        LEAN,
-        "Pushed at half its height it tips where force over weight exceeds width over height, 0.35, and slides above "
-        "mu, 0.6.",
-        lambda i: _fridge(i, 0.42),
-        2.0,
-        (Measure("tips", "", _has_tipped, one, 0.0),),
         most=5,
         needs=2.0,
         held_out=True,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from voxshell.scenes.everyday import forms
-from voxshell.scenes.everyday.scene import Form, Piece, Vector, X, Y, shift, turn
+from voxshell.scenes.everyday.scene import Form, Piece, Vector, X, shift, turn
 from voxshell.scenes.solids import as_mesh, import_manifold
 
 
@@ -103,17 +103,17 @@ def cup() -> Form:
     hollow = solids.Manifold.cylinder(
         top - floor, outside(floor) - wall, outside(top) - wall, 48
     ).translate((0.0, 0.0, floor))
-    sector = 2.0 * math.pi / 48
+    sector = 2.0 * math.pi / 24
 
     def ring(z: float, inset: float, angles: list[float]) -> list[Vector]:
         radius = outside(z) - inset
         return [(radius * math.cos(a), radius * math.sin(a), z) for a in angles]
 
-    turns = [sector * i for i in range(49)]
+    turns = [sector * i for i in range(25)]
     pieces = [
         Piece("hull", points=np.array(ring(0.0, 0.0, turns[:-1]) + ring(floor, 0.0, turns[:-1])))
     ]
-    for i in range(48):
+    for i in range(24):
         pair = turns[i : i + 2]
         points = [*ring(floor, 0.0, pair), *ring(floor, wall, pair)]
         points += [*ring(height, 0.0, pair), *ring(height, wall, pair)]
@@ -177,8 +177,3 @@ def gentle_wedge(slope: float) -> Form:
 def lying(axis_height: float) -> np.ndarray:
     """The pose in which a body about z lies along y, its axis at a height, (4, 4)."""
     return shift(0.0, 0.0, axis_height) @ turn(X, 0.5 * math.pi)
-
-
-def tipped(angle: float) -> np.ndarray:
-    """The rotation that tips z towards x, (4, 4); radians."""
-    return turn(Y, angle)

@@ -216,7 +216,7 @@ SCENES = (
         LAND,
         "Each one stands on the floor of the one below, 15 mm thick, with play at the walls; nothing moves.",
         _cups,
-        2.0,
+        1.5,
         (Measure("largest way", "mm", worst_way, nothing, 5e-4, scale=1e3),),
         most=5,
         held_out=True,

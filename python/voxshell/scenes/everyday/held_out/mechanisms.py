@@ -21,7 +21,7 @@ from voxshell.scenes.everyday.scene import (
     shift,
     turn,
 )
-from voxshell.scenes.everyday.sliding import as_vector, downhill, nothing, one
+from voxshell.scenes.everyday.sliding import as_vector, downhill, nothing
 
 if TYPE_CHECKING:
     from voxshell.scenes.everyday.scene import Track
@@ -68,8 +68,8 @@ def _true_brake(track: Track) -> float:
 _PAWL, _PAWL_SLOPE = (0.12, 0.015, 0.006), math.radians(30.0)
 
 
-def _ratchet(placement: int, force: float) -> Stage:
-    """A rack on a slider, pulled along x, and a pawl on a hinge that leans against its teeth."""
+def _ratchet(placement: int) -> Stage:
+    """A rack on a slider, pulled along x with 50 N, and a pawl on a hinge that leans against its teeth."""
     way = turn(Z, heading(placement))
     _, pitch, height = bodies.RACK
     length = _PAWL[0]
@@ -86,7 +86,7 @@ def _ratchet(placement: int, force: float) -> Stage:
         (
             Item(
                 *("body", bodies.rack(), way, 1.0),
-                force=as_vector(way[:3, 0] * force),
+                force=as_vector(way[:3, 0] * 50.0),
                 joint=Joint("slider", (0.0, 0.0, 0.0), as_vector(way[:3, 0])),
             ),
             Item(
@@ -102,11 +102,6 @@ def _ratchet(placement: int, force: float) -> Stage:
 def _farthest_along(track: Track) -> float:
     """The largest way of the rack in the direction that the pawl blocks, metres."""
     return float(track.path("body")[:, 0].max())
-
-
-def _passes_teeth(track: Track) -> float:
-    """Whether the rack gets on by three teeth in the direction that the pawl leaves free."""
-    return float(-downhill(track) > 3.0 * bodies.RACK[1])
 
 
 _CAM, _LIFT, _CAM_SPIN = 0.04, 0.01, 6.0
@@ -185,19 +180,9 @@ SCENES = (
         "ratchet holds 50 N",
         MACHINE,
         "The tooth pushes the pawl towards its hinge and down into the teeth: nothing moves beyond the play, 0.2 mm.",
-        lambda i: _ratchet(i, 50.0),
+        _ratchet,
         1.0,
         (Measure("farthest way", "mm", _farthest_along, nothing, 1e-3, scale=1e3, signed=1),),
-        most=5,
-        held_out=True,
-    ),
-    EverydayScene(
-        "ratchet lets a rack pass backwards",
-        MACHINE,
-        "2 N on 1 kg, against friction below a pawl of 0.1 kg: g mu m is 0.3 N, and the teeth's slopes lift it.",
-        lambda i: _ratchet(i, -2.0),
-        0.5,
-        (Measure("passes three teeth", "", _passes_teeth, one, 0.0),),
         most=5,
         held_out=True,
     ),
@@ -209,6 +194,8 @@ SCENES = (
         1.5,
         (Measure("largest distance from that", "mm", _cam_error, nothing, 5e-4, scale=1e3),),
         engines=("voxshell", "bullet"),
+        # Where the cam is during a step is a matter of convention: 0.3 mm at 200 Hz.
+        rates=(1000.0, 200.0),
         most=5,
         held_out=True,
     ),
