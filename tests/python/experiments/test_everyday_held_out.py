@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from voxshell.experiments.everyday import EverydaySettings, measure_scene
-from voxshell.experiments.everyday_runs import is_installed
+from voxshell.experiments.everyday_runs import is_installed, run_stage
 from voxshell.scenes.everyday import SCENES, held_out, impact_laws, laws
 from voxshell.scenes.everyday.held_out import bodies
 from voxshell.scenes.everyday.scene import Engine, Form, Item
@@ -69,6 +70,7 @@ EACH = (1000.0, 200.0, 60.0, 30.0)
         ("disc bounces off a wall at 45 degrees", (200.0, 60.0, 30.0)),
         ("crate trips over a curb", MIDDLE),
         ("crate stops at a curb", EACH),
+        ("marble rattles in a closed can", FINE),
         ("hammer of 1000 kg hits a cube of 1 g", EACH),
         ("ball hits a rod near its end", EACH),
         ("ladder holds at 45 degrees", MIDDLE),
@@ -123,6 +125,33 @@ def test_shapes_of_bullet_do_what_the_truth_says(name, rates):
 )
 def test_mujoco_does_what_the_truth_says(name):
     assert errors(name, "mujoco", FINE).max() <= 1.0
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "ball of 10 mm shot at a plate of 1 mm at 20 m/s",
+        "washer thrown at a plate of 1 mm at 20 m/s",
+        "ball shot at a free plate of 1 mm",
+    ],
+)
+def test_shots_do_what_the_truth_says_in_steps_shorter_than_the_plate(name):
+    scene = SCENES[name]
+    track = run_stage(scene.stage(1), "bullet", 40_000.0, 0.06)
+    # Something has hit the plate.
+    assert np.linalg.norm(track.velocities["body"][-1]) < 15.0
+    for measure in scene.measures:
+        assert measure.error(measure.value(track), measure.truth(track)) <= measure.bar
+
+
+@pytest.mark.skipif(not is_installed("mujoco"), reason="needs MuJoCo")
+def test_mujoco_starts_hinges_and_sliders_with_their_speed():
+    key = run_stage(SCENES["square key cannot turn in its hole"].stage(1), "mujoco", 1e3, 0.001)
+    assert key.spins["body"][0] == pytest.approx((0.0, 0.0, -3.0))
+    stage = SCENES["cam lifts a follower"].stage(0)
+    thrown = replace(stage.items[1], velocity=(0.3, 0.0, 2.0))
+    follower = run_stage(replace(stage, items=(thrown,)), "mujoco", 1e3, 0.001)
+    assert follower.velocities["body"][0] == pytest.approx((0.0, 0.0, 2.0))
 
 
 # ---- closed forms --------------------------------------------------------------------------------
