@@ -172,6 +172,9 @@ class MuJoCoStage:
             data.qvel[place + 3 : place + 6] = rotation.T @ item.spin
         elif item.joint.kind == "point":
             data.qvel[place : place + 3] = rotation.T @ item.spin
+        else:
+            moved = item.spin if item.joint.kind == "hinge" else item.velocity
+            data.qvel[place] = np.dot(moved, item.joint.axis)
         if item.force != (0.0, 0.0, 0.0):
             data.xfrc_applied[number, :3] = item.force
 

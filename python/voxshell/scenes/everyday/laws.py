@@ -201,3 +201,113 @@ def tumble(
         (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
         (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
     )
+
+
+def groove_acceleration(slope: float, friction: float, half_angle: float) -> float:
+    """Along a V-groove that is inclined: g (sin a - mu cos a / sin b), m/s2.
+
+    Two walls at an angle b from the groove's middle plane together press 1 / sin b times as hard as a
+    flat ground (Dieter, Mechanical Metallurgy; any text on V-belts).
+
+    Example:
+        >>> round(groove_acceleration(math.radians(40.0), 0.3, math.pi / 2), 6) == round(
+        ...     slide_acceleration(math.radians(40.0), 0.3), 6
+        ... )
+        True
+    """
+    return G * (math.sin(slope) - friction * math.cos(slope) / math.sin(half_angle))
+
+
+def spinning_ring_way(
+    speed: float, spin: float, friction: float, outer: float, inner: float, time_step: float
+) -> float:
+    """Until a flat ring that slides and spins at once stands still, metres.
+
+    Each part of the ring feels friction against its own velocity, so a spin makes the friction against
+    the slide smaller (Farkas et al., Phys. Rev. Lett. 90, 248302, 2003). Uniform pressure; integrated
+    with steps of at most 0.1 ms, of which the velocity after each time step is summed.
+
+    Example:
+        >>> round(spinning_ring_way(1.0, 0.0, 0.3, 0.05, 0.045, 1e-4), 3)
+        0.17
+    """
+    angles = (np.arange(48) + 0.5) * (2.0 * np.pi / 48)
+    radius = math.sqrt(0.5 * (outer**2 + inner**2))
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    parts = max(math.ceil(time_step / 1e-4), 1)
+    h = time_step / parts
+    covered = 0.0
+    while speed > 0.0:
+        for _ in range(parts):
+            u, v = speed - spin * y, spin * x
+            size = np.maximum(np.hypot(u, v), 1e-12)
+            force = friction * G * u / size
+            torque = friction * G * (v * x - u * y) / size
+            speed = max(speed - h * float(force.mean()), 0.0)
+            spin = max(spin - h * float(torque.mean()) / radius**2, 0.0)
+        covered += time_step * speed
+    return covered
+
+
+def turntable_rate(spin: float, inertia_share: float) -> float:
+    """Angular velocity at which a rolling ball's velocity turns on a turntable, rad/s: 2/7 of the table's.
+
+    w k / (1 + k), k = I / (m r2) (Weltner, Am. J. Phys. 47, 984, 1979); the ball's path is a circle.
+    """
+    return spin * inertia_share / (1.0 + inertia_share)
+
+
+def ladder_slope(friction: float) -> float:
+    """Over the floor, below which a uniform ladder slips: atan((1 - mu2) / (2 mu)), radians.
+
+    The same friction at floor and wall (any textbook of statics).
+
+    Example:
+        >>> round(math.degrees(ladder_slope(0.5)), 2)
+        36.87
+    """
+    return math.atan2(1.0 - friction**2, 2.0 * friction)
+
+
+def lifting_wedge_acceleration(slope: float, force: float, wedge: float, load: float) -> float:
+    """Of a wedge pushed under a load that can only rise, without friction, m/s2.
+
+    (F - m g tan a) / (M + m tan2 a): the load rises tan a times as fast.
+    """
+    rise = math.tan(slope)
+    return (force - load * G * rise) / (wedge + load * rise**2)
+
+
+def rocking_period(radius: float, depth: float, gyration: float, amplitude: float) -> float:
+    """Of a body with a round belly that rocks without sliding, seconds.
+
+    From the energy: 4 times the integral of dt over a quarter, by the midpoint rule. Small amplitudes:
+    2 pi sqrt((k2 + (r - d)2) / (g d)).
+
+    Args:
+        radius: r, of the belly, metres.
+        depth: d, of the center of mass below the belly's center, metres.
+        gyration: k2, moment of inertia about the center of mass over the mass, m2.
+        amplitude: Radians.
+
+    Example:
+        >>> small = 2.0 * math.pi * math.sqrt((0.01 + 0.06**2) / (G * 0.04))
+        >>> round(rocking_period(0.1, 0.04, 0.01, 1e-4) / small, 6)
+        1.0
+    """
+    phase = (np.arange(2000) + 0.5) * (0.5 * np.pi / 2000)
+    angle = amplitude * np.sin(phase)
+    inertia = gyration + radius**2 + depth**2 - 2.0 * radius * depth * np.cos(angle)
+    fall = 2.0 * np.sin(0.5 * (amplitude + angle)) * np.sin(0.5 * (amplitude - angle))
+    slowness = np.sqrt(inertia / (2.0 * G * depth * fall)) * amplitude * np.cos(phase)
+    return float(4.0 * slowness.sum() * (0.5 * np.pi / 2000))
+
+
+def key_play(side: float, hole: float) -> float:
+    """How far a square key can turn in a square hole, radians: s (cos t + sin t) = hole.
+
+    Example:
+        >>> round(math.degrees(key_play(10.0, 10.4)), 2)
+        2.34
+    """
+    return math.asin(hole / (math.sqrt(2.0) * side)) - 0.25 * math.pi
