@@ -180,7 +180,7 @@ inline constexpr double kOwnDepth = 0.5;
 inline constexpr double kLeastSlope = 0.1;
 
 // ---- round contacts -----------------------------------------------------------------------------
-// Decision 34.
+// Decision 36.
 
 /// Contacts that slide to places nearer to each other than this fraction of the smaller body's
 /// radius are one. Larger: a body that rests on two such places rocks.

@@ -18,7 +18,7 @@ double most_above_samples(const Model& model);
 
 /// Slides contacts of a shell along its smooth surface to where that surface is deepest in the
 /// field, so that a ball does not roll over its samples. Contacts that end at one place become one,
-/// which keeps its id while it moves. Decision 34.
+/// which keeps its id while it moves. Decision 36.
 class RoundContacts {
  public:
   /// @param contacts          Of `model`'s shell in `field`, ascending by id; changed.
