@@ -109,14 +109,14 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     fraction = find_on_the_way(step);
   } else {
     const bool has_swapped_roles =
-        find_near(pair, step.margin, &step,
-                  takes_all ? Wanted::kAll : Wanted::kOneASegment);
+        find_near(pair, step.margin, &step, takes_all ? Wanted::kAll : Wanted::kOneASegment);
     if (has_swapped_roles) step = describe();
   }
   const auto rest_margin = static_cast<float>(step.rest_margin);
   if (pair.asks_both) second_.drop_doubles(rest_margin, contacts_);
   clock.end(&NarrowPhaseTimings::query);
-  const StepContacts of_step = apply_contact_rule(step, features_, exact_, fraction, contacts_, memory_);
+  const StepContacts of_step =
+      apply_contact_rule(step, features_, exact_, fraction, contacts_, memory_);
   // Of bodies in a pile that move a little, such points carry in the next step.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
   if (takes_all && lies && !contacts_.empty()) drop_idle_points(kIdleOfMargin * rest_margin);
@@ -181,21 +181,26 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   const auto reach_of = [&](const Side& side) {
     return reach + (slides ? static_cast<float>(most_above_samples(*side.model())) : 0.0f);
   };
+  // What a still body does not lie on is left out below, too.
+  const auto least_depth_of = [&](std::span<const Contact> contacts) {
+    if (contacts.empty() || !step->is_still || wanted != Wanted::kAll) return -reach;
+    const auto band = static_cast<float>(kIdleOfMargin * step->rest_margin);
+    return std::max(std::min(find_deepest(contacts).depth - band, 0.0f), -reach);
+  };
   const auto drop_far = [&](std::vector<Contact>& contacts) {
     keep_if(contacts, [&](const Contact& contact) { return contact.depth > -reach; });
   };
   const auto take = [&] {
-    const std::span<const Contact> found =
-        ask(pair.field(), pair.shell(), pair.field_from_shell(), reach_of(pair.shell_side()),
-            wanted, scratch_);
+    const std::span<const Contact> found = ask(pair.field(), pair.shell(), pair.field_from_shell(),
+                                               reach_of(pair.shell_side()), wanted, scratch_);
     contacts_.assign(found.begin(), found.end());
     face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
     if (!slides || has_swapped_roles) return;
-    first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(),
-                       pair.field_from_shell(), touch, turning_of(*step, false));
+    first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(), pair.field_from_shell(),
+                       touch, turning_of(*step, false), least_depth_of(contacts_));
     drop_far(contacts_);
   };
   take();
@@ -211,7 +216,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
     if (slides) {
       second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
-                          second_field_from_shell, touch, turning_of(*step, true));
+                          second_field_from_shell, touch, turning_of(*step, true),
+                          least_depth_of(second_found_));
       drop_far(second_found_);
       first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
       second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);

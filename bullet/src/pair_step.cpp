@@ -66,7 +66,8 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.motion = RelativeMotion::of(pair.shell_is_a ? step.motion_a : step.motion_b,
                                    pair.shell_is_a ? step.motion_b : step.motion_a,
                                    pair.shell_side().world_from_geometry());
-  const Vec3 middle = pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
+  const Vec3 middle =
+      pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
   step.displacement =
       time_step * (step.motion.velocity_at(middle) + step.motion.velocity_of_forces);
   return step;
@@ -91,9 +92,8 @@ double Turning::reach_along(const Vec3& place, const Vec3& normal, const Vec3& d
   };
   const Vec3 towards = cross(normal, direction);
   const double angle = std::atan2(length(towards), dot(normal, direction));
-  return std::max(
-      reach(normalized(turn), length(turn)),
-      reach(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
+  return std::max(reach(normalized(turn), length(turn)),
+                  reach(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
 }
 
 Turning turning_of(const PairStep& step, bool is_of_field) {

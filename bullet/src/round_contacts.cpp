@@ -16,19 +16,28 @@ double most_above_samples(const Model& model) {
 
 void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
                           const Pose& field_from_shell, const TouchScale& scale,
-                          const Turning& turning) {
+                          const Turning& turning, float least_depth) {
   at_rest_.swap(before_);
+  std::ranges::sort(before_, {}, &AtRest::id);
   at_rest_.clear();
+  by_x_.clear();
   if (surface_ != &model.smooth_surface()) before_.clear();
   surface_ = &model.smooth_surface();
   if (!surface_->is_curved()) return;
   least_curvature_ = kFlatBend / scale.radius;
   same_within_ = kSameOfRadius * scale.radius;
   followed_within_ = kFollowedOfRadius * scale.radius;
+  const Pose shell_from_field = field_from_shell.inverse();
+  const auto between = static_cast<float>(model.accuracy().coverage.p99);
+  const auto is_too_far = [&](const Contact& contact) {
+    const float lift = surface_->lift(surface_->triangle_of(contact.id));
+    return contact.depth + lift + between < least_depth;
+  };
   std::visit(
       [&](const auto& typed) {
         std::erase_if(contacts, [&](Contact& contact) {
-          return !slide_one(contact, typed, field_from_shell, scale, turning);
+          return is_too_far(contact) ||
+                 !slide_one(contact, typed, field_from_shell, shell_from_field, scale, turning);
         });
       },
       field);
@@ -38,21 +47,34 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
 /// Gives contacts the ids of those near them in the step before: a ball that rolls touches with one
 /// contact, not with one after the other.
 void RoundContacts::keep_ids(std::vector<Contact>& contacts) {
-  const auto place_of = [&](std::uint32_t id) { return find_from_id(contacts, id); };
+  // Most have kept theirs.
+  std::size_t lost = 0;
+  auto now = at_rest_.begin();
+  for (const AtRest& then : before_) {
+    while (now != at_rest_.end() && now->id < then.id) ++now;
+    if (now != at_rest_.end() && now->id == then.id) {
+      now->was_there = true;
+    } else {
+      before_[lost++] = then;
+    }
+  }
+  before_.resize(lost);
+  if (before_.empty()) return;
   changes_.clear();
-  for (AtRest& now : at_rest_) {
+  for (AtRest& at_rest : at_rest_) {
     if (before_.empty()) break;
+    if (at_rest.was_there) continue;
     const auto apart = [&](const AtRest& then) {
-      return squared_length(then.position - now.position);
+      return squared_length(then.position - at_rest.position);
     };
     const auto nearest = std::ranges::min_element(before_, {}, apart);
     if (apart(*nearest) > followed_within_ * followed_within_) continue;
     const std::uint32_t id = nearest->id;
     before_.erase(nearest);
-    const std::size_t taken = place_of(id);
+    const std::size_t taken = find_from_id(contacts, id);
     if (taken < contacts.size() && contacts[taken].id == id) continue;
-    changes_.push_back({place_of(now.id), id});
-    now.id = id;
+    changes_.push_back({find_from_id(contacts, at_rest.id), id});
+    at_rest.id = id;
   }
   if (changes_.empty()) return;
   for (const auto& [place, id] : changes_) contacts[place].id = id;
@@ -62,15 +84,14 @@ void RoundContacts::keep_ids(std::vector<Contact>& contacts) {
 /// Whether the contact is one that no other is yet.
 template <class F>
 bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                              const TouchScale& scale, const Turning& turning) {
+                              const Pose& shell_from_field, const TouchScale& scale,
+                              const Turning& turning) {
   const std::uint32_t triangle = surface_->triangle_of(contact.id);
   if (surface_->is_flat(triangle)) return true;
-  const Pose shell_from_field = field_from_shell.inverse();
   Vec3 direction = -static_cast<Vec3>(contact.normal);
   Vec3 missed_before;
   double relaxation = 1.0;
-  SmoothSurface::Place place =
-      surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
+  SmoothSurface::Place place = surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
   for (int i = 0; i < kMostSlides; ++i) {
     const SmoothSurface::Slide slide = surface_->slide(place, direction, least_curvature_);
     if (!slide.is_at_rest) return true;
@@ -91,7 +112,8 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
       continue;
     }
     const auto depth = -static_cast<double>(field.distance(in_field));
-    if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
+    if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
+      return true;
     if (const AtRest* const known = find_known(position)) {
       const SmoothSurface::Place start =
           surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
@@ -99,7 +121,9 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
           turning.reach_along(surface_->position(start), surface_->normal(start), -outwards);
       return reach > dot(turning.centre - known->position, outwards) + scale.margin;
     }
-    at_rest_.push_back({contact.id, place, position});
+    const Along along{position.x, at_rest_.size()};
+    by_x_.insert(std::ranges::upper_bound(by_x_, along.x, {}, &Along::x), along);
+    at_rest_.push_back({contact.id, false, place, position});
     contact.point = static_cast<Vec3f>(position);
     contact.normal = static_cast<Vec3f>(outwards);
     contact.depth = static_cast<float>(depth);
@@ -109,16 +133,18 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
 }
 
 const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position) const {
-  const auto known = std::ranges::find_if(at_rest_, [&](const AtRest& other) {
-    return squared_length(other.position - position) <= same_within_ * same_within_;
-  });
-  return known == at_rest_.end() ? nullptr : &*known;
+  for (auto near = std::ranges::lower_bound(by_x_, position.x - same_within_, {}, &Along::x);
+       near != by_x_.end() && near->x <= position.x + same_within_; ++near) {
+    const AtRest& known = at_rest_[near->index];
+    if (squared_length(known.position - position) <= same_within_ * same_within_) return &known;
+  }
+  return nullptr;
 }
 
 void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
-  const std::size_t before = ids.size();
+  const auto before = static_cast<std::ptrdiff_t>(ids.size());
   for (const AtRest& at_rest : at_rest_) ids.push_back(first + at_rest.id);
-  std::sort(ids.begin() + static_cast<std::ptrdiff_t>(before), ids.end());
+  std::sort(ids.begin() + before, ids.end());
 }
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,

@@ -25,8 +25,10 @@ class RoundContacts {
   /// @param field_from_shell  Pose of the shell's frame in the field's.
   /// @param turning           Of the shell's body: samples that may touch, once it has turned,
   /// before the place that they slide to does, stay where they are.
+  /// @param least_depth       Contacts that cannot become as deep are dropped, metres.
   void slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
-             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
+             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
+             float least_depth);
 
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
   void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
@@ -41,13 +43,18 @@ class RoundContacts {
  private:
   struct AtRest {
     std::uint32_t id;
+    bool was_there;  ///< in the step before, by that id
     SmoothSurface::Place place;
     Vec3 position;  ///< metres, the shell's frame
+  };
+  struct Along {
+    double x;           ///< of the position
+    std::size_t index;  ///< in at_rest_
   };
 
   template <class F>
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                 const TouchScale& scale, const Turning& turning);
+                 const Pose& shell_from_field, const TouchScale& scale, const Turning& turning);
   const AtRest* find_known(const Vec3& position) const;
   void keep_ids(std::vector<Contact>& contacts);
 
@@ -56,7 +63,8 @@ class RoundContacts {
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
   std::vector<AtRest> at_rest_;
-  std::vector<AtRest> before_;  ///< those of the step before
+  std::vector<Along> by_x_;                                     ///< those, ascending by x
+  std::vector<AtRest> before_;                                  ///< those of the step before
   std::vector<std::pair<std::size_t, std::uint32_t>> changes_;  ///< of ids, by place in the list
 };
 

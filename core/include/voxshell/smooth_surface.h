@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -35,15 +34,16 @@ class SmoothSurface {
   SmoothSurface(const TriangleMesh& mesh, const PointShell& shell);
 
   /// Whether any patch is.
-  bool is_curved() const { return std::ranges::find(is_flat_, 0) != is_flat_.end(); }
-  bool is_flat(std::uint32_t triangle) const { return is_flat_[triangle] != 0; }
+  bool is_curved() const { return most_lift_ > 0.0f; }
+  bool is_flat(std::uint32_t triangle) const { return lifts_[triangle] == 0.0f; }
 
   /// The triangle that an element of the shell lies on; at a crease between a flat patch and a
   /// curved one, the curved one. Of curved surfaces.
   std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
 
-  /// How far the patches stand out above their triangles at most, metres.
-  double most_lift() const { return most_lift_; }
+  /// How far a patch is from its triangle at most, metres; 0 where it is flat.
+  float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
+  float most_lift() const { return most_lift_; }
   Vec3 position(const Place& place) const;
   Vec3 normal(const Place& place) const;  ///< unit length
 
@@ -70,7 +70,7 @@ class SmoothSurface {
 
   void connect();
   void average_normals();
-  void measure_lift();
+  void measure_lifts();
   void find_elements(const PointShell& shell);
   std::uint32_t curved_beside(const Vec3& place, std::uint32_t flat, double distance,
                               const BoxFinder& finder) const;
@@ -85,9 +85,9 @@ class SmoothSurface {
   std::vector<std::array<std::uint32_t, 3>> neighbors_;  ///< across from each corner, if smooth
   std::vector<std::array<std::uint32_t, 3>> corner_normals_;
   std::vector<Vec3f> normals_;
-  std::vector<std::uint8_t> is_flat_;
+  std::vector<float> lifts_;
   std::vector<std::uint32_t> triangle_of_element_;
-  double most_lift_ = 0.0;
+  float most_lift_ = 0.0f;
 };
 
 }  // namespace voxshell

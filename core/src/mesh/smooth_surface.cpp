@@ -80,12 +80,12 @@ void move(std::array<double, 3>& weights, const std::array<double, 3>& way, doub
 Planar newton_step(const Shape& shape, double least, double far) {
   const double middle = 0.5 * (shape.xx + shape.yy);
   const double half = 0.5 * (shape.xx - shape.yy);
-  const double apart = std::hypot(half, shape.xy);
+  const double apart = std::sqrt(half * half + shape.xy * shape.xy);
   Planar axis{1.0, 0.0};
   if (apart > 0.0) {
     // Of the two ways to write the axis of the larger one, that without cancellation.
     axis = half >= 0.0 ? Planar{half + apart, shape.xy} : Planar{shape.xy, apart - half};
-    axis = (1.0 / std::hypot(axis.x, axis.y)) * axis;
+    axis = (1.0 / std::sqrt(dot(axis, axis))) * axis;
   }
   const Planar other{-axis.y, axis.x};
   Planar step{0.0, 0.0};
@@ -175,19 +175,16 @@ struct SmoothSurface::Nearness {
     return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
   }
   Planar step(const Chart& /*chart*/, const Shape& shape) const { return shape.slope; }
-  double step_along(const Shape& shape, const Planar& side) const {
-    return dot(shape.slope, side);
-  }
+  double step_along(const Shape& shape, const Planar& side) const { return dot(shape.slope, side); }
 };
 
 SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
     : mesh_(&mesh),
       neighbors_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
-      corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
-      is_flat_(mesh.triangles().size(), 1) {
+      corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}) {
   connect();
   average_normals();
-  measure_lift();
+  measure_lifts();
   find_elements(shell);
 }
 
@@ -234,31 +231,33 @@ void SmoothSurface::average_normals() {
         const Vec3 v = corners[after_next(at)] - corners[at];
         sum += std::atan2(length(cross(u, v)), dot(u, v)) * face_normal(corners);
         for (const std::size_t side : {next(at), after_next(at)}) {
-          if (neighbors_[triangle][side] != kNoTriangle) waiting.push_back(neighbors_[triangle][side]);
+          if (neighbors_[triangle][side] != kNoTriangle)
+            waiting.push_back(neighbors_[triangle][side]);
         }
       }
       normals_.push_back(static_cast<Vec3f>(normalized(sum)));
     }
   }
-  for (std::uint32_t triangle = 0; triangle < triangles.size(); ++triangle) {
+}
+
+/// Patches are farthest from their triangles at the middles of their sides or at their own.
+void SmoothSurface::measure_lifts() {
+  constexpr double kThird = 1.0 / 3.0;
+  constexpr std::array<std::array<double, 3>, 4> kMiddles{
+      {{0.5, 0.5, 0.0}, {0.0, 0.5, 0.5}, {0.5, 0.0, 0.5}, {kThird, kThird, kThird}}};
+  lifts_.resize(mesh_->triangles().size());
+  for (std::uint32_t triangle = 0; triangle < lifts_.size(); ++triangle) {
     const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
     const auto bends = [&](std::uint32_t normal) {
       return squared_length(normals_[normal] - face) > kFlatBend * kFlatBend;
     };
-    is_flat_[triangle] = std::ranges::none_of(corner_normals_[triangle], bends) ? 1 : 0;
-  }
-}
-
-/// Patches stand out most at the middles of their sides or at their own.
-void SmoothSurface::measure_lift() {
-  constexpr double kThird = 1.0 / 3.0;
-  for (std::uint32_t triangle = 0; triangle < is_flat_.size(); ++triangle) {
-    if (is_flat(triangle)) continue;
-    for (const std::array<double, 3>& weights : {std::array{0.5, 0.5, 0.0}, {0.0, 0.5, 0.5},
-                                                 {0.5, 0.0, 0.5}, {kThird, kThird, kThird}}) {
+    if (std::ranges::none_of(corner_normals_[triangle], bends)) continue;
+    for (const std::array<double, 3>& weights : kMiddles) {
       const Place place{triangle, weights};
-      most_lift_ = std::max(most_lift_, length(position(place) - flat_position(place)));
+      const auto lift = static_cast<float>(length(position(place) - flat_position(place)));
+      lifts_[triangle] = std::max(lifts_[triangle], lift);
     }
+    most_lift_ = std::max(most_lift_, lifts_[triangle]);
   }
 }
 
@@ -323,7 +322,6 @@ Vec3 SmoothSurface::flat_position(const Place& place) const {
 
 Vec3 SmoothSurface::position(const Place& place) const {
   const Vec3 flat = flat_position(place);
-  if (is_flat(place.triangle)) return flat;
   const std::array<Vec3, 3> corners = mesh_->corners(place.triangle);
   const std::array<Vec3, 3> normals = normals_of(place.triangle);
   Vec3 lift;
@@ -391,12 +389,12 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
       const std::size_t from = next(side);
       const std::size_t to = after_next(side);
       const Planar whole = chart.planar[to] + -1.0 * chart.planar[from];
-      const double size = std::hypot(whole.x, whole.y);
+      const double size = std::sqrt(dot(whole, whole));
       const Planar along = (1.0 / size) * whole;
-      const double wanted = (neighbor == kNoTriangle
-                                 ? objective.step_along(objective(chart, place), along)
-                                 : (1.0 - exit.fraction) * dot(step, along)) /
-                            size;
+      const double wanted =
+          (neighbor == kNoTriangle ? objective.step_along(objective(chart, place), along)
+                                   : (1.0 - exit.fraction) * dot(step, along)) /
+          size;
       const double target = place.weights[to] + wanted;
       const double reached = std::clamp(target, 0.0, 1.0);
       if (reached != place.weights[to]) standing = 0;

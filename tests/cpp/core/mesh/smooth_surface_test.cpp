@@ -62,8 +62,9 @@ TEST(SmoothSurface, OfACylinderIsLeftAlongItsAxis) {
   const Vec3 down = direction_at(0.7, 0.05);
   for (std::uint32_t id = 0; id < shell.element_count(); ++id) {
     const auto point = static_cast<Vec3>(
-        shell.is_point(id) ? shell.points()[id]
-                           : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
+        shell.is_point(id)
+            ? shell.points()[id]
+            : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
     if (std::hypot(point.x, point.y) < 0.49 || dot(point, down) < 0.2) continue;
     const auto start = surface.nearest_on(surface.triangle_of(id), point);
     const Vec3 place = surface.position(surface.slide(start, down, 0.01).place);
@@ -73,8 +74,9 @@ TEST(SmoothSurface, OfACylinderIsLeftAlongItsAxis) {
 }
 
 TEST(SmoothSurface, OfCoarseFacetsIsFlat) {
-  EXPECT_FALSE(SmoothSurface(mesh_of(make_box({1, 2, 3})), shell_of(mesh_of(make_box({1, 2, 3})), 0.01))
-                   .is_curved());
+  EXPECT_FALSE(
+      SmoothSurface(mesh_of(make_box({1, 2, 3})), shell_of(mesh_of(make_box({1, 2, 3})), 0.01))
+          .is_curved());
   for (const std::uint32_t sides : {29u, 30u}) {
     const TriangleMesh mesh = mesh_of(make_cylinder(0.5, 2.0, sides));
     EXPECT_EQ(SmoothSurface(mesh, shell_of(mesh, 1e-3)).is_curved(), sides == 30u) << sides;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <map>
-#include <utility>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "voxshell/pose.h"
@@ -90,7 +90,8 @@ inline Soup make_cylinder(double radius, double height, std::uint32_t sides) {
   std::vector<std::array<double, 2>> polygon;
   std::vector<Triangle> caps;
   for (std::uint32_t i = 0; i < sides; ++i) {
-    polygon.push_back({radius * std::cos(2.0 * std::numbers::pi * i / sides), radius * std::sin(2.0 * std::numbers::pi * i / sides)});
+    polygon.push_back({radius * std::cos(2.0 * std::numbers::pi * i / sides),
+                       radius * std::sin(2.0 * std::numbers::pi * i / sides)});
     if (i >= 2) caps.push_back({0, i - 1, i});
   }
   return make_prism(polygon, caps, -height / 2, height / 2);
