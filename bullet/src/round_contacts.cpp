@@ -11,7 +11,8 @@ namespace voxshell::bullet {
 
 double most_above_samples(const Model& model) {
   const SmoothSurface& surface = model.smooth_surface();
-  return surface.is_curved() ? surface.most_lift() + model.accuracy().coverage.p99 : 0.0;
+  if (!surface.is_curved()) return 0.0;
+  return static_cast<double>(surface.most_lift()) + model.accuracy().coverage.p99;
 }
 
 void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
@@ -25,6 +26,7 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
   surface_ = &model.smooth_surface();
   if (!surface_->is_curved()) return;
   least_curvature_ = kFlatBend / scale.radius;
+  spacing_ = model.shell().spacing();
   same_within_ = kSameOfRadius * scale.radius;
   followed_within_ = kFollowedOfRadius * scale.radius;
   const Pose shell_from_field = field_from_shell.inverse();
@@ -114,7 +116,7 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     const auto depth = -static_cast<double>(field.distance(in_field));
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
       return true;
-    if (const AtRest* const known = find_known(position)) {
+    if (const AtRest* const known = find_known(position, same_within_)) {
       const SmoothSurface::Place start =
           surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
       const double reach =
@@ -132,11 +134,11 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
   return true;
 }
 
-const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position) const {
-  for (auto near = std::ranges::lower_bound(by_x_, position.x - same_within_, {}, &Along::x);
-       near != by_x_.end() && near->x <= position.x + same_within_; ++near) {
+const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position, double within) const {
+  for (auto near = std::ranges::lower_bound(by_x_, position.x - within, {}, &Along::x);
+       near != by_x_.end() && near->x <= position.x + within; ++near) {
     const AtRest& known = at_rest_[near->index];
-    if (squared_length(known.position - position) <= same_within_ * same_within_) return &known;
+    if (squared_length(known.position - position) <= within * within) return &known;
   }
   return nullptr;
 }
@@ -167,7 +169,12 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     const Vec3 direction =
         -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
     const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
-    return slide.is_at_rest && find_known(surface_->position(slide.place)) != nullptr;
+    const Vec3 deepest = surface_->position(slide.place);
+    // Where bodies touch along a line, contacts are as far apart as samples are.
+    const bool slid =
+        squared_length(deepest - surface_->position(start)) > same_within_ * same_within_;
+    const double within = slid ? same_within_ + spacing_ : same_within_;
+    return slide.is_at_rest && find_known(deepest, within) != nullptr;
   };
   std::erase_if(others, is_covered);
 }

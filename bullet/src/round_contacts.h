@@ -55,11 +55,12 @@ class RoundContacts {
   template <class F>
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
                  const Pose& shell_from_field, const TouchScale& scale, const Turning& turning);
-  const AtRest* find_known(const Vec3& position) const;
+  const AtRest* find_known(const Vec3& position, double within) const;
   void keep_ids(std::vector<Contact>& contacts);
 
   const SmoothSurface* surface_ = nullptr;
   double least_curvature_ = 0.0;
+  double spacing_ = 0.0;          ///< of the shell's samples, metres
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
   std::vector<AtRest> at_rest_;
