@@ -112,9 +112,9 @@ inline constexpr float kFreeInFront = 0.3f;
 /// and threads count as beside their neighbors.
 inline constexpr double kEdgeReachOfRadius = 0.02;
 
-/// Radians that a part of a surface may be turned away from the other body, beside what the pair can
-/// turn within the step. Smaller: bodies that land on a face are stopped at its edges alone. Larger:
-/// the sides of a coin that rolls upright brake it.
+/// Radians that a part of a surface may be turned away from the other body, beside what the pair
+/// can turn within the step. Smaller: bodies that land on a face are stopped at its edges alone.
+/// Larger: the sides of a coin that rolls upright brake it.
 inline constexpr double kSteep = 0.5;
 
 // ---- features of Bullet's shapes ----------------------------------------------------------------
@@ -188,8 +188,8 @@ inline constexpr double kSameOfRadius = 0.01;
 /// A contact that has moved by at most this fraction of the smaller body's radius in a step is the
 /// same one. Smaller: impulses are lost and found again as bodies roll.
 inline constexpr double kFollowedOfRadius = 0.1;
-/// How much farther than its depth a contact may be from the place of a round surface that it is said
-/// to be nearest to: far from surfaces, grids' distances are rough.
+/// How much farther than its depth a contact may be from the place of a round surface that it is
+/// said to be nearest to: far from surfaces, grids' distances are rough.
 inline constexpr double kNearestWithin = 1.25;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.

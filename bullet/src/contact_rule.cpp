@@ -15,7 +15,8 @@ namespace {
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
 /// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
-                   std::span<const std::uint32_t> exact, std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
+                   std::span<const std::uint32_t> exact, std::vector<Contact>& contacts,
+                   std::vector<std::uint8_t>& beside) {
   beside.clear();
   bool touches = false;
   bool touches_from_above = false;

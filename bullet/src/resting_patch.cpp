@@ -47,7 +47,8 @@ void RestingPatch::settle(std::span<Contact> contacts, std::span<const std::uint
 
 void RestingPatch::drop_exact(std::span<const std::uint32_t> exact) {
   if (exact.empty()) return;
-  std::erase_if(held_, [&](const Held& held) { return std::ranges::binary_search(exact, held.id); });
+  std::erase_if(held_,
+                [&](const Held& held) { return std::ranges::binary_search(exact, held.id); });
 }
 
 void RestingPatch::keep(std::span<const Contact> contacts) {

@@ -125,9 +125,7 @@ def test_a_prism_of_twenty_sides_stands_on_a_facet():
 @pytest.mark.parametrize("ground", ["plane", "slab"])
 def test_a_ball_that_drops_straight_goes_up_straight(ground, rate):
     world = vx.World(time_step=1 / rate)
-    world.add(
-        vx.Plane((0, 0, 1)) if ground == "plane" else build_slab(), mass=0.0, restitution=1.0
-    )
+    world.add(vx.Plane((0, 0, 1)) if ground == "plane" else build_slab(), mass=0.0, restitution=1.0)
     pose = np.eye(4)
     pose[2, 3] = 0.25
     body = world.add(build("ball"), pose=pose, restitution=0.9, friction=0.5)

@@ -194,9 +194,8 @@ Model::Model(TriangleMesh mesh, GridField field, PointShell shell, const ModelSe
       openings_(openings) {}
 
 const SmoothSurface& Model::smooth_surface() const {
-  std::call_once(smooth_surface_once_, [&] {
-    smooth_surface_ = std::make_unique<const SmoothSurface>(mesh_, shell_);
-  });
+  std::call_once(smooth_surface_once_,
+                 [&] { smooth_surface_ = std::make_unique<const SmoothSurface>(mesh_, shell_); });
   return *smooth_surface_;
 }
 
