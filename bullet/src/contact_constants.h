@@ -191,6 +191,9 @@ inline constexpr double kFollowedOfRadius = 0.1;
 /// How much farther than its depth a contact may be from the place of a round surface that it is
 /// said to be nearest to: far from surfaces, grids' distances are rough.
 inline constexpr double kNearestWithin = 1.25;
+/// Contacts of the other shell that are as deep as the deepest of this one, but for this fraction
+/// of the rest margin, are of flat faces. Larger: a ball rolls over points of the ground.
+inline constexpr double kAsDeepOfMargin = 0.02;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.
 inline constexpr double kSlideWithin = 1e-3;

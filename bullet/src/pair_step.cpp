@@ -1,6 +1,7 @@
 #include "pair_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -79,21 +80,29 @@ bool Turning::may_face(const Vec3& normal, const Vec3& direction, double slack) 
   return angle <= std::abs(dot(turn, normalized(axis))) + std::abs(dot(stopped, direction)) + slack;
 }
 
-double Turning::reach_along(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
+double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& other,
+                          const Vec3& direction) const {
+  constexpr std::array kFractions{0.25, 0.5, 0.75, 1.0};
   const Vec3 arm = place - centre;
-  // The largest value on the way of a turn about an axis by up to an angle.
-  const auto reach = [&](const Vec3& axis, double most) {
+  const Vec3 other_arm = other - centre;
+  // The most of some angles on the way of a turn about an axis.
+  const auto lead = [&](const Vec3& axis, double most) {
     const double level = dot(axis, arm) * dot(axis, direction);
     const double now = dot(arm, direction) - level;
     const double ahead = dot(cross(axis, arm), direction);
-    const double best = std::atan2(ahead, now);
-    if (best >= 0.0 && best <= most) return level + std::hypot(now, ahead);
-    return level + std::max(now, now * std::cos(most) + ahead * std::sin(most));
+    const double speed = dot(cross(axis, other_arm), direction);
+    double largest = now + level;
+    for (const double fraction : kFractions) {
+      const double angle = fraction * most;
+      largest = std::max(largest,
+                         level + now * std::cos(angle) + ahead * std::sin(angle) - angle * speed);
+    }
+    return largest - dot(other_arm, direction);
   };
   const Vec3 towards = cross(normal, direction);
   const double angle = std::atan2(length(towards), dot(normal, direction));
-  return std::max(reach(normalized(turn), length(turn)),
-                  reach(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
+  return std::max(lead(normalized(turn), length(turn)),
+                  lead(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
 }
 
 Turning turning_of(const PairStep& step, bool is_of_field) {

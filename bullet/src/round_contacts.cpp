@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "contact_constants.h"
@@ -28,6 +29,7 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
   least_curvature_ = kFlatBend / scale.radius;
   spacing_ = model.shell().spacing();
   same_within_ = kSameOfRadius * scale.radius;
+  as_deep_within_ = static_cast<float>(kAsDeepOfMargin * scale.margin);
   followed_within_ = kFollowedOfRadius * scale.radius;
   const Pose shell_from_field = field_from_shell.inverse();
   const auto between = static_cast<float>(model.accuracy().coverage.p99);
@@ -91,6 +93,7 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
   const std::uint32_t triangle = surface_->triangle_of(contact.id);
   if (surface_->is_flat(triangle)) return true;
   Vec3 direction = -static_cast<Vec3>(contact.normal);
+  if (surface_->lies_flat(contact.id, direction, -static_cast<double>(kAlignedCosine))) return true;
   Vec3 missed_before;
   double relaxation = 1.0;
   SmoothSurface::Place place = surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
@@ -119,13 +122,13 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (const AtRest* const known = find_known(position, same_within_)) {
       const SmoothSurface::Place start =
           surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
-      const double reach =
-          turning.reach_along(surface_->position(start), surface_->normal(start), -outwards);
-      return reach > dot(turning.centre - known->position, outwards) + scale.margin;
+      const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
+                                            known->position, -outwards);
+      return lead > scale.margin;
     }
     const Along along{position.x, at_rest_.size()};
     by_x_.insert(std::ranges::upper_bound(by_x_, along.x, {}, &Along::x), along);
-    at_rest_.push_back({contact.id, false, place, position});
+    at_rest_.push_back({contact.id, false, static_cast<float>(depth), place, position});
     contact.point = static_cast<Vec3f>(position);
     contact.normal = static_cast<Vec3f>(outwards);
     contact.depth = static_cast<float>(depth);
@@ -153,8 +156,12 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
                                  const Pose& other_from_shell) const {
   if (at_rest_.empty()) return;
   const Pose shell_from_other = other_from_shell.inverse();
+  float as_deep = -std::numeric_limits<float>::infinity();
+  for (const AtRest& at_rest : at_rest_) as_deep = std::max(as_deep, at_rest.depth);
+  as_deep -= as_deep_within_;
   const auto is_covered = [&](const Contact& contact) {
-    if (!shell_of_others.is_point(contact.id)) return false;
+    // Of flat faces that lie on each other, all are as deep.
+    if (!shell_of_others.is_point(contact.id) || contact.depth >= as_deep) return false;
     const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
     const auto nearness = [&](const AtRest& known) {
       return squared_length(known.position - point);

@@ -44,6 +44,7 @@ class RoundContacts {
   struct AtRest {
     std::uint32_t id;
     bool was_there;  ///< in the step before, by that id
+    float depth;     ///< metres
     SmoothSurface::Place place;
     Vec3 position;  ///< metres, the shell's frame
   };
@@ -62,6 +63,7 @@ class RoundContacts {
   double least_curvature_ = 0.0;
   double spacing_ = 0.0;          ///< of the shell's samples, metres
   double same_within_ = 0.0;      ///< metres
+  float as_deep_within_ = 0.0f;   ///< metres
   double followed_within_ = 0.0;  ///< metres
   std::vector<AtRest> at_rest_;
   std::vector<Along> by_x_;                                     ///< those, ascending by x

@@ -16,9 +16,9 @@ class BoxFinder;
 ///
 /// Each triangle carries a quadratic patch through its corners: Phong tessellation (Boubekeur and
 /// Alexa 2008) with a shape factor of one half, with which patches equal spheres and cylinders to
-/// second order. Normals of corners are the means of the triangles' around them, weighted by their
-/// angles. Edges that bend by more than kMostBend are creases: a mesh with such facets is a
-/// polyhedron, and its patches are flat. Metres, the mesh's frame.
+/// second order. Normals of corners are the means of those of the faces around them, weighted by
+/// their angles and squared areas. Edges that bend by more than kMostBend are creases: a mesh with
+/// such facets is a polyhedron, and its patches are flat. Metres, the mesh's frame.
 class SmoothSurface {
  public:
   /// Radians: a turn of 30 facets is round, one of 29 has edges.
@@ -40,6 +40,10 @@ class SmoothSurface {
   /// The triangle that an element of the shell lies on; at a crease between a flat patch and a
   /// curved one, the curved one. Of curved surfaces.
   std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
+
+  /// Whether the element lies on a flat patch whose normal has at least this cosine with a
+  /// direction, at a crease to a curved one included. Of curved surfaces.
+  bool lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const;
 
   /// How far a patch is from its triangle at most, metres; 0 where it is flat.
   float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
@@ -69,11 +73,12 @@ class SmoothSurface {
   struct Nearness;
 
   void connect();
-  void average_normals();
+  std::vector<double> measure_faces() const;
+  void average_normals(const std::vector<double>& face_areas);
   void measure_lifts();
   void find_elements(const PointShell& shell);
-  std::uint32_t curved_beside(const Vec3& place, std::uint32_t flat, double distance,
-                              const BoxFinder& finder) const;
+  std::uint32_t find_beside(const Vec3& place, bool flat, double distance,
+                            const BoxFinder& finder) const;
   Chart chart_of(std::uint32_t triangle) const;
   std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
   Vec3 flat_position(const Place& place) const;
@@ -87,6 +92,7 @@ class SmoothSurface {
   std::vector<Vec3f> normals_;
   std::vector<float> lifts_;
   std::vector<std::uint32_t> triangle_of_element_;
+  std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
   float most_lift_ = 0.0f;
 };
 

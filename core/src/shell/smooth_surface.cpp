@@ -7,6 +7,7 @@
 
 #include "mesh/box_finder.h"
 #include "mesh/closest_point.h"
+#include "mesh/disjoint_sets.h"
 #include "mesh/edges.h"
 
 namespace voxshell {
@@ -183,7 +184,7 @@ SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
       neighbors_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
       corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}) {
   connect();
-  average_normals();
+  average_normals(measure_faces());
   measure_lifts();
   find_elements(shell);
 }
@@ -208,8 +209,35 @@ void SmoothSurface::connect() {
   }
 }
 
-/// One normal for all corners at a vertex that are connected without a crease.
-void SmoothSurface::average_normals() {
+/// Of each triangle: the area of the flat face that it is part of, m2.
+std::vector<double> SmoothSurface::measure_faces() const {
+  DisjointSets faces(neighbors_.size());
+  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
+    const Vec3 normal = face_normal(mesh_->corners(triangle));
+    for (const std::uint32_t other : neighbors_[triangle]) {
+      if (other == kNoTriangle || other < triangle) continue;
+      const Vec3 bend = face_normal(mesh_->corners(other)) - normal;
+      if (squared_length(bend) <= static_cast<double>(kFlatBend * kFlatBend)) {
+        faces.join(triangle, other);
+      }
+    }
+  }
+  std::vector<double> areas(neighbors_.size(), 0.0);
+  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
+    const std::array<Vec3, 3> corners = mesh_->corners(triangle);
+    areas[faces.find(triangle)] +=
+        0.5 * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  }
+  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
+    areas[triangle] = areas[faces.find(triangle)];
+  }
+  return areas;
+}
+
+/// One normal for all corners at a vertex that are connected without a crease. Faces count by their
+/// angle there times their squared area: a flat face beside a fillet stays flat, and the fillet
+/// leaves it smoothly.
+void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
   const auto triangles = mesh_->triangles();
   std::vector<std::uint32_t> waiting;
   for (std::uint32_t first = 0; first < triangles.size(); ++first) {
@@ -229,7 +257,8 @@ void SmoothSurface::average_normals() {
         const std::array<Vec3, 3> corners = mesh_->corners(triangle);
         const Vec3 u = corners[next(at)] - corners[at];
         const Vec3 v = corners[after_next(at)] - corners[at];
-        sum += std::atan2(length(cross(u, v)), dot(u, v)) * face_normal(corners);
+        const double area = face_areas[triangle];
+        sum += std::atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normal(corners);
         for (const std::size_t side : {next(at), after_next(at)}) {
           if (neighbors_[triangle][side] != kNoTriangle)
             waiting.push_back(neighbors_[triangle][side]);
@@ -268,6 +297,7 @@ void SmoothSurface::find_elements(const PointShell& shell) {
   const Vec3 size = mesh_->bounds().extents();
   const double rounding = kRounding * std::max({size.x, size.y, size.z});
   triangle_of_element_.reserve(shell.element_count());
+  flat_of_element_.reserve(shell.element_count());
   std::uint32_t found = 0;
   for (std::uint32_t id = 0; id < shell.element_count(); ++id) {
     const auto place = static_cast<Vec3>(
@@ -275,23 +305,31 @@ void SmoothSurface::find_elements(const PointShell& shell) {
             ? shell.points()[id]
             : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
     found = tree.find_closest(place, found).triangle;
-    if (is_flat(found)) found = curved_beside(place, found, rounding, finder);
-    triangle_of_element_.push_back(found);
+    const std::uint32_t curved = find_beside(place, /*flat=*/false, rounding, finder);
+    triangle_of_element_.push_back(curved == kNoTriangle ? found : curved);
+    flat_of_element_.push_back(
+        curved == kNoTriangle ? found : find_beside(place, /*flat=*/true, rounding, finder));
   }
 }
 
-/// Of a place on a flat patch: the first curved one within a distance of it, if there is one.
-std::uint32_t SmoothSurface::curved_beside(const Vec3& place, std::uint32_t flat, double distance,
-                                           const BoxFinder& finder) const {
+/// The first triangle within a distance of a place whose patch is flat, or is not; else
+/// kNoTriangle.
+std::uint32_t SmoothSurface::find_beside(const Vec3& place, bool flat, double distance,
+                                         const BoxFinder& finder) const {
   Bounds box;
   box.extend(place);
   std::uint32_t first = kNoTriangle;
   finder.visit(widen(box, distance), [&](std::uint32_t triangle) {
-    if (is_flat(triangle) || triangle > first) return;
+    if (is_flat(triangle) != flat || triangle > first) return;
     const Vec3 closest = closest_point_on_triangle(place, mesh_->corners(triangle));
     if (squared_length(place - closest) <= distance * distance) first = triangle;
   });
-  return first == kNoTriangle ? flat : first;
+  return first;
+}
+
+bool SmoothSurface::lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const {
+  const std::uint32_t triangle = flat_of_element_[element];
+  return triangle != kNoTriangle && dot(face_normal(mesh_->corners(triangle)), direction) >= cosine;
 }
 
 SmoothSurface::Chart SmoothSurface::chart_of(std::uint32_t triangle) const {
