@@ -179,28 +179,40 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
 template <class Sweep>
 bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
   const SolverPools rows = pools();
-  btScalar residual = std::numeric_limits<btScalar>::infinity();
-  btScalar best = btSqrt(m_leastSquaresResidual);
-  problem_->keep_impulses(rows);
+  const bool is_small = problem_->is_small();
+  const int most_rounds = is_small ? kMostRounds : kMostRoundsOfMany;
+  const int most_idle_rounds = is_small ? most_rounds : kMostIdleRounds;
+  double best = problem_->error(rows);
+  read_impulses(rows, best_impulses_);
+  const auto keep_if_better = [&](double error) {
+    if (!(error < best)) return;
+    best = error;
+    read_impulses(rows, best_impulses_);
+  };
   double stiffness = kFirstStiffness;
   int idle_rounds = 0;
-  for (int round = 0; round < kMostRounds && idle_rounds < kMostIdleRounds; ++round) {
+  for (int round = 0; round < most_rounds && idle_rounds < most_idle_rounds; ++round) {
     const auto sliding = round < kStickingRounds ? IslandProblem::Sliding::kIgnored
                                                  : IslandProblem::Sliding::kCorrected;
     if (!problem_->solve(rows, stiffness, sliding)) break;
+    const double before = best;
+    const double of_newton = problem_->error(rows);
+    keep_if_better(of_newton);
+    if (of_newton <= static_cast<double>(converged)) return true;
+    read_impulses(rows, newton_impulses_);
     for (int i = 0; i < kSweepsAfterRound; ++i) {
-      residual = sweep(0);
-      if (residual <= converged) return true;
+      if (sweep(0) <= converged) return true;
     }
-    idle_rounds = residual <= static_cast<btScalar>(kProgress) * best ? 0 : idle_rounds + 1;
-    if (residual < best) {
-      best = residual;
-      problem_->keep_impulses(rows);
-    }
+    const double of_sweeps = problem_->error(rows);
+    keep_if_better(of_sweeps);
+    // The next round starts from its own impulses: sweeps drive light links under heavy loads
+    // apart.
+    write_impulses(rows, newton_impulses_);
+    idle_rounds = best <= kProgress * before ? 0 : idle_rounds + 1;
     stiffness = std::min(kStiffnessGrowth * stiffness, kLargestStiffness);
   }
-  if (!(residual <= best)) problem_->restore_impulses(rows);
-  return false;
+  write_impulses(rows, best_impulses_);
+  return best <= static_cast<double>(converged);
 }
 
 /// The largest change of a body's velocity by the forces of this step, m/s.

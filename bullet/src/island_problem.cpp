@@ -62,9 +62,21 @@ btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, 
   return velocity * velocity;
 }
 
+void read_impulses(const SolverPools& pools, std::vector<btScalar>& impulses) {
+  impulses.clear();
+  for_each_row(pools, [&](const btSolverConstraint& row) {
+    impulses.push_back(btScalar(row.m_appliedImpulse));
+  });
+}
+
+void write_impulses(const SolverPools& pools, const std::vector<btScalar>& impulses) {
+  std::size_t i = 0;
+  for_each_row(pools, [&](btSolverConstraint& row) { change_impulse(pools, row, impulses[i++]); });
+}
+
 bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
   number_bodies(pools);
-  if (scales_.empty() || (!is_far_off && scales_.size() > kFewBodies)) return false;
+  if (scales_.empty() || (!is_far_off && !is_small())) return false;
   fill(pools, Sliding::kIgnored);
   return newton_.prepare(scales_.size(), rows_) <= kMostCost;
 }
@@ -83,11 +95,12 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
   }
 }
 
+bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
+
 bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
   fill(pools, sliding);
-  const bool is_small = scales_.size() <= kFewBodies;
-  const int most_steps = is_small ? kMostNewtonSteps : kMostNewtonStepsOfMany;
-  const bool goes_on = newton_.solve(rows_, stiffness, most_steps) || is_small;
+  const int most_steps = is_small() ? kMostNewtonSteps : kMostNewtonStepsOfMany;
+  const bool goes_on = newton_.solve(rows_, stiffness, most_steps) || is_small();
   for (int i = 1; goes_on && i < kSolvesPerRound; ++i) {
     newton_.solve(rows_, stiffness, most_steps);
   }
@@ -98,6 +111,12 @@ bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sl
     change_impulse(pools, *sources_[i], static_cast<btScalar>(rows_[i].impulse));
   }
   return goes_on;
+}
+
+/// With the correction for sliding, the natural map of the cones is that of Coulomb's law.
+double IslandProblem::error(const SolverPools& pools) {
+  fill(pools, Sliding::kCorrected);
+  return newton_.error(rows_);
 }
 
 void IslandProblem::fill(const SolverPools& pools, Sliding sliding) {
@@ -173,18 +192,6 @@ int IslandProblem::place(int body, const btVector3& linear, const btVector3& ang
     along[static_cast<std::size_t>(k) + 3] = scaled_angular[k];
   }
   return number;
-}
-
-void IslandProblem::keep_impulses(const SolverPools& pools) {
-  kept_.clear();
-  for_each_row(pools, [&](const btSolverConstraint& row) {
-    kept_.push_back(btScalar(row.m_appliedImpulse));
-  });
-}
-
-void IslandProblem::restore_impulses(const SolverPools& pools) {
-  std::size_t i = 0;
-  for_each_row(pools, [&](btSolverConstraint& row) { change_impulse(pools, row, kept_[i++]); });
 }
 
 }  // namespace voxshell::bullet

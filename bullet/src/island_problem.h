@@ -28,6 +28,11 @@ btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
 /// @return The velocity along the row that this changes, squared: what the solver's residual is of.
 btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse);
 
+/// Copies the impulses of all rows to `impulses`, N s.
+void read_impulses(const SolverPools& pools, std::vector<btScalar>& impulses);
+/// Changes the impulses of all rows to those that were read.
+void write_impulses(const SolverPools& pools, const std::vector<btScalar>& impulses);
+
 /// Bullet's rows of an island as VelocityNewton takes them.
 class IslandProblem {
  public:
@@ -39,13 +44,16 @@ class IslandProblem {
 
   /// Whether Newton's method pays for the island, which may be far off its solution.
   bool prepare(const SolverPools& pools, bool is_far_off);
+  /// Whether the island, which was prepared, has few bodies.
+  bool is_small() const;
+
   /// Changes all impulses to those of Newton's method.
   ///
   /// @return Whether more rounds pay: it has converged, or the island is small.
   bool solve(const SolverPools& pools, double stiffness, Sliding sliding);
 
-  void keep_impulses(const SolverPools& pools);
-  void restore_impulses(const SolverPools& pools);
+  /// The largest velocity by which the impulses so far miss Coulomb's law or a joint, m/s.
+  double error(const SolverPools& pools);
 
  private:
   /// Roots of a body's inverse mass and inertia.
@@ -67,7 +75,6 @@ class IslandProblem {
   std::vector<Scale> scales_;
   std::vector<VelocityRow> rows_;
   std::vector<btSolverConstraint*> sources_;  ///< of the rows
-  std::vector<btScalar> kept_;                ///< impulses
 };
 
 }  // namespace voxshell::bullet

@@ -10,13 +10,17 @@ namespace voxshell::bullet {
 /// velocity that forces give a body in a step. Larger: chains under load open and grips slip.
 /// Smaller: more rounds in which nothing visible changes.
 inline constexpr double kConvergedOfForces = 2e-4;
-/// Most rounds of Newton's method for an island and step. Smaller: heavy loads that arrive at speed
-/// squeeze what they land on. Larger: islands that do not converge cost more.
-inline constexpr int kMostRounds = 8;
+/// Most rounds of Newton's method for an island and step. Smaller: chains open whose load is a
+/// thousand times a link. Larger: islands that do not converge cost more.
+inline constexpr int kMostRounds = 16;
+/// The same of islands of more than `kFewBodies`. Smaller: heavy loads that arrive at speed squeeze
+/// what they land on. Larger: heaps cost more.
+inline constexpr int kMostRoundsOfMany = 8;
 /// A round has brought an island nearer to its solution if it leaves at most this fraction of the
-/// least residual before. Larger: heaps that tumble cost more.
+/// least error before. Larger: heaps that tumble cost more.
 inline constexpr double kProgress = 0.7;
-/// Rounds end when this many in a row have not.
+/// Rounds end when this many in a row have not. Islands of up to `kFewBodies` use all rounds: the
+/// impulses of a chain creep for several rounds before the error drops.
 inline constexpr int kMostIdleRounds = 2;
 /// Rounds before sliding is corrected for. They take all contacts to stick where they can.
 /// Smaller: a grip that could hold goes on sliding.

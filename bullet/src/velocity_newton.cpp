@@ -147,6 +147,22 @@ bool VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness, int mo
   return is_solved;
 }
 
+double VelocityNewton::error(std::span<const VelocityRow> rows) {
+  start(rows, 1.0);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < rows.size();) {
+    const std::size_t end = i + row_count(rows[i]);
+    const double unit_impulse = rows[i].unit_impulse;
+    for (; i < end; ++i) {
+      if (!(unit_impulse > 0.0)) continue;
+      const double missing = std::abs(impulses_[i] - rows[i].impulse) / unit_impulse;
+      // Not std::max(), which would lose NaN.
+      if (!(missing <= largest)) largest = missing;
+    }
+  }
+  return largest;
+}
+
 /// Starts from the velocities that the rows' impulses give.
 void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) {
   stiffness_ = stiffness;

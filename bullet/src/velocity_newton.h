@@ -48,6 +48,11 @@ class VelocityNewton {
   /// @return Whether `most_steps` were enough.
   bool solve(std::span<VelocityRow> rows, double stiffness, int most_steps);
 
+  /// The largest velocity by which the impulses of the rows that were prepared miss the solution.
+  ///
+  /// A row's error is the step along it that a projection on its limits leaves (the natural map).
+  double error(std::span<const VelocityRow> rows);
+
  private:
   void order(std::size_t body_count, std::span<const VelocityRow> rows);
   void start(std::span<const VelocityRow> rows, double stiffness);

@@ -8,7 +8,7 @@ import trimesh
 import voxshell as vx
 from voxshell.experiments.everyday_runs import run_stage
 from voxshell.scenes.everyday import forms
-from voxshell.scenes.everyday.machines import _gripper
+from voxshell.scenes.everyday.machines import _chain, _chain_length, _gripper, _true_chain
 
 G = 9.81  # m/s2
 RATES = (200.0, 60.0, 30.0)
@@ -65,6 +65,15 @@ def test_a_gripper_holds_a_mug_at_every_rate(rate):
     """With fifty iterations the mug slips by 26 mm at 200 Hz and falls at 60 Hz."""
     track = run_stage(_gripper(0, 20.0, forms.mug()), "voxshell", rate, 2.0)
     assert abs(track.path("body")[-1, 2]) < 5e-5
+
+
+@pytest.mark.parametrize(
+    ("load", "rate"), [(10.0, 30.0), (20.0, 60.0), (50.0, 200.0), (50.0, 60.0), (50.0, 30.0)]
+)
+def test_chains_of_light_links_stay_closed(load, rate):
+    """Sweeps between rounds of Newton's method open them within a second."""
+    track = run_stage(_chain(0, load), "voxshell", rate, 2.0)
+    assert _chain_length(track) == pytest.approx(_true_chain(track), rel=0.002)
 
 
 def test_given_iterations_are_all_that_is_done(brick):

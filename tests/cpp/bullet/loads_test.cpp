@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,21 @@ TEST(VelocityNewton, FindsWhatEachContactOfAColumnCarries) {
     carried += masses[i] * kFall;
     EXPECT_NEAR(rows[i].impulse, carried, 1e-6 * carried) << i;
   }
+}
+
+TEST(VelocityNewton, MeasuresTheVelocityThatImpulsesMiss) {
+  constexpr double kFall = 0.1;  // m/s
+  std::vector<VelocityRow> rows = make_column({1.0, 1000.0}, kFall);
+  VelocityNewton newton;
+  newton.prepare(2, rows);
+  EXPECT_DOUBLE_EQ(newton.error(rows), kFall);
+  // The lower body is stopped, and the heavy one falls on.
+  rows[0].impulse = kFall;
+  EXPECT_DOUBLE_EQ(newton.error(rows), kFall);
+  for (int i = 0; i < 10; ++i) newton.solve(rows, 1e4, 20);
+  EXPECT_LT(newton.error(rows), 1e-9);
+  rows[0].impulse = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(newton.error(rows) < kFall);
 }
 
 TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <vector>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
@@ -83,6 +84,8 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
   std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
+  std::vector<btScalar> best_impulses_;    ///< of the rows, N s; kept for their memory
+  std::vector<btScalar> newton_impulses_;  ///< before sweeps
 };
 
 }  // namespace voxshell::bullet
