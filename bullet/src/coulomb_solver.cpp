@@ -170,19 +170,20 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged) return;
   const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
-  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged)) return;
+  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged, reference)) return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
   for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
 }
 
 /// @return Whether the island is solved. If not, it is as near to it as any round has brought it.
 template <class Sweep>
-bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged) {
+bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference) {
   const SolverPools rows = pools();
-  const bool is_small = problem_->is_small();
-  const int most_rounds = is_small ? kMostRounds : kMostRoundsOfMany;
-  const int most_idle_rounds = is_small ? most_rounds : kMostIdleRounds;
   double best = problem_->error(rows);
+  const bool is_hard =
+      problem_->is_small() && best > kSmallOfForces * static_cast<double>(reference);
+  const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfMany;
+  const int most_idle_rounds = is_hard ? most_rounds : kMostIdleRounds;
   read_impulses(rows, best_impulses_);
   const auto keep_if_better = [&](double error) {
     if (!(error < best)) return;

@@ -184,7 +184,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   // What a still body does not lie on is left out below, too.
   const auto least_depth_of = [&](std::span<const Contact> contacts) {
     if (contacts.empty() || !step->is_still || wanted != Wanted::kAll) return -reach;
-    const auto band = static_cast<float>(kIdleOfMargin * step->rest_margin);
+    const float band = kIdleOfMargin * static_cast<float>(step->rest_margin);
     return std::max(std::min(find_deepest(contacts).depth - band, 0.0f), -reach);
   };
   const auto drop_far = [&](std::vector<Contact>& contacts) {

@@ -64,7 +64,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   template <class Sweep>
   void solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info);
   template <class Sweep>
-  bool solve_by_newton(const Sweep& sweep, btScalar converged);
+  bool solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference);
   btScalar velocity_of_forces() const;
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
