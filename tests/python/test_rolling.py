@@ -141,10 +141,14 @@ def test_a_ball_touches_with_one_point_whose_impulse_goes_on(ground):
     world, _, _ = lay("ball", ground, rate=200, speed=0.3)
     world.step(20)
     ids = set()
+    impulses = []
     for _ in range(40):
         world.step()
         contacts = world.contacts()
         assert len(contacts) == 1
-        assert contacts["impulse"][0] == pytest.approx(GRAVITY / 200, rel=0.02)
+        impulses.append(contacts["impulse"][0])
         ids.add(int(contacts["id"][0]))
     assert len(ids) == 1
+    assert np.mean(impulses) == pytest.approx(GRAVITY / 200, rel=0.01)
+    # Facets are smoothed to second order: what is left shakes the ball a little.
+    assert impulses == pytest.approx(np.full(40, GRAVITY / 200), rel=0.1)
