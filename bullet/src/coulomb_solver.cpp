@@ -170,7 +170,8 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged) return;
   const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
-  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged, reference)) return;
+  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged, reference))
+    return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
   for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
 }

@@ -20,8 +20,8 @@ inline constexpr int kMostRoundsOfMany = 8;
 /// least error before. Larger: heaps that tumble cost more.
 inline constexpr double kProgress = 0.7;
 /// Rounds end when this many in a row have not. Islands of up to `kFewBodies` whose error is
-/// above `kSmallOfForces` use all rounds: the impulses of a chain creep for several rounds before the
-/// error drops.
+/// above `kSmallOfForces` use all rounds: the impulses of a chain creep for several rounds before
+/// the error drops.
 inline constexpr int kMostIdleRounds = 2;
 /// Rounds before sliding is corrected for. They take all contacts to stick where they can.
 /// Smaller: a grip that could hold goes on sliding.

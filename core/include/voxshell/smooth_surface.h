@@ -75,6 +75,7 @@ class SmoothSurface {
   void connect();
   std::vector<double> measure_faces() const;
   void average_normals(const std::vector<double>& face_areas);
+  void sharpen_tips();
   void measure_lifts();
   void find_elements(const PointShell& shell);
   std::uint32_t find_beside(const Vec3& place, bool flat, double distance,

@@ -267,6 +267,20 @@ void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
       normals_.push_back(static_cast<Vec3f>(normalized(sum)));
     }
   }
+  sharpen_tips();
+}
+
+/// At the tip of a cone, where the mean is far from each of its faces, these keep their own.
+void SmoothSurface::sharpen_tips() {
+  const auto least_cosine = static_cast<float>(std::cos(kMostBend));
+  for (std::uint32_t triangle = 0; triangle < corner_normals_.size(); ++triangle) {
+    const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
+    for (std::uint32_t& normal : corner_normals_[triangle]) {
+      if (dot(normals_[normal], face) >= least_cosine) continue;
+      normal = static_cast<std::uint32_t>(normals_.size());
+      normals_.push_back(face);
+    }
+  }
 }
 
 /// Patches are farthest from their triangles at the middles of their sides or at their own.

@@ -17,19 +17,6 @@ namespace {
 
 using namespace test_support;
 
-constexpr double kTau = 6.283185307179586;
-
-Soup make_cone(double radius, double height, std::uint32_t sides) {
-  Soup soup{{{0, 0, height}}, {}};
-  for (std::uint32_t i = 0; i < sides; ++i) {
-    soup.vertices.push_back(
-        {radius * std::cos(kTau * i / sides), radius * std::sin(kTau * i / sides), 0});
-    soup.triangles.push_back({0, i + 1, (i + 1) % sides + 1});
-    if (i >= 2) soup.triangles.push_back({1, i + 1, i});
-  }
-  return soup;
-}
-
 double sum_lengths(const TriangleMesh& mesh, const Creases& creases) {
   double sum = 0.0;
   for (const BentEdge& edge : creases.sharp_edges) {

@@ -97,6 +97,18 @@ inline Soup make_cylinder(double radius, double height, std::uint32_t sides) {
   return make_prism(polygon, caps, -height / 2, height / 2);
 }
 
+/// Its base at z = 0, its tip above it.
+inline Soup make_cone(double radius, double height, std::uint32_t sides) {
+  Soup soup{{{0, 0, height}}, {}};
+  for (std::uint32_t i = 0; i < sides; ++i) {
+    soup.vertices.push_back({radius * std::cos(2.0 * std::numbers::pi * i / sides),
+                             radius * std::sin(2.0 * std::numbers::pi * i / sides), 0});
+    soup.triangles.push_back({0, i + 1, (i + 1) % sides + 1});
+    if (i >= 2) soup.triangles.push_back({1, i + 1, i});
+  }
+  return soup;
+}
+
 inline Soup make_box(const Vec3& half) {
   return make_prism({{-half.x, -half.y}, {half.x, -half.y}, {half.x, half.y}, {-half.x, half.y}},
                     {{0, 1, 2}, {0, 2, 3}}, -half.z, half.z);
