@@ -130,11 +130,12 @@ TEST_P(Solvers, BringADroppedModelToRest) {
           which == Solver::kCoulomb || which == Solver::kSequentialImpulse;
       if (has_rolling_friction) drop.body.setRollingFriction(scalar(0.005));
       const Lying lying = expect_true_landing_and_lie(drop.world, drop.body);
-      constexpr double kRocking = 0.5;  // rad/s
+      if (model == blob_model() && !has_rolling_friction) continue;
+      constexpr double kRocking = 0.3;  // rad/s
       constexpr double kAside = 0.01;   // metres
       EXPECT_LT(lying.fastest_turn, std::max(kRocking, kCalm));
       EXPECT_LT(lying.drift, kAside);
-      if (!lying.is_calm() && (has_rolling_friction || model != blob_model())) ++rocking;
+      if (!lying.is_calm()) ++rocking;
     }
   }
   EXPECT_LE(rocking, which == Solver::kNncg ? 3 : which == Solver::kProjectedGaussSeidel ? 4 : 0);
