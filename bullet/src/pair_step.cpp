@@ -90,7 +90,8 @@ double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& oth
     const double level = dot(axis, arm) * dot(axis, direction);
     const double now = dot(arm, direction) - level;
     const double ahead = dot(cross(axis, arm), direction);
-    const double speed = dot(cross(axis, other_arm), direction);
+    // Where the other place goes on along the direction, it need not be taken to: nothing lifts it.
+    const double speed = std::min(dot(cross(axis, other_arm), direction), 0.0);
     double largest = now + level;
     for (const double fraction : kFractions) {
       const double angle = fraction * most;
