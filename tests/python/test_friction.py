@@ -131,7 +131,7 @@ def test_stock_solver_gives_bodies_of_many_points_too_much_friction():
     world, body, along = lay("cube", "plane", rate=200, slope=SLOPE, solver="sequential_impulse")
     world.step(80)
     expected = 0.4 * GRAVITY * (math.sin(SLOPE) - FRICTION * math.cos(SLOPE))
-    assert body.linear_velocity @ along < 0.9 * expected
+    assert body.linear_velocity @ along < 0.95 * expected
 
 
 @pytest.mark.parametrize(("name", "rate"), [("cube", 200), ("mug", 60), ("can", 60)])

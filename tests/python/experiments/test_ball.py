@@ -81,7 +81,8 @@ def test_coarse_ball_that_lands_beside_its_centre_turns_and_the_report_says_so(r
     assert apex.here < 0.9
     assert "turning has the energy of 2.6 mm more" in apex.note
     rebound = rows[f"rebound off c2 at most, {who}, block of voxels, 4 start heights"]
-    assert rebound.here > 2.0
+    # Contacts of a World slide to below the centre, however coarse the shell.
+    assert rebound.here < 0.01
     assert all(row.verdict == "for information" for name, row in rows.items() if who in name)
 
 
