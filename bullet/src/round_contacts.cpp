@@ -106,7 +106,8 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     const Vec3 outwards =
         shell_from_field.rotate(normalized(static_cast<Vec3>(field.gradient(in_field))));
     const Vec3 missed = -outwards - direction;
-    if (squared_length(missed) > kSlideWithin * kSlideWithin) {
+    // Not so where the field has no gradient, or the relaxation no value.
+    if (!(squared_length(missed) <= kSlideWithin * kSlideWithin)) {
       // Aitken's relaxation: the field's surface is curved, too.
       if (i > 0) {
         const Vec3 change = missed - missed_before;
