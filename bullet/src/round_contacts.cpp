@@ -102,6 +102,7 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (!slide.is_at_rest) return true;
     place = slide.place;
     const Vec3 position = surface_->position(place);
+    if (!is_finite(position)) return true;  // over a needle without height
     const auto in_field = static_cast<Vec3f>(field_from_shell.transform_point(position));
     const Vec3 outwards =
         shell_from_field.rotate(normalized(static_cast<Vec3>(field.gradient(in_field))));
