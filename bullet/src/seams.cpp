@@ -317,6 +317,8 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
 void turn(btManifoldPoint& point, const Correction& correction) {
   const auto& [normal, gap, carries] = correction.seam;
   const Vec3 on_body = touch_of(point, correction.of_first).on_body;
+  // Where fields have no gradient, nothing is known of the seam.
+  if (!(squared_length(normal) > 0.5) || !is_finite(on_body - gap * normal)) return;
   const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
   point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);
