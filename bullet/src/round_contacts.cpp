@@ -102,12 +102,13 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (!slide.is_at_rest) return true;
     place = slide.place;
     const Vec3 position = surface_->position(place);
-    if (!is_finite(position)) return true;  // over a needle without height
     const auto in_field = static_cast<Vec3f>(field_from_shell.transform_point(position));
     const Vec3 outwards =
         shell_from_field.rotate(normalized(static_cast<Vec3>(field.gradient(in_field))));
+    // Coarse fields have places without a gradient: there is nowhere to slide to.
+    if (outwards == Vec3{}) return true;
     const Vec3 missed = -outwards - direction;
-    // Not so where the field has no gradient, or the relaxation no value.
+    // Nor where the relaxation has no value: it has made no difference.
     if (!(squared_length(missed) <= kSlideWithin * kSlideWithin)) {
       // Aitken's relaxation: the field's surface is curved, too.
       if (i > 0) {

@@ -102,6 +102,17 @@ TEST(RoundContacts, OfAFacetedBodyStayWhereTheyAre) {
   EXPECT_EQ(contacts, before);
 }
 
+// Their normals became zero, and the poses of what they touched no numbers.
+TEST(RoundContacts, InAFieldWithoutGradientStayWhereTheyAre) {
+  const auto ball = fine(make_icosphere(0.1, 4));
+  const auto before = touching(*ball, lying(0.3, 0.1));
+  ASSERT_FALSE(before.empty());
+  auto contacts = before;
+  RoundContacts().slide(contacts, *ball, PlaneField{{0, 0, 0}, 0.0}, lying(0.3, 0.1),
+                        {0.1, kMargin, 0.0}, {}, -kReach);
+  EXPECT_EQ(contacts, before);
+}
+
 // The belly of an egg on its side: turned far enough within the step, its end goes lower.
 TEST(RoundContacts, OfABodyThatTurnsFastStay) {
   Soup egg = make_icosphere(0.1, 4);
