@@ -230,6 +230,8 @@ Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
 }
 
 bool leans(const Vec3& normal, const Vec3& upwards) {
+  // Coarse fields have places without a gradient: nothing is known of a seam there.
+  if (upwards == Vec3{}) return false;
   const double along = dot(normal, upwards);
   return along <= kSeamAligned && along >= -kSeamOpposed;
 }
@@ -317,8 +319,6 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
 void turn(btManifoldPoint& point, const Correction& correction) {
   const auto& [normal, gap, carries] = correction.seam;
   const Vec3 on_body = touch_of(point, correction.of_first).on_body;
-  // Where fields have no gradient, nothing is known of the seam.
-  if (!(squared_length(normal) > 0.5) || !is_finite(on_body - gap * normal)) return;
   const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
   point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);
