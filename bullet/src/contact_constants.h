@@ -197,6 +197,10 @@ inline constexpr double kAsDeepOfMargin = 0.02;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.
 inline constexpr double kSlideWithin = 1e-3;
+/// Surfaces that follow each other, as a peg and its hole do, have no one deepest place: the
+/// field's normal turns by more than this fraction of what a slide was to turn by. Smaller: a ball
+/// in a bowl feels its samples. Larger: slides along such surfaces lead far.
+inline constexpr double kFollowsOfTurn = 0.75;
 /// Most slides of a contact in turn, each towards the field's normal where the last one ended.
 inline constexpr int kMostSlides = 6;
 /// A slide that leads out of the field by more than this fraction of the rest margin is none: the

@@ -94,9 +94,12 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
   if (surface_->is_flat(triangle)) return true;
   Vec3 direction = -static_cast<Vec3>(contact.normal);
   if (surface_->lies_flat(contact.id, direction, -static_cast<double>(kAlignedCosine))) return true;
+  const SmoothSurface::Place start =
+      surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
+  const Vec3 wanted = direction - surface_->normal(start);
   Vec3 missed_before;
   double relaxation = 1.0;
-  SmoothSurface::Place place = surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
+  SmoothSurface::Place place = start;
   for (int i = 0; i < kMostSlides; ++i) {
     const SmoothSurface::Slide slide = surface_->slide(place, direction, least_curvature_);
     if (!slide.is_at_rest) return true;
@@ -110,6 +113,9 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     const Vec3 missed = -outwards - direction;
     // Nor where the relaxation has no value: it has made no difference.
     if (!(squared_length(missed) <= kSlideWithin * kSlideWithin)) {
+      // A peg in its hole: the field's surface has turned as far, and there is no one deepest
+      // place.
+      if (i == 0 && dot(missed, wanted) > kFollowsOfTurn * squared_length(wanted)) return true;
       // Aitken's relaxation: the field's surface is curved, too.
       if (i > 0) {
         const Vec3 change = missed - missed_before;
@@ -123,8 +129,6 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
       return true;
     if (const AtRest* const known = find_known(position, same_within_)) {
-      const SmoothSurface::Place start =
-          surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
       const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
                                             known->position, -outwards);
       return lead > scale.margin;
@@ -155,16 +159,24 @@ void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& 
   std::sort(ids.begin() + before, ids.end());
 }
 
-void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
+void RoundContacts::drop_covered(std::vector<Contact>& others, const Model& model_of_others,
                                  const Pose& other_from_shell) const {
   if (at_rest_.empty()) return;
+  const PointShell& shell_of_others = model_of_others.shell();
+  const SmoothSurface& surface_of_others = model_of_others.smooth_surface();
+  const auto is_flat = [&](const Contact& contact) {
+    return !surface_of_others.is_curved() ||
+           surface_of_others.is_flat(surface_of_others.triangle_of(contact.id));
+  };
   const Pose shell_from_other = other_from_shell.inverse();
   float as_deep = -std::numeric_limits<float>::infinity();
   for (const AtRest& at_rest : at_rest_) as_deep = std::max(as_deep, at_rest.depth);
   as_deep -= as_deep_within_;
   const auto is_covered = [&](const Contact& contact) {
     // Of flat faces that lie on each other, all are as deep.
-    if (!shell_of_others.is_point(contact.id) || contact.depth >= as_deep) return false;
+    if (!shell_of_others.is_point(contact.id) || contact.depth >= as_deep || !is_flat(contact)) {
+      return false;
+    }
     const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
     const auto nearness = [&](const AtRest& known) {
       return squared_length(known.position - point);

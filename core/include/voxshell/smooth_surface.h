@@ -62,7 +62,7 @@ class SmoothSurface {
     bool is_at_rest;  ///< no place beside it is farther along
   };
   /// Slides, from triangle to triangle, to the place that is farthest along `direction` of the
-  /// surface around. It moves only along directions in which the surface bends by at least
+  /// surface around. It moves only along directions in which the surface is convex by at least
   /// `least_curvature`, 1/metres: along a cylinder's axis it stays. At creases it goes on along
   /// them.
   Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;

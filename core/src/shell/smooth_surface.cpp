@@ -77,8 +77,8 @@ void move(std::array<double, 3>& weights, const std::array<double, 3>& way, doub
 }
 
 /// The step to where an objective is largest, along those of its axes along which it is concave by
-/// at least `least`; along those along which it is as convex, out of the triangle.
-Planar newton_step(const Shape& shape, double least, double far) {
+/// at least `least`.
+Planar newton_step(const Shape& shape, double least) {
   const double middle = 0.5 * (shape.xx + shape.yy);
   const double half = 0.5 * (shape.xx - shape.yy);
   const double apart = std::sqrt(half * half + shape.xy * shape.xy);
@@ -92,12 +92,7 @@ Planar newton_step(const Shape& shape, double least, double far) {
   Planar step{0.0, 0.0};
   for (const auto& [direction, curvature] :
        {std::pair{axis, middle + apart}, std::pair{other, middle - apart}}) {
-    const double slope = dot(shape.slope, direction);
-    if (-curvature >= least) {
-      step = step + (-slope / curvature) * direction;
-    } else if (curvature >= least) {
-      step = step + std::copysign(far, slope) * direction;
-    }
+    if (-curvature >= least) step = step + (-dot(shape.slope, direction) / curvature) * direction;
   }
   return step;
 }
@@ -157,9 +152,7 @@ struct SmoothSurface::Height {
     }
     return shape;
   }
-  Planar step(const Chart& chart, const Shape& shape) const {
-    return newton_step(shape, least_curvature, chart.planar[1].x + chart.height);
-  }
+  Planar step(const Shape& shape) const { return newton_step(shape, least_curvature); }
   double step_along(const Shape& shape, const Planar& side) const {
     const double curvature = shape.along(side);
     return -curvature >= least_curvature ? -dot(shape.slope, side) / curvature : 0.0;
@@ -175,7 +168,7 @@ struct SmoothSurface::Nearness {
     const Vec3 way = point - surface.flat_position(place);
     return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
   }
-  Planar step(const Chart& /*chart*/, const Shape& shape) const { return shape.slope; }
+  Planar step(const Shape& shape) const { return shape.slope; }
   double step_along(const Shape& shape, const Planar& side) const { return dot(shape.slope, side); }
 };
 
@@ -427,7 +420,7 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
   for (int i = 0; i < kMostTriangles; ++i) {
     const Chart chart = chart_of(place.triangle);
     if (!(chart.height > 0.0)) return {place, false};
-    const Planar step = objective.step(chart, objective(chart, place));
+    const Planar step = objective.step(objective(chart, place));
     const std::array<double, 3> way = chart.weights_of(step);
     const Exit exit = find_exit(place.weights, way);
     move(place.weights, way, exit.fraction);
