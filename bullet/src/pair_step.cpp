@@ -80,7 +80,7 @@ bool Turning::may_face(const Vec3& normal, const Vec3& direction, double slack) 
   return angle <= std::abs(dot(turn, normalized(axis))) + std::abs(dot(stopped, direction)) + slack;
 }
 
-double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& other,
+double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& other, double gap,
                           const Vec3& direction) const {
   constexpr std::array kFractions{0.25, 0.5, 0.75, 1.0};
   const Vec3 arm = place - centre;
@@ -90,13 +90,16 @@ double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& oth
     const double level = dot(axis, arm) * dot(axis, direction);
     const double now = dot(arm, direction) - level;
     const double ahead = dot(cross(axis, arm), direction);
-    // Where the other place goes on along the direction, it need not be taken to: nothing lifts it.
-    const double speed = std::min(dot(cross(axis, other_arm), direction), 0.0);
+    const double speed = dot(cross(axis, other_arm), direction);
+    // Nothing holds the other place before it has closed its gap.
+    const auto taken = [&](double angle) {
+      return speed < 0.0 ? angle * speed : std::max(angle * speed - gap, 0.0);
+    };
     double largest = now + level;
     for (const double fraction : kFractions) {
       const double angle = fraction * most;
-      largest = std::max(largest,
-                         level + now * std::cos(angle) + ahead * std::sin(angle) - angle * speed);
+      largest =
+          std::max(largest, level + now * std::cos(angle) + ahead * std::sin(angle) - taken(angle));
     }
     return largest - dot(other_arm, direction);
   };

@@ -45,8 +45,8 @@ struct Turning {
   /// Whether a normal of its surface may come to point along a direction; both unit length.
   bool may_face(const Vec3& normal, const Vec3& direction, double slack) const;
   /// How much farther along a direction a place of its surface may come than another one is taken
-  /// to, which moves as its velocity says; metres.
-  double lead_over(const Vec3& place, const Vec3& normal, const Vec3& other,
+  /// to, which moves as its velocity says, but by at most `gap` along the direction; metres.
+  double lead_over(const Vec3& place, const Vec3& normal, const Vec3& other, double gap,
                    const Vec3& direction) const;
 };
 /// Of the shell's body, or of the field's.

@@ -129,8 +129,9 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
       return true;
     if (const AtRest* const known = find_known(position, same_within_)) {
+      const double gap = std::max(-static_cast<double>(known->depth), 0.0);
       const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
-                                            known->position, -outwards);
+                                            known->position, gap, -outwards);
       return lead > scale.margin;
     }
     const Along along{position.x, at_rest_.size()};

@@ -6,13 +6,14 @@ its speed. Semi-implicit Euler steps add a half of a step's velocity to each way
 
 from __future__ import annotations
 
+import itertools
 import math
 from functools import cache
 
 import numpy as np
 import pytest
 import voxshell as vx
-from trimesh.creation import box, cylinder, icosphere, torus
+from trimesh.creation import box, capsule, cylinder, icosphere, torus
 
 GRAVITY = 9.81  # m/s2
 RATES = [1000, 200, 60, 30]
@@ -25,6 +26,7 @@ BODIES = {
     "wheel": (lambda: torus(0.04, 0.01, major_sections=128, minor_sections=48), 0.05, 2),
     "can": (lambda: cylinder(0.03, 0.1, sections=64), 0.03, 2),
     "can of 32 sides": (lambda: cylinder(0.03, 0.1, sections=32), 0.03, 2),
+    "capsule": (lambda: capsule(0.1, 0.05, count=(64, 64)), 0.05, 2),
     "coin": (lambda: cylinder(0.02, 0.002, sections=128), 0.02, 2),
 }
 
@@ -80,12 +82,17 @@ def test_round_bodies_roll_down_a_slope(name, ground, rate):
     assert body.pose[0, 3] + 1.0 == pytest.approx(way, rel=0.01)
 
 
-@pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("ground", ["plane", "slab"])
-@pytest.mark.parametrize("name", ["ball", "wheel", "can", "coin"])
+@pytest.mark.parametrize(
+    ("name", "rate"),
+    [
+        *itertools.product(["ball", "wheel", "can", "capsule"], RATES),
+        # In longer steps it turns by too much.
+        ("coin", 1000),
+        ("coin", 200),
+    ],
+)
 def test_round_bodies_keep_rolling_on_the_level(name, ground, rate):
-    if name == "coin" and rate < 200:
-        pytest.skip("turns by too much in a step")
     world, body, _ = lay(name, ground, rate=rate, speed=0.6, turned=0.3)
     world.step(rate)
     assert body.linear_velocity[0] == pytest.approx(0.6, rel=0.01)

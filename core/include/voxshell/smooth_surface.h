@@ -59,7 +59,7 @@ class SmoothSurface {
   /// Where a slide has led.
   struct Slide {
     Place place;
-    bool is_at_rest;  ///< no place beside it is farther along
+    bool is_at_rest;  ///< no place beside it is farther along; never where the surface is concave
   };
   /// Slides, from triangle to triangle, to the place that is farthest along `direction` of the
   /// surface around. It moves only along directions in which the surface is convex by at least

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "mesh/box_finder.h"
@@ -77,8 +78,8 @@ void move(std::array<double, 3>& weights, const std::array<double, 3>& way, doub
 }
 
 /// The step to where an objective is largest, along those of its axes along which it is concave by
-/// at least `least`.
-Planar newton_step(const Shape& shape, double least) {
+/// at least `least`. None where it is convex by as much: it has no largest value around.
+std::optional<Planar> newton_step(const Shape& shape, double least) {
   const double middle = 0.5 * (shape.xx + shape.yy);
   const double half = 0.5 * (shape.xx - shape.yy);
   const double apart = std::sqrt(half * half + shape.xy * shape.xy);
@@ -92,6 +93,7 @@ Planar newton_step(const Shape& shape, double least) {
   Planar step{0.0, 0.0};
   for (const auto& [direction, curvature] :
        {std::pair{axis, middle + apart}, std::pair{other, middle - apart}}) {
+    if (curvature >= least) return std::nullopt;
     if (-curvature >= least) step = step + (-dot(shape.slope, direction) / curvature) * direction;
   }
   return step;
@@ -152,7 +154,9 @@ struct SmoothSurface::Height {
     }
     return shape;
   }
-  Planar step(const Shape& shape) const { return newton_step(shape, least_curvature); }
+  std::optional<Planar> step(const Shape& shape) const {
+    return newton_step(shape, least_curvature);
+  }
   double step_along(const Shape& shape, const Planar& side) const {
     const double curvature = shape.along(side);
     return -curvature >= least_curvature ? -dot(shape.slope, side) / curvature : 0.0;
@@ -168,7 +172,7 @@ struct SmoothSurface::Nearness {
     const Vec3 way = point - surface.flat_position(place);
     return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
   }
-  Planar step(const Shape& shape) const { return shape.slope; }
+  std::optional<Planar> step(const Shape& shape) const { return shape.slope; }
   double step_along(const Shape& shape, const Planar& side) const { return dot(shape.slope, side); }
 };
 
@@ -420,8 +424,9 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
   for (int i = 0; i < kMostTriangles; ++i) {
     const Chart chart = chart_of(place.triangle);
     if (!(chart.height > 0.0)) return {place, false};
-    const Planar step = objective.step(objective(chart, place));
-    const std::array<double, 3> way = chart.weights_of(step);
+    const std::optional<Planar> step = objective.step(objective(chart, place));
+    if (!step) return {place, false};
+    const std::array<double, 3> way = chart.weights_of(*step);
     const Exit exit = find_exit(place.weights, way);
     move(place.weights, way, exit.fraction);
     if (exit.side == kCorners) return {place, true};
@@ -438,7 +443,7 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
       const Planar along = (1.0 / size) * whole;
       const double wanted =
           (neighbor == kNoTriangle ? objective.step_along(objective(chart, place), along)
-                                   : (1.0 - exit.fraction) * dot(step, along)) /
+                                   : (1.0 - exit.fraction) * dot(*step, along)) /
           size;
       const double target = place.weights[to] + wanted;
       const double reached = std::clamp(target, 0.0, 1.0);
