@@ -28,6 +28,7 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
   if (!surface_->is_curved()) return;
   least_curvature_ = kFlatBend / scale.radius;
   spacing_ = model.shell().spacing();
+  margin_ = scale.margin;
   same_within_ = kSameOfRadius * scale.radius;
   as_deep_within_ = static_cast<float>(kAsDeepOfMargin * scale.margin);
   followed_within_ = kFollowedOfRadius * scale.radius;
@@ -175,22 +176,26 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const Model& mode
   as_deep -= as_deep_within_;
   const auto is_covered = [&](const Contact& contact) {
     // Of flat faces that lie on each other, all are as deep.
-    if (!shell_of_others.is_point(contact.id) || contact.depth >= as_deep || !is_flat(contact)) {
-      return false;
-    }
+    if (contact.depth >= as_deep || !is_flat(contact)) return false;
     const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
     const auto nearness = [&](const AtRest& known) {
       return squared_length(known.position - point);
     };
     const AtRest& nearest = *std::ranges::min_element(at_rest_, {}, nearness);
+    Vec3 direction = surface_->normal(nearest.place);
+    if (shell_of_others.is_point(contact.id)) {
+      direction =
+          -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
+    } else if (dot(point - nearest.position, direction) < -margin_) {
+      // An edge that stands up from the ground.
+      return false;
+    }
     const SmoothSurface::Place start = surface_->nearest_from(nearest.place, point);
     // Another part of the body may be nearer.
     const double apart = length(surface_->position(start) - point);
     if (apart > same_within_ + kNearestWithin * std::abs(static_cast<double>(contact.depth))) {
       return false;
     }
-    const Vec3 direction =
-        -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
     const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
     const Vec3 deepest = surface_->position(slide.place);
     // Where bodies touch along a line, contacts are as far apart as samples are.

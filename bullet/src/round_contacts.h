@@ -62,6 +62,7 @@ class RoundContacts {
   const SmoothSurface* surface_ = nullptr;
   double least_curvature_ = 0.0;
   double spacing_ = 0.0;          ///< of the shell's samples, metres
+  double margin_ = 0.0;           ///< see TouchScale
   double same_within_ = 0.0;      ///< metres
   float as_deep_within_ = 0.0f;   ///< metres
   double followed_within_ = 0.0;  ///< metres

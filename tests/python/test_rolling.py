@@ -159,3 +159,14 @@ def test_a_ball_touches_with_one_point_whose_impulse_goes_on(ground):
     assert np.mean(impulses) == pytest.approx(GRAVITY / 200, rel=0.01)
     # Facets are smoothed to second order: what is left shakes the ball a little.
     assert impulses == pytest.approx(np.full(40, GRAVITY / 200), rel=0.1)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+def test_a_ball_that_rolls_off_a_slab_keeps_its_speed(rate):
+    world, body, _ = lay("ball", "slab", rate=rate, speed=1.0, turned=0.3)
+    pose = body.pose.copy()
+    pose[0, 3] = 1.3
+    body.pose = pose
+    world.step(round(0.4 * rate))
+    assert body.pose[2, 3] < 0.0
+    assert body.linear_velocity[0] == pytest.approx(1.0, rel=0.02)
