@@ -23,14 +23,14 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
 endif()
 
 # Gives them to every target of a directory and of those below it, so that none is forgotten, save
-# the library that nanobind adds there. As options, not as a link: an exported target must not name
+# nanobind's library and our own Bullet. As options, not as a link: an exported target must not name
 # a target that is not exported.
 function(voxshell_add_warnings directory)
   get_property(targets DIRECTORY "${directory}" PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target IN LISTS targets)
     get_target_property(type ${target} TYPE)
     if(type MATCHES "LIBRARY|EXECUTABLE" AND NOT type STREQUAL "INTERFACE_LIBRARY"
-       AND NOT target MATCHES "^nanobind")
+       AND NOT target MATCHES "^(nanobind|pinned_bullet)")
       target_compile_options(${target} PRIVATE
         $<TARGET_PROPERTY:voxshell_warnings,INTERFACE_COMPILE_OPTIONS>)
     endif()

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
-"""Checks that a wheel stands on its own: in a fresh environment, without the system's Bullet.
+"""Checks that a wheel stands on its own: in a fresh environment, with a Bullet that nobody else sees.
 
 usage: tools/check_wheel.py WHEEL CONSTRAINTS
 
 Installs the wheel and pybullet into a new environment in a temporary folder, and there collides two
-meshes, simulates them, and does the same beside pybullet in one process. Fails if the wheel is 6 MB or
-larger, or if any library of Bullet is loaded from outside the environment.
+meshes and simulates them: alone, beside pybullet, and beside the system's Bullet where that is installed,
+with all symbols of these in everybody's sight. Fails if the world does not end the same in each
+case, if the wheel brings or loads shared libraries of Bullet, if a module shows other symbols than the one
+that Python calls, or if the wheel is 6 MB or larger.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,8 +22,12 @@ import zipfile
 from pathlib import Path
 
 MOST_BYTES = 6_000_000
+# What is in the process with the world: a script's argument each.
+COMPANY = ("nobody", "pybullet before", "pybullet after", "the system's")
 
 SCRIPT = """
+import ctypes.util
+import os
 import sys
 import numpy as np
 import trimesh
@@ -61,17 +68,32 @@ def fall_in_pybullet():
     return client
 
 
-if "before" in sys.argv:
+def bullets():
+    with open("/proc/self/maps") as maps:
+        files = {line.split(maxsplit=5)[5].strip() for line in maps if line.count("/")}
+    return sorted(f for f in files if "libBullet" in f or "libLinearMath" in f)
+
+
+def load_systems():
+    for name in ("LinearMath", "BulletCollision", "BulletDynamics"):
+        for library in (name, name + "-float64"):
+            file = ctypes.util.find_library(library)
+            if file:
+                ctypes.CDLL(file, mode=os.RTLD_GLOBAL | os.RTLD_NOW)
+
+
+company = sys.argv[1]
+if company == "pybullet before":
+    sys.setdlopenflags(os.RTLD_GLOBAL | os.RTLD_NOW)
     fall_in_pybullet()
+elif company == "the system's":
+    load_systems()
+others = bullets()
 alone = fall()
-if "after" in sys.argv:
+assert bullets() == others, bullets()
+if company == "pybullet after":
     fall_in_pybullet()
     assert fall() == alone
-with open("/proc/self/maps") as maps:
-    files = {line.split(maxsplit=5)[5].strip() for line in maps if line.count("/")}
-bullet = sorted(f for f in files if "libBullet" in f or "libLinearMath" in f)
-outside = [f for f in bullet if not f.startswith(sys.prefix)]
-assert bullet and not outside, (bullet, outside)
 print(alone.hex())
 """
 
@@ -84,26 +106,34 @@ def main(arguments: list[str]) -> int:
         print(f"{wheel.name} has {size / 1e6:.1f} MB; it must stay below {MOST_BYTES / 1e6:g} MB")
         return 1
     with zipfile.ZipFile(wheel) as archive:
-        foreign = [n for n in archive.namelist() if n.endswith((".a", ".h", ".cmake", ".pc"))]
+        names = archive.namelist()
+    modules = [n for n in names if re.fullmatch(r"voxshell/_(core|bullet)\.[^/]*\.so", n)]
+    foreign = [n for n in names if n.endswith((".a", ".h", ".cmake", ".pc")) or ".so" in n]
+    foreign = sorted(set(foreign) - set(modules))
     if foreign:
         print(f"{wheel.name} holds what is no part of the package: {', '.join(foreign)}")
         return 1
+    for name in modules:
+        shown = _shown_symbols(wheel, name)
+        if shown != {"PyInit_" + Path(name).name.partition(".")[0]}:
+            print(f"{name} shows {len(shown)} symbols: {', '.join(sorted(shown)[:10])}")
+            return 1
     with tempfile.TemporaryDirectory() as folder:
         python = _make_environment(Path(folder).resolve() / "env", wheel, constraints)
         # Nothing of this checkout, and no settings that could bring another copy.
         environment = {"PATH": os.defpath, "HOME": folder, "LANG": "C.UTF-8"}
         results = set()
-        for mode in ("alone", "before", "after"):
-            command = [str(python), "-I", "-c", SCRIPT, mode]
+        for company in COMPANY:
+            command = [str(python), "-I", "-c", SCRIPT, company]
             result = subprocess.run(
                 command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300
             )
             if result.returncode != 0:
-                print(f"pybullet {mode}: exit code {result.returncode}\n{result.stderr}")
+                print(f"beside {company}: exit code {result.returncode}\n{result.stderr}")
                 return 1
             results.add(result.stdout.splitlines()[-1])
         if len(results) != 1:
-            print("the world does not end the same beside pybullet")
+            print("the world does not end the same beside other builds of Bullet")
             return 1
         told = subprocess.run(
             [str(python.with_name("voxshell")), "--version"], env=environment, capture_output=True
@@ -111,8 +141,21 @@ def main(arguments: list[str]) -> int:
         if told.returncode != 0 or told.stdout.decode().strip() not in wheel.name:
             print(f"voxshell --version said {told.stdout!r} {told.stderr!r}")
             return 1
-    print(f"{wheel.name}: {size / 1e6:.2f} MB, works in a fresh environment and beside pybullet")
+    print(f"{wheel.name}: {size / 1e6:.2f} MB, works alone and beside other builds of Bullet")
     return 0
+
+
+def _shown_symbols(wheel: Path, name: str) -> set[str]:
+    """What a shared library in the wheel defines for others."""
+    with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(wheel) as archive:
+        library = archive.extract(name, folder)
+        told = subprocess.run(
+            ["nm", "--dynamic", "--defined-only", library],
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+    return {line.split()[-1] for line in told.stdout.splitlines()}
 
 
 def _make_environment(folder: Path, wheel: Path, constraints: Path) -> Path:
