@@ -219,8 +219,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                           second_field_from_shell, touch, turning_of(*step, true),
                           least_depth_of(second_found_));
       drop_far(second_found_);
-      first_round_.drop_covered(second_found_, *pair.field_side().model(), pair.field_from_shell());
-      second_round_.drop_covered(contacts_, *pair.shell_side().model(), second_field_from_shell);
+      first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
+      second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);
     }
     second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&

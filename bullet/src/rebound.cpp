@@ -9,13 +9,16 @@ namespace voxshell::bullet {
 
 bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
   const double of_impact = impact.time();
-  return of_impact < kNever && of_impact <= time + kFirstTouchWithin * step.time_step;
+  return time < kNever && of_impact <= time + kFirstTouchWithin * step.time_step;
 }
 
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts) {
   FirstTouch first;
   for (const Contact& contact : contacts) {
-    first.time = std::min(first.time, impact_of(step, contact).time());
+    const Impact impact = impact_of(step, contact);
+    // Others are there in case the solver turns the body.
+    const bool touches = is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
+    if (touches) first.time = std::min(first.time, impact.time());
   }
   return first;
 }

@@ -16,7 +16,7 @@ struct FirstTouch {
   bool includes(const PairStep& step, const Impact& impact) const;
 };
 
-/// When the first of `contacts` touches; its count is 0.
+/// When the first of `contacts` touches, if any does within the step; its count is 0.
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts);
 
 /// The speed apart that a step ends with.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <variant>
 
@@ -155,33 +156,47 @@ const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position, dou
   return nullptr;
 }
 
+/// Of at least one.
+const RoundContacts::AtRest& RoundContacts::nearest_known(const Vec3& position) const {
+  const AtRest* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](const Along& along) {
+    const double aside = along.x - position.x;
+    if (aside * aside >= least) return false;
+    const AtRest& known = at_rest_[along.index];
+    const double squared = squared_length(known.position - position);
+    if (squared < least) {
+      least = squared;
+      nearest = &known;
+    }
+    return true;
+  };
+  const auto middle = std::ranges::lower_bound(by_x_, position.x, {}, &Along::x);
+  for (auto right = middle; right != by_x_.end() && look_at(*right); ++right) {
+  }
+  for (auto left = middle; left != by_x_.begin() && look_at(*std::prev(left)); --left) {
+  }
+  return *nearest;
+}
+
 void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
   const auto before = static_cast<std::ptrdiff_t>(ids.size());
   for (const AtRest& at_rest : at_rest_) ids.push_back(first + at_rest.id);
   std::sort(ids.begin() + before, ids.end());
 }
 
-void RoundContacts::drop_covered(std::vector<Contact>& others, const Model& model_of_others,
+void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                                  const Pose& other_from_shell) const {
   if (at_rest_.empty()) return;
-  const PointShell& shell_of_others = model_of_others.shell();
-  const SmoothSurface& surface_of_others = model_of_others.smooth_surface();
-  const auto is_flat = [&](const Contact& contact) {
-    return !surface_of_others.is_curved() ||
-           surface_of_others.is_flat(surface_of_others.triangle_of(contact.id));
-  };
   const Pose shell_from_other = other_from_shell.inverse();
   float as_deep = -std::numeric_limits<float>::infinity();
   for (const AtRest& at_rest : at_rest_) as_deep = std::max(as_deep, at_rest.depth);
   as_deep -= as_deep_within_;
   const auto is_covered = [&](const Contact& contact) {
     // Of flat faces that lie on each other, all are as deep.
-    if (contact.depth >= as_deep || !is_flat(contact)) return false;
+    if (contact.depth >= as_deep) return false;
     const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
-    const auto nearness = [&](const AtRest& known) {
-      return squared_length(known.position - point);
-    };
-    const AtRest& nearest = *std::ranges::min_element(at_rest_, {}, nearness);
+    const AtRest& nearest = nearest_known(point);
     Vec3 direction = surface_->normal(nearest.place);
     if (shell_of_others.is_point(contact.id)) {
       direction =

@@ -33,11 +33,11 @@ class RoundContacts {
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
   void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
 
-  /// Drops those of `others`, contacts of the field's own shell, that are on flat parts and from
-  /// which the surface of this shell leads to one of the contacts of the last slide().
+  /// Drops those of `others`, contacts of the field's own shell, from which the surface of this
+  /// shell leads to one of the contacts of the last slide().
   ///
   /// @param other_from_shell  Pose of this shell's frame in that of `others`.
-  void drop_covered(std::vector<Contact>& others, const Model& model_of_others,
+  void drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                     const Pose& other_from_shell) const;
 
  private:
@@ -57,6 +57,7 @@ class RoundContacts {
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
                  const Pose& shell_from_field, const TouchScale& scale, const Turning& turning);
   const AtRest* find_known(const Vec3& position, double within) const;
+  const AtRest& nearest_known(const Vec3& position) const;
   void keep_ids(std::vector<Contact>& contacts);
 
   const SmoothSurface* surface_ = nullptr;

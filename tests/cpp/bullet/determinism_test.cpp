@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x8b1f886ba2134549, 0xf8cd439c43454ce7, 0xd342b7706620d639, 0x97afcb9fbc1446d1,
-        0xad3974acc4c60261, 0xc52781d57b387f99}},
+       {0x817b89b1cb30aeae, 0x78a91222fd8542d3, 0x51fe40c2ea7c68e4, 0x4d0463a168b247d9,
+        0xfe8953b02785f208, 0x9750c345d7729f71}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x637582611659c98d, 0x865edb734333472f, 0x8f86ec353b525e67, 0xdde0cc7e041cc94b,
-        0x00d4e311adcacc62, 0xb86a1056e1d4256a}},
+       {0xd66333f96fbade9e, 0x1a551754d62c7ac9, 0x9783383b75c2621a, 0xe2a47f0072abb301,
+        0x74ce4409fbab2761, 0xf341d6f66559c7a0}},
   };
   return hashes;
 }

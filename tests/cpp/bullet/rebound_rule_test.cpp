@@ -98,5 +98,17 @@ TEST(ReboundRule, TheFirstTouchIsThatOfTheSoonestContact) {
   EXPECT_FALSE(find_first_touch(step, {}).includes(step, impact_of(step, contacts[2])));
 }
 
+TEST(ReboundRule, ContactsThatDoNotTouchWithinTheStepDoNotRebound) {
+  PairStep step = make_step(0.5);
+  step.motion.velocity = {0, 0, -1};
+  // The solver sees it because a turn might bring it nearer. Gravity pulls away from it.
+  step.motion.velocity_of_forces = {0, 0, kGravity * kStep};
+  const std::vector<Contact> contacts{{1, -0.03f, {}, {0, 0, 1}}};
+  const FirstTouch first = find_first_touch(step, contacts);
+  const Impact ahead = impact_of(step, contacts[0]);
+  EXPECT_FALSE(first.includes(step, ahead));
+  EXPECT_EQ(rebound_for_solver(step, first, ahead).restitution, 0.0);
+}
+
 }  // namespace
 }  // namespace voxshell::bullet

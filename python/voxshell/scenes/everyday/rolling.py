@@ -254,16 +254,22 @@ def _round_angle(track: Track) -> np.ndarray:
     return np.unwrap(np.arctan2(places[:, 0], -places[:, 2]))
 
 
+def _on_loop(track: Track) -> np.ndarray:
+    """Whether it has stayed within 5 % of the ring's way so far, after each step."""
+    places = track.poses["body"][:, :3, 3] @ track.stage.world_from_ramp
+    near = np.hypot(places[:, 0], places[:, 2]) > 0.95 * track.fact("rho")
+    return np.logical_and.accumulate(near)
+
+
 def _goes_round(track: Track) -> float:
-    return float(_round_angle(track).max() >= 2.0 * math.pi)
+    """Whether it comes back to the lowest point along the ring. What has fallen off may, too, later."""
+    return float(_round_angle(track)[_on_loop(track)].max() >= 2.0 * math.pi)
 
 
 def _stays_on(track: Track) -> float:
-    """Whether it stays within 5 % of the ring's way during its first turn."""
-    places = track.poses["body"][:, :3, 3] @ track.stage.world_from_ramp
+    """Whether it stays on the ring during its first turn."""
     first = _round_angle(track) <= 2.0 * math.pi
-    radii = np.hypot(places[first, 0], places[first, 2])
-    return float(radii.min() > 0.95 * track.fact("rho"))
+    return float(_on_loop(track)[first].all())
 
 
 def _mug_on_side(placement: int) -> Stage:
