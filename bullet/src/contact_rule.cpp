@@ -12,6 +12,18 @@
 namespace voxshell::bullet {
 namespace {
 
+/// Whether a point that the bodies do not bring to each other within the step touches if something
+/// else stops one of them: bodies that fall together, of which the lower one lands.
+bool touches_if_stopped(const PairStep& step, const Contact& contact, const Impact& impact) {
+  if (closing_of(step, impact) >= impact.gap) return false;
+  const auto closes = [&](const RelativeMotion& motion) {
+    const Vec3 velocity =
+        motion.velocity_at(static_cast<Vec3>(contact.point)) + motion.velocity_of_forces;
+    return -dot(velocity, static_cast<Vec3>(contact.normal)) * step.time_step >= impact.gap;
+  };
+  return std::ranges::any_of(step.if_stopped, closes);
+}
+
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
 /// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
@@ -30,10 +42,11 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches = true;
     touches_from_above = touches_from_above || beside.back() == 0;
   };
+  const bool looks_ahead = step.margin > step.rest_margin;
   for (const Contact& each : contacts) {
     const Contact contact = each;
     const Impact impact = impact_of(step, contact);
-    if (is_contact(step, impact)) {
+    if (is_contact(step, impact) || (looks_ahead && touches_if_stopped(step, contact, impact))) {
       touch(contact, contact);
     } else if (step.uses_ccd &&
                (std::ranges::binary_search(exact, contact.id) || !is_steep(step, contact))) {
@@ -71,7 +84,10 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   keep_touching(step, features, exact, contacts, memory.beside);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
-  if (step.is_still && !contacts.empty()) {
+  const auto touches = [&](const Contact& contact) {
+    return is_contact(step, impact_of(step, contact));
+  };
+  if (step.is_still && std::ranges::any_of(contacts, touches)) {
     memory.patch.settle(contacts, exact, step.thickness, kPatchOfMargin * step.rest_margin);
   } else {
     memory.patch.release();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "motion.h"
 #include "posed_pair.h"
 #include "voxshell/bullet/contact_settings.h"
@@ -19,6 +21,8 @@ struct PairStep {
   double rest_margin;  ///< slow points count as contacts up to this gap
   /// No place of the smaller body moves farther in the step, as the other body sees it.
   double farthest_displacement;
+  /// The same if something else stops one of the bodies.
+  double farthest_if_stopped;
   double detail;       ///< of the finer body; see Side::detail()
   bool uses_ccd;       ///< points that will touch within the step are contacts
   double margin;       ///< points may be contacts up to this gap
@@ -28,6 +32,8 @@ struct PairStep {
   double owed_energy;  ///< of a rebound that the last step stopped at the surface, J/kg
   Pose field_from_shell;
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
+  /// The same if something else stops the field's body, or the shell's.
+  std::array<RelativeMotion, 2> if_stopped;
   Vec3 displacement;  ///< of the middle of the smaller body's bounding ball by that, shell's frame
 
   /// The gap at which surfaces count as touching.

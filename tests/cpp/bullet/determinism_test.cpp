@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x817b89b1cb30aeae, 0x78a91222fd8542d3, 0x51fe40c2ea7c68e4, 0x4d0463a168b247d9,
-        0xfe8953b02785f208, 0x9750c345d7729f71}},
+       {0xcb550f6ae563fafa, 0xb2fac7355dedc6cb, 0x7ed60a1bcd1902b2, 0xc2b277754749980f,
+        0x9098541be0c964d6, 0x641f0e724e486ac0}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xd66333f96fbade9e, 0x1a551754d62c7ac9, 0x9783383b75c2621a, 0xe2a47f0072abb301,
-        0x74ce4409fbab2761, 0xf341d6f66559c7a0}},
+       {0x6e97ac30a44705ba, 0x3362ed8cbba5d39a, 0x27581cd97f032c98, 0xb1378cfc3629956f,
+        0xcb329c1a4272ff3c, 0xac070199acd4133a}},
   };
   return hashes;
 }
