@@ -53,13 +53,9 @@ void CompoundAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   const Ball ball = std::min(Ball::about(compound), Ball::about(other),
                              [](const Ball& x, const Ball& y) { return x.radius < y.radius; });
   const auto time_step = static_cast<double>(info.m_timeStep);
-  const Motion of_compound = Motion::of(*compound.getCollisionObject(), time_step);
-  const Motion of_other = Motion::of(*other.getCollisionObject(), time_step);
-  // Something else may stop either.
   const double farthest =
-      std::max({find_farthest_displacement(of_compound, of_other, ball, time_step),
-                find_farthest_displacement(of_compound, Motion{}, ball, time_step),
-                find_farthest_displacement(Motion{}, of_other, ball, time_step)});
+      find_farthest_if_stopped(Motion::of(*compound.getCollisionObject(), time_step),
+                               Motion::of(*other.getCollisionObject(), time_step), ball, time_step);
   find_on_the_way(compound, other, farthest);
   try_on_the_way(compound, other, info, *result);
 }

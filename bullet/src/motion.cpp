@@ -1,5 +1,6 @@
 #include "motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -78,6 +79,13 @@ double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& 
                          b.velocity_at(ball.centre) - b.velocity_of_forces;
   const double of_spin = length(a.angular_velocity - b.angular_velocity) * ball.radius;
   return (length(of_centre) + of_spin) * time_step;
+}
+
+double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ball,
+                                double time_step) {
+  return std::max({find_farthest_displacement(a, b, ball, time_step),
+                   find_farthest_displacement(a, Motion{}, ball, time_step),
+                   find_farthest_displacement(Motion{}, b, ball, time_step)});
 }
 
 RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,

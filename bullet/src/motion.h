@@ -32,6 +32,10 @@ struct Motion {
 double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
                                   double time_step);
 
+/// The same, also if something else stops one of the bodies.
+double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ball,
+                                double time_step);
+
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
 struct RelativeMotion {
   Vec3 velocity;            ///< at the frame's origin, m/s

@@ -45,19 +45,15 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
           : default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
   step.farthest_displacement =
       find_farthest_displacement(step.motion_a, step.motion_b, ball, time_step);
-  const Motion stopped{};
-  step.farthest_if_stopped =
-      std::max(find_farthest_displacement(step.motion_a, stopped, ball, time_step),
-               find_farthest_displacement(stopped, step.motion_b, ball, time_step));
   step.detail = std::min(pair.a.detail(), pair.b.detail());
   const double threshold =
       settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : step.detail;
   step.uses_ccd = step.farthest_displacement > threshold;
   step.margin = step.rest_margin;
   if (step.uses_ccd) step.margin = std::max(step.margin, kCcdReach * step.farthest_displacement);
-  if (step.farthest_if_stopped > threshold) {
-    step.margin = std::max(step.margin, step.farthest_if_stopped);
-  }
+  const double farthest_if_stopped =
+      find_farthest_if_stopped(step.motion_a, step.motion_b, ball, time_step);
+  if (farthest_if_stopped > threshold) step.margin = std::max(step.margin, farthest_if_stopped);
 
   const double fastest =
       length(step.motion_a.velocity_at(ball.centre) - step.motion_b.velocity_at(ball.centre)) +
@@ -75,8 +71,8 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   const Motion& of_field = pair.shell_is_a ? step.motion_b : step.motion_a;
   const Pose& world_from_shell = pair.shell_side().world_from_geometry();
   step.motion = RelativeMotion::of(of_shell, of_field, world_from_shell);
-  step.if_stopped = {RelativeMotion::of(of_shell, stopped, world_from_shell),
-                     RelativeMotion::of(stopped, of_field, world_from_shell)};
+  step.if_stopped = {RelativeMotion::of(of_shell, Motion{}, world_from_shell),
+                     RelativeMotion::of(Motion{}, of_field, world_from_shell)};
   const Vec3 middle =
       pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
   step.displacement =

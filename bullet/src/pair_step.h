@@ -21,8 +21,6 @@ struct PairStep {
   double rest_margin;  ///< slow points count as contacts up to this gap
   /// No place of the smaller body moves farther in the step, as the other body sees it.
   double farthest_displacement;
-  /// The same if something else stops one of the bodies.
-  double farthest_if_stopped;
   double detail;       ///< of the finer body; see Side::detail()
   bool uses_ccd;       ///< points that will touch within the step are contacts
   double margin;       ///< points may be contacts up to this gap

@@ -158,7 +158,7 @@ const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position, dou
 
 /// Of at least one.
 const RoundContacts::AtRest& RoundContacts::nearest_known(const Vec3& position) const {
-  const AtRest* nearest = nullptr;
+  const AtRest* nearest = &at_rest_.front();
   double least = std::numeric_limits<double>::infinity();
   const auto look_at = [&](const Along& along) {
     const double aside = along.x - position.x;
