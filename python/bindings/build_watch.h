@@ -5,6 +5,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include "voxshell/ordinary_floats.h"
+
 namespace voxshell::python {
 
 /// The progress callback of a build that runs without the GIL. Each report takes the GIL, lets
@@ -17,6 +19,7 @@ class BuildWatch {
   bool report(std::string_view stage, double fraction) {
     if (raised_ != nullptr) return false;
     const nanobind::gil_scoped_acquire acquired;
+    const OrdinaryFloats floats;  // for the build to go on with, whatever Python leaves behind
     try {
       if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
       if (!callback_.is_none()) {

@@ -6,6 +6,7 @@
 
 #include "contact_arrays.h"
 #include "core_module.h"
+#include "in_ordinary_floats.h"
 #include "voxshell/ambiguity.h"
 #include "voxshell/manifold.h"
 
@@ -163,13 +164,14 @@ void bind_contact_set(nb::module_& module) {
   def_contact_arrays(set);
   set.def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
       .def_prop_ro("role", [](const ContactSet& s) { return s.scene.role; })
-      .def("find_ambiguous", &find_ambiguous,
+      .def("find_ambiguous", &find_ambiguous, InOrdinaryFloats(),
            "Whether each contact's depth and normal are arbitrary.")
       .def_ro("exact", &ContactSet::is_exact)
       .def_ro("depth_bound", &ContactSet::depth_bound)
-      .def("manifold", &select_manifold, nb::arg("max_points"),
+      .def("manifold", &select_manifold, nb::arg("max_points"), InOrdinaryFloats(),
            "At most 4 of them, in the order chosen.")
-      .def("deepest_per_segment", &deepest_per_segment, "A's, then b's, each ascending by id.");
+      .def("deepest_per_segment", &deepest_per_segment, InOrdinaryFloats(),
+           "A's, then b's, each ascending by id.");
 }
 
 }  // namespace voxshell::python

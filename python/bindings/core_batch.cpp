@@ -13,6 +13,7 @@
 #include "contact_set.h"
 #include "core_module.h"
 #include "errors.h"
+#include "in_ordinary_floats.h"
 #include "voxshell/batch.h"
 
 namespace nb = nanobind;
@@ -190,8 +191,9 @@ Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses
 ContactBatchSet contacts_batch(const SharedField& field_a, const SharedModel& model_a,
                                const SharedField& field_b, const SharedModel& model_b,
                                const OptionalPoses& a_poses, const OptionalPoses& b_poses,
-                               bool a_is_one, bool b_is_one, ShellChoice shells, float margin,
-                               int level, std::optional<std::size_t> max_points, unsigned threads,
+                               bool a_is_one, bool b_is_one, ShellChoice shells,
+                               RoundedInside margin, int level,
+                               std::optional<std::size_t> max_points, unsigned threads,
                                nb::handle progress) {
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
@@ -241,7 +243,7 @@ Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& 
 nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
     const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
     const OptionalPoses& a_poses, const OptionalPoses& b_poses, bool a_is_one, bool b_is_one,
-    ShellChoice shells, float margin, unsigned threads, nb::handle progress) {
+    ShellChoice shells, RoundedInside margin, unsigned threads, nb::handle progress) {
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
   const Roles roles = choose_roles(bodies, shells);
@@ -265,21 +267,25 @@ void bind_batch(nb::module_& module) {
   def_contact_arrays(batch);
   batch.def("__len__", [](const ContactBatchSet& s) { return s.poses.size(); })
       .def_prop_ro("offsets", [](const ContactBatchSet& s) { return view(std::span(s.offsets)); })
-      .def("at", [](const ContactBatchSet& s, std::size_t i) {
-        if (i >= s.poses.size()) throw nb::index_error();
-        return s.at(i);
-      });
+      .def(
+          "at",
+          [](const ContactBatchSet& s, std::size_t i) {
+            if (i >= s.poses.size()) throw nb::index_error();
+            return s.at(i);
+          },
+          InOrdinaryFloats());
 
   module.def("contacts_batch", &contacts_batch, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
              nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(), nb::arg("threads"),
-             nb::arg("progress").none(),
+             nb::arg("progress").none(), InOrdinaryFloats(),
              "(k, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
   module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
              nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
-             nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), "(k,) bool.");
+             nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), InOrdinaryFloats(),
+             "(k,) bool.");
 }
 
 }  // namespace voxshell::python

@@ -11,6 +11,7 @@
 #include "contact_set.h"
 #include "core_module.h"
 #include "errors.h"
+#include "in_ordinary_floats.h"
 #include "query_scratch.h"
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
@@ -68,7 +69,7 @@ template <Search kSearch>
 ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
                     const SharedField& field_b, const SharedModel& model_b,
                     const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
-                    float margin, int level, std::optional<std::size_t> max_points,
+                    RoundedInside margin, int level, std::optional<std::size_t> max_points,
                     std::optional<std::size_t> budget, SharedScratch* scratch) {
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
@@ -123,7 +124,7 @@ ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, const
 ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
                     const SharedField& field_b, const SharedModel& model_b,
                     const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
-                    float margin, std::size_t max_points, SharedScratch* scratch) {
+                    RoundedInside margin, std::size_t max_points, SharedScratch* scratch) {
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies.view(), shells);
@@ -147,7 +148,7 @@ ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
 ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& model_a,
                                const SharedField& field_b, const SharedModel& model_b,
                                const OptionalPose& a_pose, const OptionalPose& b_pose,
-                               ShellChoice shells, float margin, int level,
+                               ShellChoice shells, RoundedInside margin, int level,
                                SharedScratch* scratch) {
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
@@ -162,7 +163,7 @@ ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& mo
 
 bool collide(const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
              const OptionalPose& a_pose, const OptionalPose& b_pose, ShellChoice shells,
-             float margin) {
+             RoundedInside margin) {
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
@@ -200,7 +201,7 @@ void def_contacts(nb::module_& module, const char* name, Function function, cons
   module.def(name, function, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(),
-             nb::arg("budget").none(), nb::arg("scratch").none(), doc);
+             nb::arg("budget").none(), nb::arg("scratch").none(), InOrdinaryFloats(), doc);
 }
 
 }  // namespace
@@ -213,23 +214,23 @@ void bind_contacts(nb::module_& module) {
   module.def("manifold", &manifold, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("margin"), nb::arg("max_points"),
-             nb::arg("scratch").none(),
+             nb::arg("scratch").none(), InOrdinaryFloats(),
              "By branch and bound; of both shells, from the list of all.");
   module.def("deepest_per_segment", &deepest_per_segment, nb::arg("field_a"),
              nb::arg("model_a").none(), nb::arg("field_b"), nb::arg("model_b").none(),
              nb::arg("a_pose").none(), nb::arg("b_pose").none(), nb::arg("shells"),
-             nb::arg("margin"), nb::arg("level"), nb::arg("scratch").none(),
+             nb::arg("margin"), nb::arg("level"), nb::arg("scratch").none(), InOrdinaryFloats(),
              "By branch and bound, of each shell.");
   module.def("role", &role_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
-             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"), InOrdinaryFloats(),
              "Role; metres: what it, a, b and both may miss, the smaller body's thickness and "
              "shortest side, and the thinner one's thickness.");
   module.def("pair_bounds", &bounds_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
-             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("role"),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("role"), InOrdinaryFloats(),
              "Overlap and clearance, metres.");
   module.def("collide", &collide, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
-             nb::arg("shells"), nb::arg("margin"));
+             nb::arg("shells"), nb::arg("margin"), InOrdinaryFloats());
 }
 
 }  // namespace voxshell::python

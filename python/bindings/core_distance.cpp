@@ -7,6 +7,7 @@
 
 #include "contact_set.h"
 #include "core_module.h"
+#include "in_ordinary_floats.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
 #include "voxshell/distance.h"
@@ -25,8 +26,8 @@ using Nearest = std::tuple<double, Coordinates, Coordinates, Coordinates, bool>;
 
 std::optional<Nearest> distance(const Field& field_a, const Model* model_a, const Field& field_b,
                                 const Model* model_b, const OptionalPose& a_pose,
-                                const OptionalPose& b_pose, ShellChoice shells, float max_distance,
-                                SharedScratch* scratch) {
+                                const OptionalPose& b_pose, ShellChoice shells,
+                                RoundedInside max_distance, SharedScratch* scratch) {
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
@@ -47,7 +48,7 @@ std::optional<Nearest> distance(const Field& field_a, const Model* model_a, cons
   if (roles.may_swap && is_apart && is_enclosed(bodies, pose, inner)) ask(inner);
   if (roles.asks_inside && is_apart) {
     for (const auto& [body, contact] :
-         find_inner_contacts(bodies, pose, std::min(max_distance, 0.0f))) {
+         find_inner_contacts(bodies, pose, std::min<float>(max_distance, 0.0f))) {
       if (nearest && contact.depth <= nearest->depth) continue;
       nearest = contact;
       shell_body = body;
@@ -66,7 +67,7 @@ void bind_distance(nb::module_& module) {
   module.def("distance", &distance, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("max_distance"),
-             nb::arg("scratch").none(),
+             nb::arg("scratch").none(), InOrdinaryFloats(),
              "Distance, point on a, point on b, normal, whether a's shell is nearest; or None.");
 }
 

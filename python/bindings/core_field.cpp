@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "core_module.h"
 #include "errors.h"
+#include "in_ordinary_floats.h"
 #include "voxshell/field.h"
 
 namespace nb = nanobind;
@@ -89,8 +90,10 @@ std::tuple<Field, std::size_t> make_convex_field(const PointsArray& vertices,
 
 void bind_field(nb::module_& module) {
   nb::class_<Field>(module, "Field", "A signed distance field of any kind.")
-      .def("sample", &sample, nb::arg("points"), "Signed distances, metres, (n,).")
-      .def("gradient", &gradient, nb::arg("points"), "Gradients of the distance, (n, 3).");
+      .def("sample", &sample, nb::arg("points"), InOrdinaryFloats(),
+           "Signed distances, metres, (n,).")
+      .def("gradient", &gradient, nb::arg("points"), InOrdinaryFloats(),
+           "Gradients of the distance, (n, 3).");
 
   nb::class_<GridField>(module, "GridField", "What only a sampled field has.")
       .def_prop_ro("shape", &GridField::shape)
@@ -125,26 +128,27 @@ void bind_field(nb::module_& module) {
       [](const Coordinates& normal, double offset) {
         return Field(PlaneField{to_vector(normal), offset});
       },
-      nb::arg("normal"), nb::arg("offset"));
+      nb::arg("normal"), nb::arg("offset"), InOrdinaryFloats());
   module.def(
       "box_field",
       [](const Coordinates& half_extents) { return Field(BoxField{to_vector(half_extents)}); },
-      nb::arg("half_extents"));
+      nb::arg("half_extents"), InOrdinaryFloats());
   module.def(
-      "sphere_field", [](double radius) { return Field(SphereField{radius}); }, nb::arg("radius"));
+      "sphere_field", [](double radius) { return Field(SphereField{radius}); }, nb::arg("radius"),
+      InOrdinaryFloats());
   module.def(
       "capsule_field",
       [](double radius, double length) { return Field(CapsuleField{radius, length}); },
-      nb::arg("radius"), nb::arg("length"));
+      nb::arg("radius"), nb::arg("length"), InOrdinaryFloats());
   module.def(
       "cylinder_field",
       [](double radius, double length) { return Field(CylinderField{radius, length}); },
-      nb::arg("radius"), nb::arg("length"));
+      nb::arg("radius"), nb::arg("length"), InOrdinaryFloats());
   module.def(
       "cone_field", [](double radius, double height) { return Field(ConeField{radius, height}); },
-      nb::arg("radius"), nb::arg("height"));
+      nb::arg("radius"), nb::arg("height"), InOrdinaryFloats());
   module.def("convex_field", &make_convex_field, nb::arg("vertices"), nb::arg("faces"),
-             "The field and how many faces it has.");
+             InOrdinaryFloats(), "The field and how many faces it has.");
 }
 
 }  // namespace voxshell::python

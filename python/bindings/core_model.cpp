@@ -14,6 +14,7 @@
 #include "build_watch.h"
 #include "core_module.h"
 #include "errors.h"
+#include "in_ordinary_floats.h"
 #include "voxshell/model.h"
 #include "voxshell/model_file.h"
 
@@ -97,7 +98,7 @@ void bind_model(nb::module_& module) {
           nb::arg("tolerance"), nb::arg("voxel_size"), nb::arg("resolution"),
           nb::arg("point_spacing"), nb::arg("target_points"), nb::arg("padding"), nb::arg("sign"),
           nb::arg("open"), nb::arg("sheet_thickness"), nb::arg("threads"),
-          nb::arg("progress").none(),
+          nb::arg("progress").none(), InOrdinaryFloats(),
           nb::sig("def build(vertices: numpy.typing.NDArray[numpy.float64], faces: "
                   "numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, "
                   "resolution: "
@@ -106,8 +107,8 @@ void bind_model(nb::module_& module) {
                   "collections.abc.Callable[[str, float], object] "
                   "| None) -> Model"),
           "0 (padding: below 0) leaves a setting to the core.")
-      .def("save", &save, nb::arg("path"))
-      .def_static("load", &load, nb::arg("path"))
+      .def("save", &save, nb::arg("path"), InOrdinaryFloats())
+      .def_static("load", &load, nb::arg("path"), InOrdinaryFloats())
       .def_prop_ro("vertices",
                    [](const Model& m) { return view_rows<double, 3>(m.mesh().vertices()); })
       .def_prop_ro("faces",

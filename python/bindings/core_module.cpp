@@ -1,9 +1,12 @@
 #include "core_module.h"
 
+#include "errors.h"
+
 NB_MODULE(_core, module) {
   using namespace voxshell::python;
   module.doc() = "The compiled core. Use it through the package voxshell, which checks arguments.";
   module.attr("version") = VOXSHELL_VERSION;
+  translate_exceptions();
   bind_field(module);
   bind_shell(module);
   bind_model(module);

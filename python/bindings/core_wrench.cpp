@@ -5,6 +5,7 @@
 #include <nanobind/stl/pair.h>
 
 #include "core_module.h"
+#include "in_ordinary_floats.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
 #include "voxshell/wrench.h"
@@ -63,7 +64,7 @@ std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const Model* mo
 void bind_wrench(nb::module_& module) {
   module.def("wrench", &wrench, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
-             nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(),
+             nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(), InOrdinaryFloats(),
              "Force and torque on a about its origin, world frame; of both shells, the mean.");
 }
 

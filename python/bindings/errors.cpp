@@ -1,5 +1,10 @@
 #include "errors.h"
 
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+
 namespace voxshell::python {
 namespace {
 
@@ -23,16 +28,35 @@ const char* exception_name(ErrorCode code) {
   return "VoxshellError";
 }
 
+/// Sets Python's error indicator.
+void set_exception(const char* name, std::string_view text) {
+  const nanobind::object type = nanobind::module_::import_("voxshell.errors").attr(name);
+  // The name of a file may be of any bytes.
+  const auto message = nanobind::steal(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+  if (message) PyErr_SetObject(type.ptr(), message.ptr());
+}
+
 }  // namespace
 
 void raise(const Error& error) {
-  const nanobind::object type =
-      nanobind::module_::import_("voxshell.errors").attr(exception_name(error.code));
-  // The name of a file may be of any bytes.
-  const auto message = nanobind::steal(PyUnicode_DecodeUTF8(
-      error.message.data(), static_cast<Py_ssize_t>(error.message.size()), "replace"));
-  if (message) PyErr_SetObject(type.ptr(), message.ptr());
+  set_exception(exception_name(error.code), error.message);
   throw nanobind::python_error();
+}
+
+void translate_exceptions() {
+  nanobind::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+      set_exception("MemoryLimitError",
+                    "the system gives no more memory; use a coarser model, or smaller batches");
+    } catch (const std::length_error&) {
+      set_exception("MemoryLimitError", "an array would be larger than memory can be");
+    } catch (const std::out_of_range& error) {
+      set_exception("SettingsError", error.what());
+    }
+  });
 }
 
 }  // namespace voxshell::python

@@ -13,6 +13,9 @@ namespace voxshell::python {
 /// place where they meet. Needs the GIL.
 [[noreturn]] void raise(const Error& error);
 
+/// From now on, exceptions of C++ arrive in Python as those of voxshell.errors.
+void translate_exceptions();
+
 /// The value of a result, or its error raised. A `subject` says which argument is meant.
 template <class T>
 T unwrap(Result<T> result, const char* subject = nullptr) {

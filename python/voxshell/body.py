@@ -35,12 +35,7 @@ class Body(WorldPart):
     business. Vectors are in the world frame. All that is set wakes the body.
 
     Attributes:
-        number: What ``World.contacts()`` and other results call it; its place in ``World.bodies`` as
-            long as none is removed. No two bodies of a world have had the same.
         name: For people.
-        shape: What it is made of; may be shared with other bodies.
-        mass: Kilograms; 0 for static and kinematic bodies.
-        motion: Who moves it: "dynamic" (forces), "static" (nobody), "kinematic" (the user).
 
     Raises:
         SettingsError: Anything is asked of a body that has been removed from its world.
@@ -54,7 +49,7 @@ class Body(WorldPart):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_moves_surfaces", "mass", "motion", "number", "shape")
+    __slots__ = ("_mass", "_motion", "_moves_surfaces", "_number", "_shape")
 
     def __init__(
         self,
@@ -68,10 +63,33 @@ class Body(WorldPart):
     ) -> None:
         super().__init__(simulation, name)
         self._moves_surfaces = moves_surfaces
-        self.number: int = number
-        self.shape: Shape = shape
-        self.mass: float = mass
-        self.motion: Motion = motion
+        self._number = number
+        self._shape: Shape = shape
+        self._mass = mass
+        self._motion: Motion = motion
+
+    @property
+    def number(self) -> int:
+        """What ``World.contacts()`` and other results call it; no two bodies of a world have had the same.
+
+        It is the body's place in ``World.bodies`` as long as none is removed.
+        """
+        return self._number
+
+    @property
+    def shape(self) -> Shape:
+        """What it is made of; may be shared with other bodies."""
+        return self._shape
+
+    @property
+    def mass(self) -> float:
+        """Kilograms; 0 for static and kinematic bodies."""
+        return self._mass
+
+    @property
+    def motion(self) -> Motion:
+        """Who moves it: "dynamic" (forces), "static" (nobody), "kinematic" (the user)."""
+        return self._motion
 
     @property
     def pose(self) -> NDArray[np.float64]:

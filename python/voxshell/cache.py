@@ -109,15 +109,16 @@ class ModelCache:
     ) -> CoreModel:
         """The model of a key, built where it is not there yet.
 
-        Of several processes that ask for the same model, one builds it. Where the folder cannot be
-        used, models are kept in memory instead, with one warning.
+        Of several processes or threads that ask for the same model, one builds it. Where the folder
+        cannot be used, models are kept in memory instead, with one warning. What asks for the model
+        while it is built by the same thread, as a progress callback may, builds one of its own.
 
         Args:
             key: From :func:`compute_key`.
             build: Makes the model.
             waiting: Called now and then while another process builds it; may raise.
         """
-        if self.capacity <= 0:
+        if self.capacity <= 0 or key in _building.keys:
             return build()
         try:
             model = _recall(key) or self._load(key)
@@ -133,7 +134,8 @@ class ModelCache:
             if model is not None:
                 return model
             started = time.perf_counter()
-            model = build()
+            with _building.noted(key):
+                model = build()
             if time.perf_counter() - started >= WORTH_SECONDS:
                 self._store(key, model)
             return model
@@ -264,6 +266,22 @@ class ModelCache:
             warnings.warn(message, CacheWarning, stacklevel=2)
 
 
+class _Building(threading.local):
+    """What the thread is building, for which it must not wait."""
+
+    def __init__(self) -> None:
+        self.keys: set[str] = set()
+
+    @contextmanager
+    def noted(self, key: str) -> Iterator[None]:
+        self.keys.add(key)
+        try:
+            yield
+        finally:
+            self.keys.remove(key)
+
+
+_building = _Building()
 _memory: OrderedDict[str, CoreModel] = OrderedDict()
 _memory_lock = threading.Lock()
 _warned: set[str] = set()

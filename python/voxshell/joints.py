@@ -157,9 +157,6 @@ class Joint(WorldPart):
     most: newtons, or newton metres of a hinge. A joint without one moves freely but for its friction.
 
     Attributes:
-        kind: What it leaves free, as it was given.
-        parent: Body, or None for the world.
-        child: Body.
         name: For people.
 
     Raises:
@@ -167,7 +164,7 @@ class Joint(WorldPart):
             motor of one that has no axis.
     """
 
-    __slots__ = ("_number", "child", "kind", "parent")
+    __slots__ = ("_child", "_kind", "_number", "_parent")
 
     def __init__(
         self,
@@ -180,9 +177,24 @@ class Joint(WorldPart):
     ) -> None:
         super().__init__(simulation, name)
         self._number = number
-        self.kind: JointKind = kind
-        self.parent: Body | None = parent
-        self.child: Body = child
+        self._kind: JointKind = kind
+        self._parent = parent
+        self._child = child
+
+    @property
+    def kind(self) -> JointKind:
+        """What it leaves free, as it was given."""
+        return self._kind
+
+    @property
+    def parent(self) -> Body | None:
+        """A body, or None for the world."""
+        return self._parent
+
+    @property
+    def child(self) -> Body:
+        """The other body."""
+        return self._child
 
     @property
     def position(self) -> float:

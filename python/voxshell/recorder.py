@@ -8,6 +8,7 @@ import numpy as np
 
 from voxshell.body_shapes import mesh_of
 from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.world_tables import as_contacts
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -25,7 +26,9 @@ class Recorder:
     """
 
     def __init__(self, world: World, every: int) -> None:
-        self._world = world
+        # Not the world: it refers to its recorders, and memory would stay until a collection.
+        self._simulation = world._simulation
+        self._time_step = world.time_step
         self._bodies = tuple(world.bodies)
         self._every = every
         self._steps = 0
@@ -55,7 +58,7 @@ class Recorder:
         contacts = ContactTrack.from_frames(
             [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
         )
-        return Recording(self._every * self._world.time_step, tuple(tracks), contacts)
+        return Recording(self._every * self._time_step, tuple(tracks), contacts)
 
     def save_html(self, path: str | PathLike[str], **options: Any) -> Path:
         """Writes the recording so far as one offline page; see :meth:`Recording.save_html`."""
@@ -65,7 +68,7 @@ class Recorder:
         self._poses.append(
             np.array([*map(self._pose_of, range(len(self._bodies)))]).reshape(-1, 4, 4)
         )
-        self._contacts.append(self._world.contacts())
+        self._contacts.append(as_contacts(self._simulation.contacts()))
 
     def _pose_of(self, index: int) -> NDArray[np.float64]:
         """Of bodies that have been removed, where they were last."""

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <system_error>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
+
+#include "voxshell/ordinary_floats.h"
 
 namespace voxshell {
 
@@ -16,6 +19,8 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   threads = std::min(threads, kMaxThreads);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> stopped{false};
+  std::mutex failing;
+  std::exception_ptr failure;  // the first one
 
   const auto report = [&] {
     if (!progress) return;
@@ -24,7 +29,7 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
         count == 0 ? 1.0 : static_cast<double>(begun) / static_cast<double>(count);
     if (!progress(stage, fraction)) stopped = true;
   };
-  const auto work = [&](bool reports) {
+  const auto do_tasks = [&](bool reports) {
     using Clock = std::chrono::steady_clock;
     constexpr auto kReportEvery = std::chrono::milliseconds(50);
     auto last_report = Clock::now();
@@ -38,18 +43,29 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
       }
     }
   };
+  const auto work = [&](bool reports) {
+    const OrdinaryFloats floats;
+    try {
+      do_tasks(reports);
+    } catch (...) {
+      stopped = true;
+      const std::lock_guard lock(failing);
+      if (failure == nullptr) failure = std::current_exception();
+    }
+  };
 
   {
-    std::vector<std::jthread> helpers;
     // The calling thread works, too: one task needs no helper.
     const std::size_t helper_count =
         std::min<std::size_t>(threads, std::max<std::size_t>(count, 1)) - 1;
-    // Where the system has no more threads to give, the work is done by fewer.
+    std::vector<std::jthread> helpers;
+    helpers.reserve(helper_count);
+    // Where the system has no more threads, or memory for them, the work is done by fewer.
     const auto start_helper = [&] {
       try {
         helpers.emplace_back(work, false);
         return true;
-      } catch (const std::system_error&) {
+      } catch (const std::exception&) {
         return false;
       }
     };
@@ -57,6 +73,7 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     }
     work(true);
   }
+  if (failure != nullptr) std::rethrow_exception(failure);
   if (!stopped) report();
   return !stopped;
 }

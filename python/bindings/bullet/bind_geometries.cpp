@@ -13,6 +13,7 @@
 #include "bullet/bindings.h"
 #include "bullet/conversions.h"
 #include "bullet/shapes.h"
+#include "in_ordinary_floats.h"
 
 namespace nb = nanobind;
 
@@ -62,13 +63,16 @@ void bind_geometries(nb::module_& module) {
              new (self) HullsGeometry{std::move(points), margin};
            });
   nb::class_<CompoundGeometry>(module, "CompoundGeometry")
-      .def("__init__", [](CompoundGeometry* self,
-                          const std::vector<std::pair<PartGeometry, PoseMatrix>>& parts) {
-        CompoundGeometry compound;
-        for (const auto& [geometry, pose] : parts)
-          compound.parts.push_back({geometry, to_pose(pose)});
-        new (self) CompoundGeometry(std::move(compound));
-      });
+      .def(
+          "__init__",
+          [](CompoundGeometry* self,
+             const std::vector<std::pair<PartGeometry, PoseMatrix>>& parts) {
+            CompoundGeometry compound;
+            for (const auto& [geometry, pose] : parts)
+              compound.parts.push_back({geometry, to_pose(pose)});
+            new (self) CompoundGeometry(std::move(compound));
+          },
+          InOrdinaryFloats());
   module.def(
       "triangulate_hulls",
       [](const std::vector<PointsArray>& hulls) {
@@ -79,7 +83,8 @@ void bind_geometries(nb::module_& module) {
         for (const Vec3& p : mesh.vertices) vertices.push_back({p.x, p.y, p.z});
         return std::pair(to_array(vertices), to_array(mesh.triangles));
       },
-      nb::arg("hulls"), "Vertices (n, 3) and triangles (m, 3) of the hulls of sets of points.");
+      nb::arg("hulls"), InOrdinaryFloats(),
+      "Vertices (n, 3) and triangles (m, 3) of the hulls of sets of points.");
   module.def(
       "mesh_mass_properties",
       [](const PointsArray& vertices, const FacesArray& faces, const std::string& kind) {
@@ -92,7 +97,7 @@ void bind_geometries(nb::module_& module) {
             std::array{to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
                        to_coordinates(m.inertia.row_z)});
       },
-      nb::arg("vertices"), nb::arg("faces"), nb::arg("kind"),
+      nb::arg("vertices"), nb::arg("faces"), nb::arg("kind"), InOrdinaryFloats(),
       "Centre of mass and inertia tensor about it at 1 kg, of kind 'solid' or 'surface'.");
   module.def(
       "sample_hull",
@@ -101,7 +106,8 @@ void bind_geometries(nb::module_& module) {
         for (const Vec3& p : sample_hull(read_points(points))) rows.push_back({p.x, p.y, p.z});
         return to_array(std::move(rows));
       },
-      nb::arg("points"), "Vertices of the hull in the 42 directions of btShapeHull, (n, 3).");
+      nb::arg("points"), InOrdinaryFloats(),
+      "Vertices of the hull in the 42 directions of btShapeHull, (n, 3).");
 }
 
 }  // namespace voxshell::python

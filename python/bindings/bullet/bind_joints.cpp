@@ -1,6 +1,7 @@
 #include "bullet/bindings.h"
 #include "bullet/conversions.h"
 #include "bullet/joint.h"
+#include "in_ordinary_floats.h"
 
 namespace nb = nanobind;
 
@@ -32,7 +33,8 @@ void bind_joints(nb::module_& module) {
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("parent"), nb::arg("child"),
           nb::arg("parent_from_joint"), nb::arg("child_from_joint"), nb::arg("lower"),
-          nb::arg("upper"), nb::arg("friction"), nb::arg("damping"), nb::arg("collides"));
+          nb::arg("upper"), nb::arg("friction"), nb::arg("damping"), nb::arg("collides"),
+          InOrdinaryFloats());
 
   nb::enum_<MotorMode>(module, "MotorMode")
       .value("NONE", MotorMode::kNone)

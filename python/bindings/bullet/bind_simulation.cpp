@@ -1,4 +1,5 @@
 #include <array>
+#include <chrono>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,23 +14,35 @@
 #include "arrays.h"
 #include "bullet/bindings.h"
 #include "bullet/conversions.h"
-#include "bullet/simulation.h"
+#include "bullet/shared_simulation.h"
 #include "bullet/simulation_state.h"
+#include "in_ordinary_floats.h"
 
 namespace nb = nanobind;
 
 namespace voxshell::python {
 namespace {
 
-void step(Simulation& simulation, std::size_t count) {
-  constexpr std::size_t kStepsPerSignalCheck = 16;
+using Clock = std::chrono::steady_clock;
+
+/// Steps until `count` are done or Python has not been asked for signals for a while; returns how
+/// many are left. Without the GIL. Other threads have their turns between steps.
+std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
+  constexpr auto kSignalCheckEvery = std::chrono::milliseconds(10);
+  const nb::gil_scoped_release released;
+  const OrdinaryFloats floats;
+  const auto end = Clock::now() + kSignalCheckEvery;
+  while (count > 0 && Clock::now() < end) {
+    const std::lock_guard turn(simulation.lock);
+    simulation.step();
+    --count;
+  }
+  return count;
+}
+
+void step(SharedSimulation& simulation, std::size_t count) {
   while (count > 0) {
-    const std::size_t batch = std::min(count, kStepsPerSignalCheck);
-    {
-      const nb::gil_scoped_release released;
-      for (std::size_t i = 0; i < batch; ++i) simulation.step();
-    }
-    count -= batch;
+    count = step_for_a_while(simulation, count);
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
 }
@@ -129,33 +142,36 @@ void bind_simulation(nb::module_& module) {
 
   module.attr("most_turn") = Simulation::kMostTurn;
 
-  nb::class_<Simulation>(module, "Simulation")
+  nb::class_<SharedSimulation> simulation(module, "Simulation");
+  simulation
       .def(
           "__init__",
-          [](Simulation* self, const Coordinates& gravity, double time_step, bool sleeping,
+          [](SharedSimulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
              bullet::SolverEffort effort, bool two_friction_directions, bullet::ContactMode mode,
              bullet::ShellRule shell, int level, double margin, double ccd_motion_threshold) {
-            new (self)
-                Simulation({.gravity = to_vec3(gravity),
-                            .time_step = time_step,
-                            .sleeping = sleeping,
-                            .split_impulse_threshold = split_impulse_threshold,
-                            .solver = solver,
-                            .iterations = iterations,
-                            .effort = effort,
-                            .two_friction_directions = two_friction_directions,
-                            .contact = {.mode = mode,
-                                        .shell = shell,
-                                        .level = level,
-                                        .margin = margin,
-                                        .ccd_motion_threshold = ccd_motion_threshold,
-                                        .rolling_at_rest = solver != ConstraintSolver::kNncg}});
+            new (self) SharedSimulation(
+                {.gravity = to_vec3(gravity),
+                 .time_step = time_step,
+                 .sleeping = sleeping,
+                 .split_impulse_threshold = split_impulse_threshold,
+                 .solver = solver,
+                 .iterations = iterations,
+                 .effort = effort,
+                 .two_friction_directions = two_friction_directions,
+                 .contact = {.mode = mode,
+                             .shell = shell,
+                             .level = level,
+                             .margin = margin,
+                             .ccd_motion_threshold = ccd_motion_threshold,
+                             .rolling_at_rest = solver != ConstraintSolver::kNncg}});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
           nb::arg("effort"), nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"),
-          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"))
+          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"), InOrdinaryFloats())
+      .def("step", &step, nb::arg("count"));
+  SimulationMethods(simulation)
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,
@@ -183,7 +199,6 @@ void bind_simulation(nb::module_& module) {
            })
       .def("motor", [](const Simulation& s, std::size_t i) { return Motor(s.motor(i)); })
       .def("set_motor", &Simulation::set_motor)
-      .def("step", &step, nb::arg("count"))
       .def("take_fast_spins", &Simulation::take_fast_spins)
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)

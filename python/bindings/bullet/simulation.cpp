@@ -69,7 +69,9 @@ void Simulation::TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCac
 Simulation::Simulation(const SimulationSettings& settings)
     : settings_(settings),
       filter_(std::make_unique<Filter>(*this)),
-      anchor_(0.0, nullptr, nullptr) {
+      anchor_(0.0, nullptr, nullptr),
+      bodies_("body"),
+      joints_("joint") {
   settings_.contact.timings = &model_timings_;
   make_world();
 }
@@ -102,12 +104,8 @@ void Simulation::make_world() {
 
 /// Constraints leave before their bodies, bodies before what finds their pairs.
 void Simulation::drop_world() {
-  for (const auto& joint : joints_) {
-    if (joint != nullptr) world_->removeConstraint(&joint->constraint());
-  }
-  for (const auto& body : bodies_) {
-    if (body != nullptr) world_->removeRigidBody(&body->rigid_body);
-  }
+  for (const auto& [number, joint] : joints_) world_->removeConstraint(&joint->constraint());
+  for (const auto& [number, body] : bodies_) world_->removeRigidBody(&body->rigid_body);
   world_.reset();
   solver_.reset();
   lcp_.reset();
@@ -138,9 +136,8 @@ void Simulation::make_solver() {
 }
 
 std::size_t Simulation::add_body(const BodySettings& settings) {
-  bodies_.push_back(std::make_unique<Body>(settings, choose_frame(settings)));
-  const std::size_t number = bodies_.size() - 1;
-  Body& body = *bodies_.back();
+  const std::size_t number = bodies_.add(std::make_unique<Body>(settings, choose_frame(settings)));
+  Body& body = bodies_[number];
   body.rigid_body.setUserIndex(static_cast<int>(number));
   if (body.motion == Motion::kKinematic) {
     const int flags = body.rigid_body.getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT;
@@ -159,10 +156,10 @@ std::size_t Simulation::add_body(const BodySettings& settings) {
 void Simulation::enter(Body& body) { world_->addRigidBody(&body.rigid_body); }
 
 void Simulation::remove_body(std::size_t body) {
+  Body& removed = bodies_[body];
   const int number = static_cast<int>(body);
-  for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
-    if (joints_[joint] == nullptr) continue;
-    const JointSettings& settings = joints_[joint]->settings();
+  for (const std::size_t joint : joints_.numbers()) {
+    const JointSettings& settings = joints_[joint].settings();
     if (settings.parent == number || settings.child == number) remove_joint(joint);
   }
   // What lies on it must notice.
@@ -171,10 +168,10 @@ void Simulation::remove_body(std::size_t body) {
     if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();
     if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
   }
-  world_->removeRigidBody(&bodies_[body]->rigid_body);
-  bodies_[body]->material.surface_velocity = {};
-  move_surface(*bodies_[body]);
-  bodies_[body].reset();
+  world_->removeRigidBody(&removed.rigid_body);
+  removed.material.surface_velocity = {};
+  move_surface(removed);
+  bodies_.remove(body);
   if (restored_contacts_) {
     std::erase_if(*restored_contacts_, [&](const SimulationContact& contact) {
       return contact.body_a == number || contact.body_b == number;
@@ -186,49 +183,51 @@ void Simulation::remove_body(std::size_t body) {
 
 btRigidBody& Simulation::body_or_world(int number) {
   return number == JointSettings::kWorld ? anchor_
-                                         : bodies_[static_cast<std::size_t>(number)]->rigid_body;
+                                         : bodies_[static_cast<std::size_t>(number)].rigid_body;
 }
 
 std::size_t Simulation::add_joint(const JointSettings& settings) {
   const Pose parent_from_geometry =
       settings.parent == JointSettings::kWorld
           ? Pose{}
-          : bodies_[static_cast<std::size_t>(settings.parent)]->body_from_geometry;
-  const Body& child = *bodies_[static_cast<std::size_t>(settings.child)];
-  joints_.push_back(std::make_unique<Joint>(
+          : bodies_[static_cast<std::size_t>(settings.parent)].body_from_geometry;
+  const Body& child = bodies_[static_cast<std::size_t>(settings.child)];
+  const std::size_t number = joints_.add(std::make_unique<Joint>(
       settings, body_or_world(settings.parent), body_or_world(settings.child),
       to_bullet(parent_from_geometry * settings.parent_from_joint),
       to_bullet(child.body_from_geometry * settings.child_from_joint)));
-  world_->addConstraint(&joints_.back()->constraint());
+  world_->addConstraint(&joints_[number].constraint());
   update_pairs(child);
   body_or_world(settings.parent).activate();
   body_or_world(settings.child).activate();
-  return joints_.size() - 1;
+  return number;
 }
 
 void Simulation::remove_joint(std::size_t joint) {
-  for (const auto& other : joints_) {
-    if (other == nullptr || other->motor.mode != MotorMode::kFollow) continue;
+  const JointSettings settings = joints_[joint].settings();
+  for (const auto& [number, other] : joints_) {
+    if (other->motor.mode != MotorMode::kFollow) continue;
     if (other->motor.leader == static_cast<int>(joint)) other->motor = {};
   }
-  const JointSettings settings = joints_[joint]->settings();
-  world_->removeConstraint(&joints_[joint]->constraint());
-  joints_[joint].reset();
-  update_pairs(*bodies_[static_cast<std::size_t>(settings.child)]);
+  world_->removeConstraint(&joints_[joint].constraint());
+  joints_.remove(joint);
+  update_pairs(bodies_[static_cast<std::size_t>(settings.child)]);
   body_or_world(settings.parent).activate();
   body_or_world(settings.child).activate();
 }
 
 void Simulation::set_motor(std::size_t joint, const Motor& motor) {
-  joints_[joint]->motor = motor;
-  body_or_world(joints_[joint]->settings().parent).activate();
-  body_or_world(joints_[joint]->settings().child).activate();
+  Joint& driven = joints_[joint];
+  if (motor.mode == MotorMode::kFollow) joints_.check(static_cast<std::size_t>(motor.leader));
+  driven.motor = motor;
+  body_or_world(driven.settings().parent).activate();
+  body_or_world(driven.settings().child).activate();
 }
 
 bool Simulation::are_jointed_apart(int a, int b) const {
-  return std::ranges::any_of(joints_, [&](const auto& joint) {
-    return joint != nullptr && !joint->settings().collides &&
-           ascending(joint->settings().parent, joint->settings().child) == ascending(a, b);
+  return std::ranges::any_of(joints_, [&](const auto& entry) {
+    const JointSettings& settings = entry.part->settings();
+    return !settings.collides && ascending(settings.parent, settings.child) == ascending(a, b);
   });
 }
 
@@ -236,8 +235,8 @@ bool Simulation::may_meet(const btCollisionObject& a, const btCollisionObject& b
   if (a.isStaticOrKinematicObject() && b.isStaticOrKinematicObject()) return false;
   const int number_a = a.getUserIndex();
   const int number_b = b.getUserIndex();
-  const BodyMaterial& of_a = bodies_[static_cast<std::size_t>(number_a)]->material;
-  const BodyMaterial& of_b = bodies_[static_cast<std::size_t>(number_b)]->material;
+  const BodyMaterial& of_a = bodies_[static_cast<std::size_t>(number_a)].material;
+  const BodyMaterial& of_b = bodies_[static_cast<std::size_t>(number_b)].material;
   return (of_a.group & of_b.mask) != 0 && (of_b.group & of_a.mask) != 0 &&
          !apart_.contains(ascending(number_a, number_b)) && !are_jointed_apart(number_a, number_b);
 }
@@ -248,8 +247,8 @@ void Simulation::update_pairs(const Body& body) {
       const_cast<btBroadphaseProxy*>(body.rigid_body.getBroadphaseHandle());
   if (proxy == nullptr) return;
   btOverlappingPairCache& pairs = *broadphase_->getOverlappingPairCache();
-  for (const auto& other : bodies_) {
-    if (other == nullptr || other.get() == &body) continue;
+  for (const auto& [number, other] : bodies_) {
+    if (other.get() == &body) continue;
     btBroadphaseProxy* const met = other->rigid_body.getBroadphaseHandle();
     if (met == nullptr) continue;
     if (!may_meet(body.rigid_body, other->rigid_body)) {
@@ -263,25 +262,25 @@ void Simulation::update_pairs(const Body& body) {
 }
 
 void Simulation::set_collision(std::size_t a, std::size_t b, bool collides) {
+  const Body& first = bodies_[a];
+  wake(a);
+  wake(b);
   const auto pair = ascending(static_cast<int>(a), static_cast<int>(b));
   if (collides) {
     apart_.erase(pair);
   } else {
     apart_.insert(pair);
   }
-  update_pairs(*bodies_[a]);
-  wake(a);
-  wake(b);
+  update_pairs(first);
 }
 
 void Simulation::step() {
   restored_contacts_.reset();
-  for (const auto& joint : joints_) {
-    if (joint == nullptr) continue;
+  for (const auto& [number, joint] : joints_) {
     const bool follows = joint->motor.mode == MotorMode::kFollow;
     joint->prepare_step(
         settings_.time_step,
-        follows ? joints_[static_cast<std::size_t>(joint->motor.leader)]->read() : JointReading{});
+        follows ? joints_[static_cast<std::size_t>(joint->motor.leader)].read() : JointReading{});
   }
   model_timings_ = {};
   const auto start = Clock::now();
@@ -289,19 +288,16 @@ void Simulation::step() {
   timings_.push_back({seconds_since(start), dispatcher_->seconds, model_timings_.query,
                       model_timings_.reduction, model_timings_.manifold});
   if (timings_.size() > kMostTimings) timings_.pop_front();
-  for (const auto& joint : joints_) {
-    if (joint != nullptr) joint->finish_step();
-  }
+  for (const auto& [number, joint] : joints_) joint->finish_step();
   note_spins();
 }
 
 void Simulation::note_spins() {
-  for (std::size_t number = 0; number < bodies_.size(); ++number) {
-    if (bodies_[number] == nullptr || bodies_[number]->spins_fast) continue;
-    const btRigidBody& rigid_body = bodies_[number]->rigid_body;
-    const double turn = rigid_body.getAngularVelocity().length() * settings_.time_step;
+  for (const auto& [number, body] : bodies_) {
+    if (body->spins_fast) continue;
+    const double turn = body->rigid_body.getAngularVelocity().length() * settings_.time_step;
     if (!(turn > kMostTurn)) continue;
-    bodies_[number]->spins_fast = true;
+    body->spins_fast = true;
     fast_spins_.push_back({number, turn});
   }
 }
@@ -323,14 +319,14 @@ std::vector<SimulationContact> Simulation::compute_contacts() const {
 }
 
 Pose Simulation::world_from_geometry(std::size_t body) const {
-  return from_bullet(bodies_[body]->rigid_body.getWorldTransform()) *
-         bodies_[body]->body_from_geometry;
+  return from_bullet(bodies_[body].rigid_body.getWorldTransform()) *
+         bodies_[body].body_from_geometry;
 }
 
 void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
-  btRigidBody& rigid_body = bodies_[body]->rigid_body;
-  const btTransform world_from_body = to_bullet(pose * bodies_[body]->body_from_geometry.inverse());
-  if (bodies_[body]->motion == Motion::kKinematic) {
+  btRigidBody& rigid_body = bodies_[body].rigid_body;
+  const btTransform world_from_body = to_bullet(pose * bodies_[body].body_from_geometry.inverse());
+  if (bodies_[body].motion == Motion::kKinematic) {
     // The place that it had after the last step stays, for its velocity.
     rigid_body.setWorldTransform(world_from_body);
   } else {
@@ -341,30 +337,30 @@ void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
 }
 
 Vec3 Simulation::linear_velocity(std::size_t body) const {
-  return from_bullet(bodies_[body]->rigid_body.getLinearVelocity());
+  return from_bullet(bodies_[body].rigid_body.getLinearVelocity());
 }
 
 Vec3 Simulation::angular_velocity(std::size_t body) const {
-  return from_bullet(bodies_[body]->rigid_body.getAngularVelocity());
+  return from_bullet(bodies_[body].rigid_body.getAngularVelocity());
 }
 
 void Simulation::set_linear_velocity(std::size_t body, const Vec3& velocity) {
-  bodies_[body]->rigid_body.setLinearVelocity(to_bullet(velocity));
+  bodies_[body].rigid_body.setLinearVelocity(to_bullet(velocity));
   wake(body);
 }
 
 void Simulation::set_angular_velocity(std::size_t body, const Vec3& velocity) {
-  bodies_[body]->rigid_body.setAngularVelocity(to_bullet(velocity));
+  bodies_[body].rigid_body.setAngularVelocity(to_bullet(velocity));
   wake(body);
 }
 
-bool Simulation::is_asleep(std::size_t body) const { return !bodies_[body]->rigid_body.isActive(); }
+bool Simulation::is_asleep(std::size_t body) const { return !bodies_[body].rigid_body.isActive(); }
 
-void Simulation::wake(std::size_t body) { bodies_[body]->rigid_body.activate(); }
+void Simulation::wake(std::size_t body) { bodies_[body].rigid_body.activate(); }
 
 void Simulation::apply_force(std::size_t body, const Vec3& force,
                              const std::optional<Vec3>& place) {
-  btRigidBody& rigid_body = bodies_[body]->rigid_body;
+  btRigidBody& rigid_body = bodies_[body].rigid_body;
   rigid_body.applyCentralForce(to_bullet(force));
   if (place) {
     const btVector3 lever = to_bullet(*place) - rigid_body.getCenterOfMassPosition();
@@ -374,13 +370,13 @@ void Simulation::apply_force(std::size_t body, const Vec3& force,
 }
 
 void Simulation::apply_torque(std::size_t body, const Vec3& torque) {
-  bodies_[body]->rigid_body.applyTorque(to_bullet(torque));
+  bodies_[body].rigid_body.applyTorque(to_bullet(torque));
   wake(body);
 }
 
 void Simulation::apply_impulse(std::size_t body, const Vec3& impulse,
                                const std::optional<Vec3>& place) {
-  btRigidBody& rigid_body = bodies_[body]->rigid_body;
+  btRigidBody& rigid_body = bodies_[body].rigid_body;
   rigid_body.applyCentralImpulse(to_bullet(impulse));
   if (place) {
     const btVector3 lever = to_bullet(*place) - rigid_body.getCenterOfMassPosition();
@@ -390,14 +386,14 @@ void Simulation::apply_impulse(std::size_t body, const Vec3& impulse,
 }
 
 void Simulation::apply_torque_impulse(std::size_t body, const Vec3& impulse) {
-  bodies_[body]->rigid_body.applyTorqueImpulse(to_bullet(impulse));
+  bodies_[body].rigid_body.applyTorqueImpulse(to_bullet(impulse));
   wake(body);
 }
 
-const BodyMaterial& Simulation::material(std::size_t body) const { return bodies_[body]->material; }
+const BodyMaterial& Simulation::material(std::size_t body) const { return bodies_[body].material; }
 
 void Simulation::set_material(std::size_t number, const BodyMaterial& material) {
-  Body& body = *bodies_[number];
+  Body& body = bodies_[number];
   body.rigid_body.setFriction(material.friction);
   body.rigid_body.setRollingFriction(material.rolling_friction);
   body.rigid_body.setSpinningFriction(material.spinning_friction);

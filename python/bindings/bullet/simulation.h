@@ -13,6 +13,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "bullet/joint.h"
+#include "bullet/numbered.h"
 #include "bullet/shapes.h"
 #include "voxshell/bullet/collision_configuration.h"
 #include "voxshell/bullet/coulomb_solver.h"
@@ -112,7 +113,8 @@ struct Bounds {
 
 struct SimulationState;
 
-/// A world of stock Bullet, float64, with voxshell's collision configuration.
+/// A world of stock Bullet, float64, with voxshell's collision configuration. Throws
+/// std::out_of_range where a number is of no body or joint of the world.
 class Simulation {
  public:
   explicit Simulation(const SimulationSettings& settings);
@@ -128,9 +130,9 @@ class Simulation {
   /// Adds a joint and returns its number, which no other joint ever has.
   std::size_t add_joint(const JointSettings& settings);
   void remove_joint(std::size_t joint);
-  JointReading read_joint(std::size_t joint) const { return joints_[joint]->read(); }
-  JointReaction joint_reaction(std::size_t joint) const { return joints_[joint]->reaction(); }
-  const Motor& motor(std::size_t joint) const { return joints_[joint]->motor; }
+  JointReading read_joint(std::size_t joint) const { return joints_[joint].read(); }
+  JointReaction joint_reaction(std::size_t joint) const { return joints_[joint].reaction(); }
+  const Motor& motor(std::size_t joint) const { return joints_[joint].motor; }
   void set_motor(std::size_t joint, const Motor& motor);
 
   void step();
@@ -180,8 +182,6 @@ class Simulation {
   std::shared_ptr<const SimulationState> save();
   /// Bodies and joints must be those of the state.
   void restore(const SimulationState& state);
-  std::vector<std::size_t> body_numbers() const;
-  std::vector<std::size_t> joint_numbers() const;
 
  private:
   struct Body;
@@ -209,9 +209,9 @@ class Simulation {
   std::unique_ptr<btBroadphaseInterface> broadphase_;
   std::unique_ptr<btMLCPSolverInterface> lcp_;  ///< of solvers that solve all constraints as one
   std::unique_ptr<btConstraintSolver> solver_;
-  btRigidBody anchor_;                         ///< what joints to the world hold on to
-  std::vector<std::unique_ptr<Body>> bodies_;  ///< by number; null: removed
-  std::vector<std::unique_ptr<Joint>> joints_;
+  btRigidBody anchor_;  ///< what joints to the world hold on to
+  Numbered<Body> bodies_;
+  Numbered<Joint> joints_;
   std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not meet, ascending
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step

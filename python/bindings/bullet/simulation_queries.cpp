@@ -40,8 +40,7 @@ std::vector<RayHit> Simulation::cast_rays(const std::vector<Vec3>& starts,
     btVector3 upper;
   };
   std::vector<Target> targets;
-  for (const auto& body : bodies_) {
-    if (body == nullptr) continue;
+  for (const auto& [number, body] : bodies_) {
     Target target{&body->rigid_body, {}, {}};
     body->shape.get()->getAabb(body->rigid_body.getWorldTransform(), target.lower, target.upper);
     targets.push_back(target);
@@ -77,7 +76,7 @@ std::vector<RayHit> Simulation::cast_rays(const std::vector<Vec3>& starts,
 Bounds Simulation::bounds(std::size_t body) const {
   btVector3 lower;
   btVector3 upper;
-  bodies_[body]->shape.get()->getAabb(bodies_[body]->rigid_body.getWorldTransform(), lower, upper);
+  bodies_[body].shape.get()->getAabb(bodies_[body].rigid_body.getWorldTransform(), lower, upper);
   return {from_bullet(lower), from_bullet(upper)};
 }
 
@@ -91,7 +90,7 @@ std::vector<SimulationContact> Simulation::find_contacts(std::size_t a, std::siz
     return {};
   }
   ContactList list(margin);
-  world_->contactPairTest(&bodies_[a]->rigid_body, &bodies_[b]->rigid_body, list);
+  world_->contactPairTest(&bodies_[a].rigid_body, &bodies_[b].rigid_body, list);
   return std::move(list.contacts);
 }
 

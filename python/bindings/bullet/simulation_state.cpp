@@ -48,36 +48,19 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 
 }  // namespace
 
-std::vector<std::size_t> Simulation::body_numbers() const {
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (bodies_[i] != nullptr) numbers.push_back(i);
-  }
-  return numbers;
-}
-
-std::vector<std::size_t> Simulation::joint_numbers() const {
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    if (joints_[i] != nullptr) numbers.push_back(i);
-  }
-  return numbers;
-}
-
 std::shared_ptr<const SimulationState> Simulation::save() {
   auto state = std::make_shared<SimulationState>();
-  for (const std::size_t number : body_numbers()) {
-    const Body& body = *bodies_[number];
-    const btRigidBody& rigid_body = body.rigid_body;
+  for (const auto& [number, body] : bodies_) {
+    const btRigidBody& rigid_body = body->rigid_body;
     state->bodies.push_back(
         {number, rigid_body.getWorldTransform(), rigid_body.getInterpolationWorldTransform(),
          rigid_body.getLinearVelocity(), rigid_body.getAngularVelocity(),
          rigid_body.getInterpolationLinearVelocity(), rigid_body.getInterpolationAngularVelocity(),
          rigid_body.getTotalForce(), rigid_body.getTotalTorque(), rigid_body.getActivationState(),
-         rigid_body.getDeactivationTime(), body.material});
+         rigid_body.getDeactivationTime(), body->material});
   }
-  for (const std::size_t number : joint_numbers()) {
-    state->joints.push_back({number, joints_[number]->motor, joints_[number]->counted_position()});
+  for (const auto& [number, joint] : joints_) {
+    state->joints.push_back({number, joint->motor, joint->counted_position()});
   }
   state->apart = apart_;
   for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
@@ -95,7 +78,17 @@ std::shared_ptr<const SimulationState> Simulation::save() {
   return state;
 }
 
-void Simulation::restore(const SimulationState& state) { rebuild(state); }
+void Simulation::restore(const SimulationState& state) {
+  const auto are_those_of = [](const auto& parts, const auto& saved) {
+    return std::ranges::equal(parts, saved, {},
+                              &std::ranges::range_value_t<decltype(parts)>::number,
+                              &std::ranges::range_value_t<decltype(saved)>::number);
+  };
+  if (!are_those_of(bodies_, state.bodies) || !are_those_of(joints_, state.joints)) {
+    throw std::out_of_range("the world has other bodies or joints than the state");
+  }
+  rebuild(state);
+}
 
 /// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on all that went before: a new
 /// world has none that the state does not name.
@@ -104,7 +97,7 @@ void Simulation::rebuild(const SimulationState& state) {
   make_world();
   apart_ = state.apart;
   for (const SimulationState::BodyState& saved : state.bodies) {
-    Body& body = *bodies_[saved.number];
+    Body& body = bodies_[saved.number];
     btRigidBody& rigid_body = body.rigid_body;
     body.material = saved.material;
     set_material(saved.number, saved.material);
@@ -120,7 +113,7 @@ void Simulation::rebuild(const SimulationState& state) {
     rigid_body.clearForces();
   }
   for (const SimulationState::JointState& saved : state.joints) {
-    Joint& joint = *joints_[saved.number];
+    Joint& joint = joints_[saved.number];
     joint.motor = saved.motor;
     joint.set_counted_position(saved.position);
     world_->addConstraint(&joint.constraint());
@@ -131,7 +124,7 @@ void Simulation::rebuild(const SimulationState& state) {
   world_->performDiscreteCollisionDetection();
   warm_up(state);
   for (const SimulationState::BodyState& saved : state.bodies) {
-    btRigidBody& rigid_body = bodies_[saved.number]->rigid_body;
+    btRigidBody& rigid_body = bodies_[saved.number].rigid_body;
     rigid_body.clearForces();
     rigid_body.applyCentralForce(saved.force);
     rigid_body.applyTorque(saved.torque);

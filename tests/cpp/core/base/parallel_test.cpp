@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <new>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -65,6 +66,32 @@ TEST(ParallelFor, StopsBeforeTheEndWhereProgressSaysSo) {
 TEST(ParallelFor, RefusalOfTheLastReportCounts) {
   EXPECT_FALSE(
       parallel_for(1, 1, "", [](std::string_view, double) { return false; }, [](std::size_t) {}));
+}
+
+TEST(ParallelFor, AnExceptionInAnyThreadArrivesAtTheCaller) {
+  for (const unsigned threads : {1u, 4u}) {
+    std::atomic<std::size_t> done{0};
+    const auto task = [&](std::size_t i) {
+      if (i == 7) throw std::bad_alloc();
+      ++done;
+      std::this_thread::sleep_for(std::chrono::microseconds(10));
+    };
+    EXPECT_THROW(parallel_for(100'000, threads, "", {}, task), std::bad_alloc);
+    EXPECT_LT(done, 90'000u);  // tasks not yet begun are left out
+  }
+}
+
+TEST(ParallelFor, AnExceptionInAHelperAloneArrivesAtTheCaller) {
+  const auto caller = std::this_thread::get_id();
+  std::atomic<bool> has_thrown{false};
+  const auto task = [&](std::size_t) {
+    if (std::this_thread::get_id() != caller) {
+      has_thrown = true;
+      throw std::bad_alloc();
+    }
+    while (!has_thrown) std::this_thread::yield();
+  };
+  EXPECT_THROW(parallel_for(100, 4, "", {}, task), std::bad_alloc);
 }
 
 }  // namespace
