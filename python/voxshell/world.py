@@ -71,6 +71,10 @@ class World:
 
     Bodies that turn freely keep their angular momentum and energy.
 
+    Threads may share a world. Each call waits for its turn, :meth:`step` gives way to others between
+    steps, and what a thread reads is how things stand between two steps. A body that another thread
+    has removed is a :class:`SettingsError`. Callbacks of :meth:`step` hold no turn and may use the world.
+
     Args:
         gravity: (3,), m/s2, world frame.
         time_step: Seconds a step.
@@ -463,7 +467,7 @@ class World:
         *,
         before: Callable[[World], object] | None = None,
     ) -> None:
-        """Advances by ``n`` time steps. Ctrl-C stops between steps.
+        """Advances by ``n`` time steps. Ctrl-C stops it after the step that is under way.
 
         Args:
             n: How many.
@@ -478,10 +482,8 @@ class World:
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
-            try:
-                self._simulation.step(count)
-            finally:
-                self._warn_of_spins()
+            self._simulation.step(count)
+            self._warn_of_spins()
             return
         for _ in range(count):
             if before is not None:

@@ -34,7 +34,7 @@ std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   const auto end = Clock::now() + kSignalCheckEvery;
   while (count > 0 && Clock::now() < end) {
     const std::lock_guard turn(simulation.lock);
-    simulation.step();
+    simulation.change([](Simulation& own) { own.step(); });
     --count;
   }
   return count;
@@ -203,7 +203,7 @@ void bind_simulation(nb::module_& module) {
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })
-      .def("find_contacts", [](const Simulation& s, std::size_t a, std::size_t b,
+      .def("find_contacts", [](Simulation& s, std::size_t a, std::size_t b,
                                double margin) { return to_rows(s.find_contacts(a, b, margin)); })
       .def("cast_rays", &cast_rays)
       .def("bounds",

@@ -1,9 +1,25 @@
+#include <cstdlib>
+#include <new>
+
+#include <LinearMath/btAlignedAllocator.h>
 #include <nanobind/nanobind.h>
 
 #include "bullet/bindings.h"
 #include "bullet/simulation.h"
 
+namespace {
+
+/// Bullet itself takes no notice when there is no memory, and writes to address 0.
+void* allocate_or_throw(std::size_t size) {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
 NB_MODULE(_bullet, module) {
+  btAlignedAllocSetCustom(&allocate_or_throw, &std::free);
   module.doc() = "Stock Bullet with voxshell's models. Use it through voxshell.World.";
   voxshell::python::bind_geometries(module);
   voxshell::python::bind_joints(module);

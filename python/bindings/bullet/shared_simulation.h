@@ -2,8 +2,10 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <mutex>
+#include <new>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -56,10 +58,35 @@ class FairLock {
 };
 
 /// The simulation of a World, which threads may share: each method waits for its turn.
-struct SharedSimulation : Simulation {
-  using Simulation::Simulation;
+class SharedSimulation {
+ public:
+  explicit SharedSimulation(const SimulationSettings& settings)
+      : simulation_(std::make_unique<Simulation>(settings)) {}
 
   FairLock lock;
+
+  /// In one's turn. Throws std::out_of_range where there is none any more.
+  Simulation& get() {
+    if (simulation_ == nullptr) {
+      throw std::out_of_range("memory ran out while this world changed; make another world");
+    }
+    return *simulation_;
+  }
+
+  /// Calls `change` with the simulation. Where memory runs out amid it, Bullet is left with half of
+  /// the change, and can neither go on nor be taken apart: its memory stays as it is.
+  template <class Change>
+  auto change(const Change& change) {
+    try {
+      return change(get());
+    } catch (const std::bad_alloc&) {
+      static_cast<void>(simulation_.release());
+      throw;
+    }
+  }
+
+ private:
+  std::unique_ptr<Simulation> simulation_;
 };
 
 /// One call: a turn of the simulation's, and ordinary floating-point numbers. Needs the GIL, which
@@ -81,25 +108,36 @@ class Turn {
 };
 
 /// A method of Python's that takes its turn.
-template <class Result, class Self, class... Args>
-auto in_turn(Result (*function)(Self&, Args...)) {
-  return [function](SharedSimulation& simulation, Args... args) -> Result {
-    const Turn turn(simulation);
-    return function(simulation, std::forward<Args>(args)...);
+template <class Result, class... Args>
+auto in_turn(Result (*function)(Simulation&, Args...)) {
+  return [function](SharedSimulation& shared, Args... args) -> Result {
+    const Turn turn(shared);
+    return shared.change([&](Simulation& simulation) -> Result {
+      return function(simulation, std::forward<Args>(args)...);
+    });
   };
 }
 template <class Result, class... Args>
 auto in_turn(Result (Simulation::*method)(Args...)) {
-  return [method](SharedSimulation& simulation, Args... args) -> Result {
-    const Turn turn(simulation);
-    return (simulation.*method)(std::forward<Args>(args)...);
+  return [method](SharedSimulation& shared, Args... args) -> Result {
+    const Turn turn(shared);
+    return shared.change([&](Simulation& simulation) -> Result {
+      return (simulation.*method)(std::forward<Args>(args)...);
+    });
+  };
+}
+template <class Result, class... Args>
+auto in_turn(Result (*function)(const Simulation&, Args...)) {
+  return [function](SharedSimulation& shared, Args... args) -> Result {
+    const Turn turn(shared);
+    return function(shared.get(), std::forward<Args>(args)...);
   };
 }
 template <class Result, class... Args>
 auto in_turn(Result (Simulation::*method)(Args...) const) {
-  return [method](SharedSimulation& simulation, Args... args) -> Result {
-    const Turn turn(simulation);
-    return (simulation.*method)(std::forward<Args>(args)...);
+  return [method](SharedSimulation& shared, Args... args) -> Result {
+    const Turn turn(shared);
+    return (shared.get().*method)(std::forward<Args>(args)...);
   };
 }
 template <class Lambda>
