@@ -354,6 +354,20 @@ def test_threads_of_one_process_build_once(folder, core):
     assert len(files(folder)) == 1
 
 
+def test_what_builds_a_model_may_ask_for_the_same_one(folder, core):
+    cache = ModelCache(folder)
+    nested = Builder(core)
+
+    def build():
+        cache.fetch(key_of("a"), nested, pytest.fail)  # does not wait
+        return slow()
+
+    slow = Builder(core)
+    cache.fetch(key_of("a"), build)
+    assert (slow.count, nested.count) == (1, 1)
+    assert files(folder) == [key_of("a") + ".vxs"]
+
+
 def test_one_that_waits_may_be_stopped_and_need_not_wait_for_ever(folder, core, monkeypatch):
     cache = ModelCache(folder)
     with cache._locked(key_of("a"), lambda: None) as problem:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -280,3 +281,22 @@ def test_wrong_uses_are_refused(bar):
         nail.set_target_velocity(1.0, max_force=1.0)
     with pytest.raises(vx.SettingsError, match="has no axis"):
         _ = nail.position
+
+
+def test_removed_joints_and_bodies_leave_nothing_behind():
+    world = vx.World(gravity=(0, 0, 0))
+    world.add(vx.Sphere(0.1))
+
+    def seconds_of_steps() -> float:
+        world.clear_timings()
+        begin = time.perf_counter()
+        world.step(2000)
+        return time.perf_counter() - begin
+
+    before = min(seconds_of_steps() for _ in range(3))
+    for _ in range(20_000):
+        body = world.add(vx.Sphere(0.1), pose=np.diag([1.0, 1.0, 1.0, 1.0]), group=0)
+        world.remove(world.add_joint(vx.FixedJoint(), None, body))
+        world.remove(body)
+    assert min(seconds_of_steps() for _ in range(3)) < 3 * before
+    assert world.add(vx.Sphere(0.1)).number == 20_001  # numbers are never given twice

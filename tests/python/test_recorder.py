@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 import voxshell as vx
@@ -31,6 +34,23 @@ def test_bodies_of_one_name_are_told_apart():
         world.add(vx.Sphere(0.1), name="ball")
     names = [body.name for body in world.record().recording().bodies]
     assert names == ["ball (0)", "ball (1)"]
+
+
+def test_a_recorded_world_is_freed_without_a_collection():
+    gc.disable()
+    try:
+        world = vx.World()
+        world.add(vx.Sphere(0.1))
+        recorder = world.record()
+        world.step(3)
+        gone = weakref.ref(world), weakref.ref(recorder)
+        del world
+        assert gone[0]() is None
+        assert recorder.recording().frame_count == 4  # it outlives its world
+        del recorder
+        assert gone[1]() is None
+    finally:
+        gc.enable()
 
 
 def test_a_world_without_bodies_has_nothing_to_record():

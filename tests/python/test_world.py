@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 import warnings
 
 import numpy as np
@@ -429,6 +430,32 @@ def test_ctrl_c_stops_a_long_run():
     finally:
         process.kill()
     assert "KeyboardInterrupt" in errors
+
+
+def test_ctrl_c_stops_heavy_steps_within_about_one_of_them():
+    world = vx.World(solver="sequential_impulse", iterations=300_000, sleeping=False)
+    world.add(vx.Plane(), mass=0)
+    world.add(vx.Box((0.1, 0.1, 0.1)), pose=at(z=0.1))
+    world.step(2)
+    assert world.timings["step"][-1] > 0.02  # of many such steps, it must not do more
+
+    class Stopped(Exception):
+        pass
+
+    def stop(*_):
+        raise Stopped
+
+    before = signal.signal(signal.SIGALRM, stop)
+    delay = 0.2
+    try:
+        signal.setitimer(signal.ITIMER_REAL, delay)
+        begin = time.perf_counter()
+        with pytest.raises(Stopped):
+            world.step(2_000_000_000)
+        late = time.perf_counter() - begin - delay
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert late < 3 * world.timings["step"].max() + 0.02
 
 
 @pytest.mark.parametrize("ccd_motion_threshold", [None, np.inf])
