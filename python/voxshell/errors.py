@@ -20,7 +20,7 @@ class SettingsError(VoxshellError, ValueError):
 
 
 class MemoryLimitError(VoxshellError, ValueError):
-    """A request would exceed the memory limit; the message says which settings would not."""
+    """A request would exceed the memory limit, or the system gives no more memory."""
 
 
 class ModelFileError(VoxshellError, ValueError):
