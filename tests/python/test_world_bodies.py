@@ -355,7 +355,19 @@ def test_any_number_in_any_argument_of_a_simulation_is_harmless(brick):
         "is_asleep": (), "wake": (), "read_joint": (), "joint_reaction": (), "motor": (),
     }  # fmt: skip
     generator = np.random.default_rng(5)
-    numbers = [-(2**63), -(2**31), -2, -1, *range(7), 2**31 - 1, 2**31, 2**63 - 1, 2**63, 2**64 - 1, 2**64]
+    numbers = [
+        -(2**63),
+        -(2**31),
+        -2,
+        -1,
+        *range(7),
+        2**31 - 1,
+        2**31,
+        2**63 - 1,
+        2**63,
+        2**64 - 1,
+        2**64,
+    ]
     refused = 0
 
     def call(function, *arguments):
@@ -383,10 +395,17 @@ def test_any_number_in_any_argument_of_a_simulation_is_harmless(brick):
             call(
                 lambda: simulation.add_joint(
                     _bullet.JointSettings(
-                        kind=_bullet.JointKind.HINGE, parent=any_number(), child=any_number(),
-                        parent_from_joint=pose, child_from_joint=pose, lower=1.0, upper=-1.0,
-                        friction=0.0, damping=0.0, collides=False,
-                    )  # fmt: skip
+                        kind=_bullet.JointKind.HINGE,
+                        parent=any_number(),
+                        child=any_number(),
+                        parent_from_joint=pose,
+                        child_from_joint=pose,
+                        lower=1.0,
+                        upper=-1.0,
+                        friction=0.0,
+                        damping=0.0,
+                        collides=False,
+                    )
                 )
             )
         call(simulation.step, 1)
