@@ -218,6 +218,22 @@ inline constexpr double kFacingInside = 8.0;
 /// How often the reach is doubled to get out of the field: up to kFacingInside.
 inline constexpr int kFacingDoublings = 3;
 
+// ---- ways out -----------------------------------------------------------------------------------
+// Decision 38.
+
+/// A contact pushes against its element if their normals have at most this cosine: not aside within
+/// three degrees. 0: bodies in each other's very place are held there by points that push aside.
+/// Smaller: needles sharper than that have no contacts.
+inline constexpr float kLeastOpposed = -0.05f;
+/// Bodies that are deeper in each other than this fraction of the rest margin, and have no contact
+/// that deep, leave by the shortest way. Smaller: contacts of rims would do. Larger: thin plates stay
+/// in each other.
+inline constexpr double kBuriedOfMargin = 8.0;
+/// From one distance that is tried to the next. Larger: ways that are not the shortest.
+inline constexpr double kWayOutGrowth = 1.25;
+/// Directions with a larger cosine are one: within three degrees.
+inline constexpr double kSameWayOut = 0.9986;
+
 // ---- both shells --------------------------------------------------------------------------------
 
 /// A contact of the second shell is a double if its normal and that of one of the first have at

@@ -1,9 +1,11 @@
 #include "facing_normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
 #include "contact_constants.h"
+#include "contact_list.h"
 
 namespace voxshell::bullet {
 
@@ -39,6 +41,17 @@ void face_elements(std::span<Contact> contacts, const Field& field, const PointS
         }
       },
       field);
+}
+
+float drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach) {
+  float deepest = 0.0f;
+  keep_if(contacts, [&](const Contact& contact) {
+    const bool is_from_behind = dot(shell.normal_of(contact.id), contact.normal) > kLeastOpposed;
+    const bool is_dropped = is_from_behind & (contact.depth > -reach);
+    deepest = is_dropped ? std::max(deepest, contact.depth) : deepest;
+    return !is_dropped;
+  });
+  return deepest;
 }
 
 }  // namespace voxshell::bullet

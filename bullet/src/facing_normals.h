@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "voxshell/contacts.h"
 
@@ -18,5 +19,13 @@ namespace voxshell::bullet {
 /// have no edges among their elements.
 void face_elements(std::span<Contact> contacts, const Field& field, const PointShell& shell,
                    const Pose& field_from_shell, double reach, double thickness);
+
+/// Drops contacts that would push their element out of the field along its own outward normal: what
+/// lies behind the element would follow it through the same place, and the bodies would overlap no
+/// less. Two balls of which each holds the other's middle would pull each other together. Contacts
+/// farther from the field than `reach` stay: their bodies may turn before they touch.
+///
+/// Returns the depth of the deepest of them, metres; 0 if there is none.
+float drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach);
 
 }  // namespace voxshell::bullet

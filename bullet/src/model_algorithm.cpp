@@ -16,11 +16,13 @@
 #include "facing_normals.h"
 #include "pair_step.h"
 #include "posed_pair.h"
+#include "rest_margin.h"
 #include "rolling_lever.h"
 #include "shape_features.h"
 #include "stage_clock.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/manifold.h"
+#include "way_out.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -190,6 +192,13 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   const auto drop_far = [&](std::vector<Contact>& contacts) {
     keep_if(contacts, [&](const Contact& contact) { return contact.depth > -reach; });
   };
+  // How deep the bodies are in each other by contacts that tell no way out, metres.
+  float buried = 0.0f;
+  const auto drop_behind = [&](std::vector<Contact>& contacts, const PointShell& shell) {
+    if (step == nullptr || settings_.mode == ContactMode::kSegmented) return;
+    const auto near = static_cast<float>(step->rest_margin + step->thickness);
+    buried = std::max(buried, drop_from_behind(contacts, shell, near));
+  };
   const auto take = [&] {
     const std::span<const Contact> found = ask(pair.field(), pair.shell(), pair.field_from_shell(),
                                                reach_of(pair.shell_side()), wanted, scratch_);
@@ -198,6 +207,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
+    drop_behind(contacts_, pair.shell());
     if (!slides || has_swapped_roles) return;
     first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(), pair.field_from_shell(),
                        touch, turning_of(*step, false), least_depth_of(contacts_));
@@ -214,6 +224,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                   pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
+    drop_behind(second_found_, pair.second_shell());
     if (slides) {
       second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
                           second_field_from_shell, touch, turning_of(*step, true),
@@ -228,7 +239,13 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
     has_swapped_roles = true;
     take();
   }
-  if (settings_.shell == ShellRule::kAutomatic && contacts_.empty()) append_inner(pair);
+  if (settings_.shell == ShellRule::kAutomatic) {
+    if (step == nullptr) {
+      if (contacts_.empty()) append_inner(pair);
+    } else {
+      append_way_out(*step, buried);
+    }
+  }
   if (slides && !has_swapped_roles) {
     first_round_.append_ids(0, exact_);
     if (pair.asks_both) second_round_.append_ids(kFirstOfSecond, exact_);
@@ -254,6 +271,32 @@ void ModelAlgorithm::append_inner(const PosedPair& pair) {
   // Where no direction is better than another, one that is the same in every step.
   if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
   contacts_.push_back(*found);
+}
+
+/// Of bodies deep in each other whose contacts tell no way out.
+void ModelAlgorithm::append_way_out(const PairStep& step, float buried) {
+  const PosedPair& pair = *step.pair;
+  // Not the margin that a user may have set, which may be none.
+  const double margin =
+      default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
+  const double deep = kBuriedOfMargin * margin;
+  const auto is_deep = [&](const Contact& contact) {
+    return static_cast<double>(contact.depth) + step.thickness > deep;
+  };
+  if (std::ranges::any_of(contacts_, is_deep)) return;
+  if (buried <= static_cast<float>(deep)) {
+    if (!contacts_.empty()) return;
+    append_inner(pair);
+    if (contacts_.empty()) return;
+    contacts_.clear();
+  }
+  const auto way = find_way_out(pair, margin);
+  if (!way) return;
+  const Vec3 middle = step.larger == &pair.shell_side() ? pair.field_side().bounding_ball().centre
+                                                        : pair.shell_side().bounding_ball().centre;
+  const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(middle);
+  contacts_.push_back({kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
+                       static_cast<Vec3f>(way->direction)});
 }
 
 std::span<const Contact> ModelAlgorithm::ask(const Field& field, const PointShell& shell,

@@ -80,7 +80,7 @@ class SharedSimulation {
     try {
       return change(get());
     } catch (const std::bad_alloc&) {
-      static_cast<void>(simulation_.release());
+      [[maybe_unused]] const Simulation* const left_behind = simulation_.release();
       throw;
     }
   }
