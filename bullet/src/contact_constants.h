@@ -221,14 +221,16 @@ inline constexpr int kFacingDoublings = 3;
 // ---- ways out -----------------------------------------------------------------------------------
 // Decision 38.
 
-/// A contact pushes against its element if their normals have at most this cosine: not aside within
-/// three degrees. 0: bodies in each other's very place are held there by points that push aside.
-/// Smaller: needles sharper than that have no contacts.
-inline constexpr float kLeastOpposed = -0.05f;
-/// Bodies that are deeper in each other than this fraction of the rest margin, and have no contact
-/// that deep, leave by the shortest way. Smaller: contacts of rims would do. Larger: thin plates stay
-/// in each other.
-inline constexpr double kBuriedOfMargin = 8.0;
+/// A contact pushes aside, neither against its element nor from behind it, where the cosine of
+/// their normals is within this of 0: three degrees. Smaller: rounding decides. Larger: sharp
+/// needles have no contacts.
+inline constexpr float kAside = 0.05f;
+/// Bodies that are deeper in each other than this many default rest margins, and have no contact
+/// that deep, leave by the shortest way. Smaller: contacts of rims would do. Larger: thin plates
+/// stay in each other.
+inline constexpr double kDeepOfMargin = 8.0;
+/// Ways out are found to this fraction of that depth.
+inline constexpr double kWayOutPrecision = 0.125;
 /// From one distance that is tried to the next. Larger: ways that are not the shortest.
 inline constexpr double kWayOutGrowth = 1.25;
 /// Directions with a larger cosine are one: within three degrees.
@@ -239,6 +241,8 @@ inline constexpr double kSameWayOut = 0.9986;
 /// A contact of the second shell is a double if its normal and that of one of the first have at
 /// least this cosine: within ten degrees. Decision 26.
 inline constexpr float kDoubleCosine = 0.985f;
+/// How far along a direction those within a distance are looked for, relative to it.
+inline constexpr float kSortedReach = 1.01f;
 
 // ---- seams --------------------------------------------------------------------------------------
 // Decision 35.

@@ -43,15 +43,20 @@ void face_elements(std::span<Contact> contacts, const Field& field, const PointS
       field);
 }
 
-float drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach) {
-  float deepest = 0.0f;
+void drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach,
+                      float deep, Opposition& opposition) {
+  float buried = opposition.buried;
+  bool is_opposed = opposition.is_opposed;
   keep_if(contacts, [&](const Contact& contact) {
-    const bool is_from_behind = dot(shell.normal_of(contact.id), contact.normal) > kLeastOpposed;
-    const bool is_dropped = is_from_behind & (contact.depth > -reach);
-    deepest = is_dropped ? std::max(deepest, contact.depth) : deepest;
+    const float cosine = dot(shell.normal_of(contact.id), contact.normal);
+    const float most = contact.depth > deep ? -kAside : kAside;
+    const bool is_near = contact.depth > -reach;
+    const bool is_dropped = is_near & (cosine > most);
+    buried = is_dropped ? std::max(buried, contact.depth) : buried;
+    is_opposed |= is_near & (cosine <= -kAside);
     return !is_dropped;
   });
-  return deepest;
+  opposition = {buried, is_opposed};
 }
 
 }  // namespace voxshell::bullet

@@ -20,12 +20,18 @@ namespace voxshell::bullet {
 void face_elements(std::span<Contact> contacts, const Field& field, const PointShell& shell,
                    const Pose& field_from_shell, double reach, double thickness);
 
+/// What drop_from_behind() found.
+struct Opposition {
+  float buried = 0.0f;      ///< depth of the deepest contact that was dropped, metres
+  bool is_opposed = false;  ///< some contact pushes against its element
+};
+
 /// Drops contacts that would push their element out of the field along its own outward normal: what
 /// lies behind the element would follow it through the same place, and the bodies would overlap no
-/// less. Two balls of which each holds the other's middle would pull each other together. Contacts
-/// farther from the field than `reach` stay: their bodies may turn before they touch.
-///
-/// Returns the depth of the deepest of them, metres; 0 if there is none.
-float drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach);
+/// less. Two balls of which each holds the other's middle would pull each other together. Drops
+/// contacts deeper than `deep` that push aside as well. Contacts farther from the field than
+/// `reach` stay: their bodies may turn before they touch. Metres. Decision 38.
+void drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach,
+                      float deep, Opposition& opposition);
 
 }  // namespace voxshell::bullet

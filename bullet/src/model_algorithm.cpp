@@ -16,7 +16,6 @@
 #include "facing_normals.h"
 #include "pair_step.h"
 #include "posed_pair.h"
-#include "rest_margin.h"
 #include "rolling_lever.h"
 #include "shape_features.h"
 #include "stage_clock.h"
@@ -59,6 +58,24 @@ ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
   if (carries_on && before.count >= std::min(kCarryingPoints, most)) return before;
   const ManifoldPoints chosen = select_manifold(contacts, most);
   return carries_on && before.count >= chosen.count ? before : chosen;
+}
+
+/// The contact of models of which one lies wholly inside the other, or in its very place.
+std::optional<Contact> find_inner(const PosedPair& pair) {
+  const Pose field_from_shell = pair.field_from_shell();
+  auto found =
+      find_inner_contact(pair.shell_side().participant(), pair.field(), field_from_shell, 0.0f);
+  if (!found && pair.field_side().model() != nullptr) {
+    const Pose shell_from_field = field_from_shell.inverse();
+    found = find_inner_contact(pair.field_side().participant(), pair.second_field(),
+                               shell_from_field, 0.0f);
+    if (found) found = turn_over(*found, shell_from_field);
+  }
+  if (!found) return std::nullopt;
+  found->id = kInnerContact;
+  // Where no direction is better than another, one that is the same in every step.
+  if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
+  return found;
 }
 
 }  // namespace
@@ -192,12 +209,12 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   const auto drop_far = [&](std::vector<Contact>& contacts) {
     keep_if(contacts, [&](const Contact& contact) { return contact.depth > -reach; });
   };
-  // How deep the bodies are in each other by contacts that tell no way out, metres.
-  float buried = 0.0f;
+  Opposition opposition;
   const auto drop_behind = [&](std::vector<Contact>& contacts, const PointShell& shell) {
     if (step == nullptr || settings_.mode == ContactMode::kSegmented) return;
     const auto near = static_cast<float>(step->rest_margin + step->thickness);
-    buried = std::max(buried, drop_from_behind(contacts, shell, near));
+    const auto deep = static_cast<float>(step->deep_overlap);
+    drop_from_behind(contacts, shell, near, deep, opposition);
   };
   const auto take = [&] {
     const std::span<const Contact> found = ask(pair.field(), pair.shell(), pair.field_from_shell(),
@@ -241,9 +258,10 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   }
   if (settings_.shell == ShellRule::kAutomatic) {
     if (step == nullptr) {
-      if (contacts_.empty()) append_inner(pair);
+      const auto inner = contacts_.empty() ? find_inner(pair) : std::nullopt;
+      if (inner) contacts_.push_back(*inner);
     } else {
-      append_way_out(*step, buried);
+      append_way_out(*step, opposition);
     }
   }
   if (slides && !has_swapped_roles) {
@@ -255,47 +273,22 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   return has_swapped_roles;
 }
 
-/// Of models of which one lies wholly inside the other, or in its very place.
-void ModelAlgorithm::append_inner(const PosedPair& pair) {
-  const Pose field_from_shell = pair.field_from_shell();
-  auto found =
-      find_inner_contact(pair.shell_side().participant(), pair.field(), field_from_shell, 0.0f);
-  if (!found && pair.field_side().model() != nullptr) {
-    const Pose shell_from_field = field_from_shell.inverse();
-    found = find_inner_contact(pair.field_side().participant(), pair.second_field(),
-                               shell_from_field, 0.0f);
-    if (found) found = turn_over(*found, shell_from_field);
-  }
-  if (!found) return;
-  found->id = kInnerContact;
-  // Where no direction is better than another, one that is the same in every step.
-  if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
-  contacts_.push_back(*found);
-}
-
 /// Of bodies deep in each other whose contacts tell no way out.
-void ModelAlgorithm::append_way_out(const PairStep& step, float buried) {
+void ModelAlgorithm::append_way_out(const PairStep& step, const Opposition& opposition) {
   const PosedPair& pair = *step.pair;
-  // Not the margin that a user may have set, which may be none.
-  const double margin =
-      default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
-  const double deep = kBuriedOfMargin * margin;
   const auto is_deep = [&](const Contact& contact) {
-    return static_cast<double>(contact.depth) + step.thickness > deep;
+    return static_cast<double>(contact.depth) + step.thickness > step.deep_overlap;
   };
   if (std::ranges::any_of(contacts_, is_deep)) return;
-  if (buried <= static_cast<float>(deep)) {
-    if (!contacts_.empty()) return;
-    append_inner(pair);
-    if (contacts_.empty()) return;
-    contacts_.clear();
-  }
-  const auto way = find_way_out(pair, margin);
+  const bool is_buried = static_cast<double>(opposition.buried) > step.deep_overlap;
+  if (!is_buried && (opposition.is_opposed || !find_inner(pair))) return;
+  const auto way = find_way_out(pair, kWayOutPrecision * step.deep_overlap);
   if (!way) return;
-  const Vec3 middle = step.larger == &pair.shell_side() ? pair.field_side().bounding_ball().centre
-                                                        : pair.shell_side().bounding_ball().centre;
-  const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(middle);
-  contacts_.push_back({kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
+  const Side& smaller = step.larger == &pair.shell_side() ? pair.field_side() : pair.shell_side();
+  const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(
+      smaller.bounding_ball().centre);
+  // Others are of rims, and push to all sides.
+  contacts_.assign(1, {kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
                        static_cast<Vec3f>(way->direction)});
 }
 

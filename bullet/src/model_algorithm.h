@@ -10,6 +10,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "contact_rule.h"
+#include "facing_normals.h"
 #include "flat_elements.h"
 #include "hull.h"
 #include "round_contacts.h"
@@ -61,8 +62,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
   bool find_near(PosedPair& pair, double margin, const PairStep* step, Wanted wanted);
-  void append_inner(const PosedPair& pair);
-  void append_way_out(const PairStep& step, float buried);
+  void append_way_out(const PairStep& step, const Opposition& opposition);
   std::span<const Contact> ask(const Field& field, const PointShell& shell,
                                const Pose& field_from_shell, float reach, Wanted wanted,
                                QueryScratch& scratch) const;

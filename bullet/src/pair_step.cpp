@@ -39,10 +39,10 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   const Ball& ball = step.larger == &pair.a ? ball_b : ball_a;
   step.radius = ball.radius;
   step.thickness = pair.thickness();
-  step.rest_margin =
-      settings.margin >= 0.0
-          ? settings.margin
-          : default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
+  const double rest_margin =
+      default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
+  step.rest_margin = settings.margin >= 0.0 ? settings.margin : rest_margin;
+  step.deep_overlap = kDeepOfMargin * rest_margin;
   step.farthest_displacement =
       find_farthest_displacement(step.motion_a, step.motion_b, ball, time_step);
   step.detail = std::min(pair.a.detail(), pair.b.detail());

@@ -15,10 +15,11 @@ struct PairStep {
   double time_step;
   Motion motion_a;
   Motion motion_b;
-  const Side* larger;  ///< the body with the larger bounding ball; null where they are as large
-  double radius;       ///< of the smaller body's bounding ball
-  double thickness;    ///< of both bodies' margins in Bullet
-  double rest_margin;  ///< slow points count as contacts up to this gap
+  const Side* larger;   ///< the body with the larger bounding ball; null where they are as large
+  double radius;        ///< of the smaller body's bounding ball
+  double thickness;     ///< of both bodies' margins in Bullet
+  double rest_margin;   ///< slow points count as contacts up to this gap
+  double deep_overlap;  ///< bodies that are deeper in each other may hold each other's middles
   /// No place of the smaller body moves farther in the step, as the other body sees it.
   double farthest_displacement;
   double detail;       ///< of the finer body; see Side::detail()

@@ -25,13 +25,17 @@ void SecondShell::drop_doubles(float margin, std::vector<Contact>& contacts) {
   const auto second =
       contacts.begin() + static_cast<std::ptrdiff_t>(find_from_id(contacts, kFirstOfSecond));
   if (second == contacts.begin() || second == contacts.end()) return;
-  by_x_.assign(contacts.begin(), second);
-  const auto x_of = [](const Contact& contact) { return contact.point.x; };
-  std::ranges::sort(by_x_, {}, x_of);
+  // Aslant, as the points of an edge share a coordinate.
+  constexpr Vec3f kAslant{0.48f, 0.6f, 0.64f};
+  const auto along = [&](const Contact& contact) { return dot(contact.point, kAslant); };
+  sorted_.assign(contacts.begin(), second);
+  std::ranges::sort(sorted_, {}, along);
+  // With room for rounding.
+  const float reach = kSortedReach * margin;
   const auto is_double = [&](const Contact& contact) {
-    const float x = contact.point.x;
-    for (auto near = std::ranges::lower_bound(by_x_, x - margin, {}, x_of);
-         near != by_x_.end() && near->point.x <= x + margin; ++near) {
+    const float here = along(contact);
+    for (auto near = std::ranges::lower_bound(sorted_, here - reach, {}, along);
+         near != sorted_.end() && along(*near) <= here + reach; ++near) {
       if (squared_length(near->point - contact.point) <= margin * margin &&
           dot(near->normal, contact.normal) >= kDoubleCosine) {
         return true;

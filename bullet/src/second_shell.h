@@ -33,7 +33,7 @@ class SecondShell {
   void drop_doubles(float margin, std::vector<Contact>& contacts);
 
  private:
-  std::vector<Contact> by_x_;  ///< those of the first shell, ascending by their points' x
+  std::vector<Contact> sorted_;  ///< those of the first shell, ascending along one direction
 };
 
 }  // namespace voxshell::bullet

@@ -75,10 +75,11 @@ VOXSHELL_INLINE NearestOnTriangle<F> find_on_triangle(const Triple<F>& p, const 
   return nearest;
 }
 
-/// Signed distance and gradient.
+/// Signed distance and gradient, of one place or eight.
+template <class F>
 struct ExactValue {
-  float distance;
-  Triple<float> gradient;  ///< unit length
+  F distance;
+  Triple<F> gradient;  ///< unit length
 };
 
 /// Triangles as they lie in memory, see simd/exact_view.h.
@@ -114,32 +115,49 @@ VOXSHELL_INLINE F8 measure_eight_triangles(const ListedTriangles& list, uint32_t
       .squared_distance;
 }
 
-/// The signed distance where the triangle at `found` of the list is the nearest.
-inline ExactValue evaluate_triangle(const ListedTriangles& list, uint32_t found, float x, float y,
-                                    float z) {
-  const float* record = list.record(found);
-  const auto pick = [&](int i) { return Triple<float>{record[i], record[i + 1], record[i + 2]}; };
-  const Triple<float> normal = pick(9);
-  const auto nearest =
-      find_on_triangle<float>(subtract(Triple<float>{x, y, z}, pick(0)), pick(3), pick(6), normal);
-  const Triple<float>& offset = nearest.offset;
-  if (nearest.feature == 0) return {dot(normal, offset), normal};
-  const float* out = list.feature_normals +
-                     static_cast<uint64_t>(list.index(found)) * kFeatureNormalFloats +
-                     3 * nearest.feature;
-  const Triple<float> outward{out[0], out[1], out[2]};
-  const float length = square_root(nearest.squared_distance);
-  const float sign = dot(outward, offset) < 0.0f ? -1.0f : 1.0f;
+/// The signed distance where `nearest` is of a triangle with that normal and the feature normals
+/// that begin at `feature_normals[first]`.
+template <class F>
+VOXSHELL_INLINE ExactValue<F> sign_distance(const Triple<F>& place,
+                                            const NearestOnTriangle<F>& nearest,
+                                            const Triple<F>& normal, const float* feature_normals,
+                                            Integer<F> first) {
+  const Triple<F>& offset = nearest.offset;
+  const auto is_on_face = nearest.feature == 0;
+  const F height = dot(normal, offset);
+  if (all(is_on_face)) return {height, normal};
+  const Integer<F> index = first + 3 * nearest.feature;
+  const Triple<F> outward{gather(feature_normals, index), gather(feature_normals, index + 1),
+                          gather(feature_normals, index + 2)};
+  const F length = square_root(nearest.squared_distance);
+  const F one = splat<F>(1.0f);
+  const F sign = select(dot(outward, offset) < splat<F>(0.0f), splat<F>(-1.0f), one);
   // So near, rounding would say which way the offset points.
   constexpr float kNear = 1e-6f;
-  const float size = absolute(x) + absolute(y) + absolute(z);
-  if (length <= kNear * size) return {sign * length, normalized(outward)};
-  const float scale = sign / length;
-  return {sign * length, {scale * offset.x, scale * offset.y, scale * offset.z}};
+  const F size = absolute(place.x) + absolute(place.y) + absolute(place.z);
+  const auto is_near = length <= kNear * size;
+  const F scale = sign / length;
+  const Triple<F> along{scale * offset.x, scale * offset.y, scale * offset.z};
+  const Triple<F> gradient = select<F>(is_near, normalized(outward), along);
+  return {select(is_on_face, height, sign * length), select<F>(is_on_face, normal, gradient)};
+}
+
+/// The signed distance where the triangle at `found` of the list is the nearest.
+inline ExactValue<float> evaluate_triangle(const ListedTriangles& list, uint32_t found, float x,
+                                           float y, float z) {
+  const float* record = list.record(found);
+  const auto pick = [&](int i) { return Triple<float>{record[i], record[i + 1], record[i + 2]}; };
+  const Triple<float> place{x, y, z};
+  const Triple<float> normal = pick(kRecordNormal);
+  const auto nearest = find_on_triangle<float>(subtract(place, pick(0)), pick(3), pick(6), normal);
+  return sign_distance<float>(
+      place, nearest, normal,
+      list.feature_normals + static_cast<uint64_t>(list.index(found)) * kFeatureNormalFloats, 0);
 }
 
 /// The signed distance to the nearest of a few triangles.
-inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float y, float z) {
+inline ExactValue<float> evaluate_triangles(const ListedTriangles& list, float x, float y,
+                                            float z) {
   F8 least = splat<F8>(__builtin_inff());
   I8 least_index{};
   const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
@@ -154,6 +172,29 @@ inline ExactValue evaluate_triangles(const ListedTriangles& list, float x, float
     if (least[other] < least[lane]) lane = other;
   }
   return evaluate_triangle(list, static_cast<uint32_t>(least_index[lane]), x, y, z);
+}
+
+/// The same of eight places with one list of at most as many triangles: triangle by triangle.
+inline ExactValue<F8> evaluate_triangles_at(const ListedTriangles& list, const Triple<F8>& places) {
+  NearestOnTriangle<F8> nearest{};
+  Triple<F8> normal{};
+  I8 index{};
+  for (uint32_t i = 0; i < list.count; ++i) {
+    const float* record = list.record(i);
+    const auto pick = [&](int k) {
+      return Triple<F8>{splat<F8>(record[k]), splat<F8>(record[k + 1]), splat<F8>(record[k + 2])};
+    };
+    const Triple<F8> of_this = pick(kRecordNormal);
+    const auto found = find_on_triangle<F8>(subtract(places, pick(0)), pick(3), pick(6), of_this);
+    const I8 is_nearer = i == 0 ? ~I8{} : found.squared_distance < nearest.squared_distance;
+    nearest.squared_distance = select(is_nearer, found.squared_distance, nearest.squared_distance);
+    nearest.offset = select<F8>(is_nearer, found.offset, nearest.offset);
+    nearest.feature = select(is_nearer, found.feature, nearest.feature);
+    normal = select<F8>(is_nearer, of_this, normal);
+    index = select(is_nearer, I8{} + static_cast<int32_t>(list.index(i)), index);
+  }
+  return sign_distance<F8>(places, nearest, normal, list.feature_normals,
+                           index * kFeatureNormalFloats);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -174,10 +174,6 @@ enum class Wanted { kDistance, kDistanceAndGradient };
 
 VOXSHELL_INLINE float lane_of(float value, int) { return value; }
 VOXSHELL_INLINE float lane_of(F8 value, int lane) { return value[lane]; }
-VOXSHELL_INLINE int32_t lane_of(int32_t value, int) { return value; }
-VOXSHELL_INLINE int32_t lane_of(I8 value, int lane) { return value[lane]; }
-VOXSHELL_INLINE void set_lane(float& to, int, float value) { to = value; }
-VOXSHELL_INLINE void set_lane(F8& to, int lane, float value) { to[lane] = value; }
 
 /// 0, or 1 + the index of the exact cells, of bricks that have such.
 template <class F>
@@ -185,38 +181,78 @@ VOXSHELL_INLINE Integer<F> find_exact_bricks(const ExactGridView& grid, const Gr
   return gather(grid.exact_bricks, place.brick);
 }
 
-/// Puts the values of exact cells in place of those of samples.
-template <Wanted kWanted, class F>
-VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<F>& p,
-                                          const GridPlace<F>& place, GridValue<F>& value) {
-  const Integer<F> bricks = find_exact_bricks(grid, place);
-  for (unsigned lanes = bits(bricks != 0); lanes != 0; lanes &= lanes - 1) {
+/// The triangles of a lane's cell; none where it is not exact.
+template <class F>
+VOXSHELL_INLINE uint32_t find_exact_list(const ExactGridView& grid, const GridPlace<F>& place,
+                                         int32_t brick, int lane) {
+  if (brick == 0) return 0;
+  const auto find_cell = [&](F within) {
+    const int32_t cell = to_int(lane_of(within, lane));
+    return static_cast<uint32_t>(cell < kBrickCells ? cell : kBrickCells - 1);
+  };
+  const uint32_t cell =
+      find_cell(place.within.x) +
+      kBrickCells * (find_cell(place.within.y) + kBrickCells * find_cell(place.within.z));
+  const uint32_t* masks =
+      grid.exact_masks + static_cast<uint64_t>(brick - 1) * (2 * kMaskWords) + cell / 32;
+  const uint32_t bit = 1u << cell % 32;
+  if ((*masks & bit) == 0) return 0;
+  const uint32_t index =
+      masks[kMaskWords] + static_cast<uint32_t>(__builtin_popcount(*masks & (bit - 1)));
+  return grid.exact_lists[index];
+}
+
+VOXSHELL_INLINE ListedTriangles triangles_of(const ExactGridView& grid, uint32_t list) {
+  return {grid.listed + (list >> kListCountBits), list & kMostInList, grid.triangles,
+          grid.feature_normals};
+}
+
+template <Wanted kWanted>
+VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<float>& p,
+                                          const GridPlace<float>& place, GridValue<float>& value) {
+  const uint32_t list = find_exact_list(grid, place, find_exact_bricks(grid, place), 0);
+  if (list == 0) return;
+  const ExactValue<float> exact = evaluate_triangles(triangles_of(grid, list), p.x, p.y, p.z);
+  value.distance = exact.distance;
+  if constexpr (kWanted == Wanted::kDistanceAndGradient) value.gradient = exact.gradient;
+}
+
+/// Puts the values of exact cells in place of those of samples. Of eight places, those in a row
+/// often have one list.
+template <Wanted kWanted>
+VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<F8>& p,
+                                          const GridPlace<F8>& place, GridValue<F8>& value) {
+  const I8 bricks = find_exact_bricks(grid, place);
+  unsigned left = bits(bricks != 0);
+  if (left == 0) return;
+  I8 lists{};
+  for (unsigned lanes = left; lanes != 0; lanes &= lanes - 1) {
     const int lane = __builtin_ctz(lanes);
-    const auto find_cell = [&](F within) {
-      const int32_t cell = to_int(lane_of(within, lane));
-      return static_cast<uint32_t>(cell < kBrickCells ? cell : kBrickCells - 1);
-    };
-    const uint32_t cell =
-        find_cell(place.within.x) +
-        kBrickCells * (find_cell(place.within.y) + kBrickCells * find_cell(place.within.z));
-    const uint32_t* masks = grid.exact_masks +
-                            static_cast<uint64_t>(lane_of(bricks, lane) - 1) * (2 * kMaskWords) +
-                            cell / 32;
-    const uint32_t bit = 1u << cell % 32;
-    if ((*masks & bit) == 0) continue;
-    const uint32_t index =
-        masks[kMaskWords] + static_cast<uint32_t>(__builtin_popcount(*masks & (bit - 1)));
-    const uint32_t list = grid.exact_lists[index];
-    const ExactValue exact =
-        evaluate_triangles({grid.listed + (list >> kListCountBits), list & kMostInList,
-                            grid.triangles, grid.feature_normals},
-                           lane_of(p.x, lane), lane_of(p.y, lane), lane_of(p.z, lane));
-    set_lane(value.distance, lane, exact.distance);
-    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
-      set_lane(value.gradient.x, lane, exact.gradient.x);
-      set_lane(value.gradient.y, lane, exact.gradient.y);
-      set_lane(value.gradient.z, lane, exact.gradient.z);
+    lists[lane] = static_cast<int32_t>(find_exact_list(grid, place, bricks[lane], lane));
+  }
+  left = bits(lists != 0);
+  while (left != 0) {
+    const int lane = __builtin_ctz(left);
+    const ListedTriangles triangles = triangles_of(grid, static_cast<uint32_t>(lists[lane]));
+    const I8 is_same = lists == lists[lane];
+    const unsigned same = bits(is_same);
+    if ((same & (same - 1)) != 0 && triangles.count <= kLanes) {
+      const ExactValue<F8> exact = evaluate_triangles_at(triangles, p);
+      value.distance = select(is_same, exact.distance, value.distance);
+      if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+        value.gradient = select<F8>(is_same, exact.gradient, value.gradient);
+      }
+      left &= ~same;
+      continue;
     }
+    const ExactValue<float> exact = evaluate_triangles(triangles, p.x[lane], p.y[lane], p.z[lane]);
+    value.distance[lane] = exact.distance;
+    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+      value.gradient.x[lane] = exact.gradient.x;
+      value.gradient.y[lane] = exact.gradient.y;
+      value.gradient.z[lane] = exact.gradient.z;
+    }
+    left &= left - 1;
   }
 }
 

@@ -1,10 +1,13 @@
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "contact_constants.h"
 #include "facing_normals.h"
+#include "rest_margin.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
@@ -38,12 +41,16 @@ TEST(Manifolds, RegularIsOneManifoldOfFourWithTheDeepestFirst) {
   TestWorld world({.mode = ContactMode::kRegular, .shell = ShellRule::kFewest, .margin = 0});
   world.add_model(slab_model(), 0);
   btRigidBody& blob = world.add_model(blob_model(), 1);
+  const auto radius = static_cast<double>(blob_model()->shell().tree().spheres(1)[0].radius);
+  const double thinnest = std::min(blob_model()->thickness(), slab_model()->thickness());
+  const double deep = kDeepOfMargin * default_rest_margin(radius, thinnest);
   int full = 0;
   for (int i = 0; i < 200; ++i) {
     place(blob, random_touch(random));
     world.world.performDiscreteCollisionDetection();
     auto expected = contacts_by_core(blob);
-    drop_from_behind(expected, blob_model()->shell(), 0.0f);
+    Opposition opposition;
+    drop_from_behind(expected, blob_model()->shell(), 0.0f, static_cast<float>(deep), opposition);
     const ManifoldPoints chosen = select_manifold(expected);
     const auto points = world.points();
     ASSERT_LE(world.dispatcher.getNumManifolds(), 1);
