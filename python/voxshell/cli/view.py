@@ -43,7 +43,7 @@ def view(
         voxshell view bunny.vxs --show slice points --export bunny.html
 
     Args:
-        body: A model file (.vxs), or a mesh that trimesh reads.
+        body: A model file (.vxs), or a mesh file.
         other: Likewise, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
         show: What is seen at first: surface, slice, level, points, normals, spheres.
         export: Write the scene as one offline page instead, to turn and look at, without controls.
