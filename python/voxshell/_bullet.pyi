@@ -196,6 +196,12 @@ class SimulationState:
 
 most_turn: float = 0.7853981633974483
 
+most_way: float = 100000.0
+
+most_extent: float = 500000.0
+
+most_mass: float = 1000000000000000.0
+
 class Simulation:
     def __init__(self, gravity: Sequence[float], time_step: float, sleeping: bool, split_impulse_threshold: float, solver: ConstraintSolver, iterations: int, effort: SolverEffort, two_friction_directions: bool, mode: ContactMode, shell: ShellRule, level: int, margin: float, ccd_motion_threshold: float) -> None: ...
 
@@ -218,6 +224,8 @@ class Simulation:
     def set_motor(self, arg0: int, arg1: Motor, /) -> None: ...
 
     def take_fast_spins(self) -> list[tuple[int, float]]: ...
+
+    def take_long_ways(self) -> list[tuple[int, float]]: ...
 
     def timings(self) -> NDArray[numpy.float64]: ...
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import stat
 import tempfile
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,29 +88,66 @@ def filling(folder: Path) -> Iterator[Path]:
     """A temporary folder whose files appear in ``folder`` together if the block succeeds.
 
     A new folder appears with them, by one rename. In one that is there already they take the place of
-    files of their names one by one, each whole, once all are complete.
+    files of their names one by one, each whole, once all are complete. One writer at a time fills it.
 
     Raises:
         SettingsError: The files cannot be written there.
-        FileAccessError: The system does not let them be written.
+        FileAccessError: The system does not let them be written, or another writer fills the folder.
     """
     check_output_folder(folder)
     target = _follow(folder)
-    with _unfinished(_find_nearest(target), folder) as outer:
+    with ExitStack() as held, _unfinished(_find_nearest(target), folder) as outer:
+        is_new = not target.exists()
+        if not is_new:
+            held.enter_context(_alone_in(target, folder))
         temporary = outer / "files"
         with _telling(temporary, folder):
             temporary.mkdir()
             yield temporary
-            if not target.exists():
-                target.parent.mkdir(parents=True, exist_ok=True)
-                temporary.rename(target)
+            if is_new and _appear(temporary, target):
                 return
+            if is_new:  # and made by somebody else meanwhile
+                held.enter_context(_alone_in(target, folder))
             names = sorted(path.name for path in temporary.iterdir())
             check_output_folder(folder, names)
             for name in names:
                 # Links may lead to another disk, where only what lies there already is whole at once.
                 with replacing(target / name) as place:
                     shutil.move(temporary / name, place)
+
+
+def _appear(temporary: Path, target: Path) -> bool:
+    """Whether a folder could take a place where there was none, or an empty one."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        temporary.rename(target)
+    except OSError as error:
+        if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
+            return False
+        raise
+    return True
+
+
+@contextmanager
+def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
+    """Refuses a folder that another writer fills; the system forgets who has ended, or was killed."""
+    import fcntl
+
+    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise FileAccessError(
+            f"cannot write {asked}: another program is writing into it; wait until it ends, or name "
+            "another folder"
+        ) from None
+    except OSError:  # disks that know no locks
+        pass
+    try:
+        yield
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import MISSING, fields, replace
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -14,6 +15,27 @@ if TYPE_CHECKING:
 Settings = TypeVar("Settings")
 
 
+_MOST_CHARACTERS = 2_000_000
+"""Of a text; the parser takes a second or two."""
+
+_LARGEST = 2**63
+"""Of integers, as in TOML's own definition."""
+
+_LONGEST_SHOWN = 80
+
+_MOST_PARTS = 100
+"""Of a dotted key; the parser takes time that grows as their square, 90 s for 100,000."""
+
+TOML_TOKEN = re.compile(
+    r'''"""(?:\\.|[^\\])*?"""(?:"{0,2})|\'{3}.*?\'{3}(?:\'{0,2})|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\''''
+    r"|#[^\n]*|[\[\]{}]|\n",
+    re.DOTALL,
+)
+"""Texts, comments, brackets and ends of lines of a TOML text: what its statements are told apart by."""
+
+_DOTTED = re.compile(rf"(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
+
+
 def parse_toml(text: str) -> dict[str, Any]:
     """What a TOML text holds.
 
@@ -24,10 +46,52 @@ def parse_toml(text: str) -> dict[str, Any]:
         import tomllib  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError:  # before Python 3.11
         import tomli as tomllib  # pyright: ignore[reportMissingImports]
+    if len(text) > _MOST_CHARACTERS:
+        raise SettingsError(
+            f"no TOML that is read: it has {len(text)} characters, and at most {_MOST_CHARACTERS} are "
+            "read"
+        )
+    _check_keys(text)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"no TOML: {error}") from error
+    except RecursionError:
+        line = _find_deepest(text)
+        raise SettingsError(
+            f"no TOML that is read: brackets are nested too deeply (at line {line})"
+        ) from None
+    except ValueError as error:  # of Python's own limit of the digits of an integer
+        number = re.search(r"\d{4000,}", text)
+        line = 1 if number is None else _count_lines(text, number.start())
+        raise SettingsError(f"no TOML that is read: {error} (at line {line})") from None
+
+
+def _check_keys(text: str) -> None:
+    """Refuses keys of very many parts, quoted ones, too."""
+    # Of texts and comments only the lines count.
+    plain = TOML_TOKEN.sub(lambda token: "\n" * token[0].count("\n") or "x", text)
+    if found := _DOTTED.search(plain):
+        raise SettingsError(
+            f"no TOML that is read: a key has more than {_MOST_PARTS} parts (at line "
+            f"{_count_lines(plain, found.start())})"
+        )
+
+
+def _find_deepest(text: str) -> int:
+    """The line at which most brackets are open."""
+    depth = deepest = 0
+    line = found = 1
+    for token in TOML_TOKEN.finditer(text):
+        line += token[0].count("\n")
+        depth += (token[0] in "[{") - (token[0] in "]}")
+        if depth > deepest:
+            deepest, found = depth, line
+    return found
+
+
+def _count_lines(text: str, end: int) -> int:
+    return text.count("\n", 0, end) + 1
 
 
 def override(settings: Settings, table: Mapping[str, Any], name: str) -> Settings:
@@ -98,18 +162,31 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
         return _convert(value, next(k for k in get_args(kind) if k is not type(None)), name)
     if origin is tuple:
         if not isinstance(value, list):
-            raise SettingsError(f"{name} must be a list, not {value!r}")
+            raise SettingsError(f"{name} must be a list, not {_show(value)}")
         item = get_args(kind)[0]
         return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
     if origin is Literal:
         if value not in get_args(kind):
             raise SettingsError(
-                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {value!r}"
+                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {_show(value)}"
             )
         return value
     words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
     # TOML writes 2 for a float of 2, and True is an int to Python.
     accepted = (int, float) if kind is float else (kind,)
     if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
-        raise SettingsError(f"{name} must be {words[kind]}, not {value!r}")
+        raise SettingsError(f"{name} must be {words[kind]}, not {_show(value)}")
+    if isinstance(value, int) and abs(value) > _LARGEST:
+        raise SettingsError(f"{name} must be {words[kind]} from -2^63 to 2^63, not {_show(value)}")
     return kind(value)
+
+
+def _show(value: Any) -> str:
+    """As Python writes it, in a line."""
+    if isinstance(value, int) and abs(value) > _LARGEST:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = repr(value)
+    except ValueError:  # of Python's own limit of the digits of an integer
+        return f"a {type(value).__name__} with an integer of too many digits"
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."

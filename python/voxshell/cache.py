@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING
 
 from voxshell import _core
 from voxshell.errors import (
-    FileAccessError,
     MemoryLimitError,
     ModelFileError,
     SettingsError,
@@ -55,7 +54,7 @@ STALE_SECONDS = 600.0
 
 _SUFFIX, _LOCK_SUFFIX = ".vxs", ".lock"
 _UNFINISHED = re.compile(r"\.voxshell-\d+-\d+\.tmp")
-_MODEL = re.compile(r"([0-9a-f]{64})\.vxs")
+_MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})\.vxs")
 _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
 _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12}
 
@@ -70,11 +69,13 @@ class Entry:
 
     Attributes:
         key: Digest of its mesh and settings.
+        seal: Digest of the key and the file's checksum.
         size: Bytes.
         used: When it was last used, seconds since 1970.
     """
 
     key: str
+    seal: str
     size: int
     used: float
 
@@ -143,7 +144,7 @@ class ModelCache:
     def entries(self) -> list[Entry]:
         """What is there, the most recently used first."""
         found = [
-            Entry(match[1], status.st_size, status.st_mtime)
+            Entry(match[1], match[2], status.st_size, status.st_mtime)
             for file, status in self._files()
             if (match := _MODEL.fullmatch(file.name))
         ]
@@ -158,7 +159,7 @@ class ModelCache:
         removed = 0
         for entry in self.entries():
             with suppress(FileNotFoundError):
-                self._path(entry.key).unlink()
+                self._path(entry).unlink()
                 removed += 1
         self.sweep()
         return removed
@@ -178,32 +179,43 @@ class ModelCache:
 
     # ---- files -----------------------------------------------------------------------------------
 
-    def _path(self, key: str) -> Path:
+    def _path(self, entry: Entry) -> Path:
         assert self.folder is not None
-        return self.folder / (key + _SUFFIX)
+        return self.folder / _name(entry.key, entry.seal)
 
     def _load(self, key: str) -> CoreModel | None:
         """None where there is none, or none that can be used."""
         if self.folder is None:
             raise FileNotFoundError("there is no home directory; set VOXSHELL_CACHE_DIR")
-        path = self._path(key)
-        if not path.exists():
-            return None
-        try:
-            model = _core.Model.load(os.fsencode(path))
-        except (ModelFileError, MemoryLimitError, FileAccessError):
-            return None
-        with suppress(OSError):
-            os.utime(path)
-        return model
+        for path in self.folder.glob(f"{key}-*{_SUFFIX}"):
+            try:
+                # A sound file of another model has another seal.
+                if path.name != _name(key, _read_seal(key, path)):
+                    continue
+                model = _core.Model.load(os.fsencode(path))
+            except (ModelFileError, MemoryLimitError, OSError):
+                continue
+            with suppress(OSError):
+                os.utime(path)
+            return model
+        return None
 
     def _store(self, key: str, model: CoreModel) -> None:
+        assert self.folder is not None
+        unnamed = self.folder / f".voxshell-{os.getpid()}-{threading.get_ident()}.tmp"
         try:
-            model.save(os.fsencode(self._path(key)))
+            model.save(os.fsencode(unnamed))
+            for path in self.folder.glob(f"{key}-*{_SUFFIX}"):  # damaged ones
+                with suppress(FileNotFoundError):
+                    path.unlink()
+            unnamed.replace(self.folder / _name(key, _read_seal(key, unnamed)))
             self._make_room()
         except OSError as error:
             self._warn(error)
             _remember(key, model)
+        finally:
+            with suppress(OSError):
+                unnamed.unlink()
 
     def _make_room(self) -> None:
         self.sweep()
@@ -212,7 +224,7 @@ class ModelCache:
         while total > self.capacity:
             oldest = entries.pop()
             with suppress(FileNotFoundError):
-                self._path(oldest.key).unlink()
+                self._path(oldest).unlink()
             total -= oldest.size
 
     def _files(self) -> Iterator[tuple[os.DirEntry[str], os.stat_result]]:
@@ -264,6 +276,17 @@ class ModelCache:
         if place not in _warned:
             _warned.add(place)
             warnings.warn(message, CacheWarning, stacklevel=2)
+
+
+def _name(key: str, seal: str) -> str:
+    return f"{key}-{seal}{_SUFFIX}"
+
+
+def _read_seal(key: str, path: Path) -> str:
+    """Of a model file, which holds its checksum behind its magic, under a key."""
+    with path.open("rb") as file:
+        checksum = file.read(16)[8:]
+    return hashlib.sha256(key.encode() + checksum).hexdigest()[:16]
 
 
 class _Building(threading.local):

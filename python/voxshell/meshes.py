@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import signal
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from voxshell._arguments import as_floats, describe
-from voxshell.errors import InputTypeError, MeshError
+from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
+from voxshell.mesh_files.reading import open_mesh_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,6 +55,7 @@ def read_mesh(mesh: MeshLike) -> Mesh:
     Raises:
         MeshError: A file cannot be read or holds no triangles; arrays have a wrong shape or type,
             numbers that are not finite, or indices that are not of a vertex. It names the file.
+        MemoryLimitError: The system gives no more memory for a file.
         InputTypeError: ``mesh`` is none of the kinds that are taken.
     """
     if isinstance(mesh, (str, os.PathLike)):
@@ -91,26 +94,38 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
 
 def _load(path: str) -> trimesh.Trimesh:
     """A mesh from a file; the bodies of a scene become one mesh."""
-    if not os.path.isfile(path):
-        reason = "is a folder" if os.path.isdir(path) else "does not exist"
-        raise MeshError(f"cannot read mesh {path}: it {reason}")
-    if path.lower().endswith(MODEL_SUFFIX):
+    if path.lower().endswith(MODEL_SUFFIX) and os.path.isfile(path):
         raise MeshError(
             f"{path} is a model already: load it with voxshell.Model.load, or give the mesh that it "
             "was made of"
         )
-    with _keeping_interrupts(until_the_end=True):
-        import trimesh  # takes longer than all the rest of voxshell
-    with _keeping_interrupts():
-        try:
+    try:
+        kind, data, neighbors = open_mesh_file(path)
+        with _keeping_interrupts(until_the_end=True):
+            import trimesh  # takes longer than all the rest of voxshell
+        # Materials might refer to anything, and make no difference to a mesh.
+        options = {"skip_materials": True} if kind in ("glb", "gltf", "obj", "ply") else {}
+        with _keeping_interrupts():
             # Without process, vertices stay as they are in the file; the core merges equal ones.
-            mesh = trimesh.load(path, force="mesh", process=False)
-        except MemoryError:
-            raise
-        except OSError as error:
-            raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
-        except Exception as error:  # of which readers of damaged files raise every kind
-            raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
+            mesh = trimesh.load(
+                io.BytesIO(data),
+                file_type=kind,
+                # All that trimesh asks of it is bytes by name.
+                resolver=neighbors if kind in ("glb", "gltf") else None,  # pyright: ignore[reportArgumentType]
+                force="mesh",
+                process=False,
+                **options,
+            )
+    except MeshError as error:
+        raise MeshError(f"cannot read mesh {path}: {error}") from None
+    except MemoryError as error:
+        raise MemoryLimitError(
+            f"cannot read mesh {path}: the system gives no more memory; simplify the mesh"
+        ) from error
+    except OSError as error:
+        raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
+    except Exception as error:  # of which readers of damaged files raise every kind
+        raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise MeshError(
             f"cannot read mesh {path}: it holds no triangles, or is damaged; export it again"
@@ -119,15 +134,10 @@ def _load(path: str) -> trimesh.Trimesh:
 
 
 def _explain(path: str, error: Exception) -> str:
-    """Why trimesh could not read a file, and what to do."""
-    from trimesh.exchange.load import available_formats, mesh_formats
-
+    """Why a file could not be read, and what to do."""
     if isinstance(error, ImportError):
         return f"its reader is not there: {error}"
-    if not path.lower().endswith(tuple(f".{each}" for each in available_formats())):
-        known = ", ".join(sorted(mesh_formats()))
-        return f"its ending is none of a format that can be read here ({known}); convert it to one"
-    # Its reader of OBJ files takes indices for granted.
+    # trimesh's reader of OBJ files takes indices for granted.
     beyond = re.search(r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error))
     if beyond and path.lower().endswith(".obj"):
         return (

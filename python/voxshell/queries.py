@@ -348,8 +348,10 @@ def distance(
 
     That is the smallest distance of any point of the shell from the other body's surface, so
     apart it is never less than the meshes' true distance (but for the error of a model's field),
-    and more by at most sqrt(3) spacings of the shell. Where bodies overlap it is negative: the
-    deepest of the :func:`contacts`, bit for bit.
+    and more by at most sqrt(3) spacings of the shell. Where the nearest point lies beyond the grid of
+    the other model's field (by default 16 voxels around it), the field is off by up to as much as the
+    rim of the grid is away from the surface. Where bodies overlap the distance is negative: the deepest of the
+    :func:`contacts`, bit for bit.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.

@@ -119,7 +119,8 @@ class World:
     Warns:
         AccuracyWarning: At the first step with them, where a pair of models may miss contacts that are
             deep beside the smaller model's thickness; and, once a body, where one turns by more than
-            an eighth of a turn in a step.
+            an eighth of a turn in a step, or moves so far in one that Bullet takes it out of the
+            simulation.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -173,6 +174,7 @@ class World:
         if friction_directions not in (1, 2):
             raise SettingsError(f"friction_directions must be 1 or 2, not {friction_directions!r}")
         self.time_step: float = as_positive(time_step, "time_step")
+        _check_fall(as_vector(gravity, "gravity"), self.time_step)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
@@ -282,6 +284,12 @@ class World:
             True
         """
         kilograms, motion = as_mass_and_motion(mass, motion)
+        label = "the body" if name is None else repr(name)
+        if kilograms > _bullet.most_mass:
+            raise SettingsError(
+                f"mass of {label} is {kilograms:g} kg, and Bullet lets what is above "
+                f"{_bullet.most_mass:g} kg through all others; give less, or 0 for a body that nothing moves"
+            )
         if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane has no end and cannot move: pass mass=0")
         material = make_material(
@@ -296,7 +304,7 @@ class World:
             surface_velocity=surface_velocity,
         )
         if any(material.surface_velocity):
-            check_surface(motion, "the body" if name is None else repr(name), self._moves_surfaces)
+            check_surface(motion, label, self._moves_surfaces)
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
@@ -309,6 +317,13 @@ class World:
             pose=world_from_body,
             material=material,
         )
+        extent = float(np.linalg.norm(np.ptp(self._simulation.bounds(number), axis=0)))
+        if motion != "static" and extent > _bullet.most_extent:
+            self._simulation.remove_body(number)
+            raise SettingsError(
+                f"{label} has a box with a diagonal of {extent:g} m, and Bullet moves none of more than "
+                f"{_bullet.most_extent:g} m; scale the scene down, or pass motion='static'"
+            )
         body = Body(
             self._simulation,
             number,
@@ -483,22 +498,22 @@ class World:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
-            self._warn_of_spins()
+            self._warn_of_motions()
             return
         for _ in range(count):
             if before is not None:
                 before(self)
             self._simulation.step(1)
-            self._warn_of_spins()
+            self._warn_of_motions()
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
 
-    def _warn_of_spins(self) -> None:
-        """Warns of bodies that turn too far in a step for their contacts to be found, once a body."""
-        spins = self._simulation.take_fast_spins()
-        if not spins:
+    def _warn_of_motions(self) -> None:
+        """Warns of bodies that move or turn too far in a step, once a body."""
+        spins, ways = self._simulation.take_fast_spins(), self._simulation.take_long_ways()
+        if not spins and not ways:
             return
         names = {body.number: body.name for body in self.bodies}
         for number, turn in spins:
@@ -506,6 +521,13 @@ class World:
                 f"{names[number]!r} turns by {turn:.2f} rad a step; contacts are looked for as if "
                 f"bodies turned by at most an eighth of a turn, {_bullet.most_turn:.3f} rad, and may "
                 "be missed: use a shorter time_step",
+                AccuracyWarning,
+                stacklevel=3,
+            )
+        for number, way in ways:
+            warnings.warn(
+                f"{names[number]!r} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
+                "leaves what moves by 1e+06 m where it is: use a shorter time_step, or lower velocities",
                 AccuracyWarning,
                 stacklevel=3,
             )
@@ -734,6 +756,15 @@ class World:
         if not isinstance(body, Body):
             raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
         check_own(body, self._simulation)
+
+
+def _check_fall(gravity: ArrayLike, time_step: float) -> None:
+    way = float(np.linalg.norm(gravity)) * time_step**2
+    if not way <= _bullet.most_way:
+        raise SettingsError(
+            f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s, and at most "
+            f"{_bullet.most_way:g} m can be followed; use a shorter time_step, or less gravity"
+        )
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 import textwrap
@@ -62,7 +63,12 @@ class Builder:
 
 
 def files(folder: Path) -> list[str]:
-    return sorted(os.listdir(folder))
+    """Without the seals in the names of models."""
+    return sorted(re.sub(r"-[0-9a-f]{16}(?=\.vxs)", "", name) for name in os.listdir(folder))
+
+
+def path_of(folder: Path, key: str) -> Path:
+    return next(folder.glob(f"{key}-*.vxs"))
 
 
 def test_a_model_is_built_once_and_then_found(folder, core):
@@ -74,6 +80,24 @@ def test_a_model_is_built_once_and_then_found(folder, core):
     ModelCache(folder).fetch(key_of("b"), build)
     assert build.count == 2
     assert files(folder) == sorted(key_of(name) + ".vxs" for name in "ab")
+
+
+@pytest.mark.parametrize("how", ["copied", "renamed"])
+def test_a_sound_model_under_the_key_of_another_is_not_believed(folder, core, how):
+    cache, other = ModelCache(folder), build_core(0.2)
+    cache.fetch(key_of("a"), Builder(core))
+    cache.fetch(key_of("b"), Builder(other))
+    wrong = path_of(folder, key_of("b"))
+    if how == "copied":
+        path_of(folder, key_of("a")).write_bytes(wrong.read_bytes())
+    else:
+        path_of(folder, key_of("a")).unlink()
+        wrong.rename(folder / wrong.name.replace(key_of("b"), key_of("a")))
+    build = Builder(core)
+    for _ in range(2):
+        model = cache.fetch(key_of("a"), build)
+        np.testing.assert_array_equal(model.shell.points, core.shell.points)
+    assert build.count == 1
 
 
 def test_from_mesh_finds_what_it_built(folder):
@@ -148,12 +172,12 @@ def test_a_damaged_model_is_built_again(folder, core, damage):
     build = Builder(core)
     cache = ModelCache(folder)
     cache.fetch(key_of("a"), build)
-    path = folder / (key_of("a") + ".vxs")
+    path = path_of(folder, key_of("a"))
     whole = path.read_bytes()
     if damage == "folder":
         path.unlink()
         path.mkdir()
-        with pytest.warns(vx.CacheWarning, match="it is a folder"):
+        with pytest.warns(vx.CacheWarning, match="directory"):
             cache.fetch(key_of("a"), build)
         assert build.count == 2
         return
@@ -401,7 +425,7 @@ def test_killed_at_any_moment_nothing_torn_is_left(folder):
         os.waitpid(child, 0)
     whole = 0
     for entry in cache.entries():
-        vx.Model.load(folder / (entry.key + ".vxs"))
+        vx.Model.load(cache._path(entry))
         whole += 1
     left = [name for name in os.listdir(folder) if not name.endswith(".vxs")]
     # What the dead were at can be done at once.

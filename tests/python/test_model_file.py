@@ -220,3 +220,28 @@ def test_a_file_with_more_than_there_is_memory_is_refused(sound_file, tmp_path):
     results = read_in_child(sound, folder)
     assert results[str(2**33)][0] == "MemoryLimitError"
     assert results[str(2**30)][0] in ("MemoryLimitError", "ModelFileError")
+
+
+@pytest.mark.parametrize("section", ["samples", "planes", "exact triangles"])
+def test_a_file_that_lies_about_its_field_crashes_nothing(sound_file, part, tmp_path, section):
+    """Which is all that is promised: its contacts may be wrong."""
+    entry = read_table(sound_file)[NAMES.index(section)]
+    noise = np.random.default_rng(5)
+    content = bytearray(sound_file)
+    if section == "samples":
+        content[entry.offset : entry.end] = noise.bytes(entry.end - entry.offset)
+    else:
+        content[entry.offset : entry.end] = bytes(entry.end - entry.offset)
+    path = tmp_path / "lie.vxs"
+    path.write_bytes(sealed(bytes(content)))
+    try:
+        lie = vx.Model.load(path)
+    except vx.ModelFileError:
+        return
+    for _ in range(100):
+        pose = trimesh.transformations.random_rotation_matrix(noise.random(3))
+        pose[:3, 3] = noise.uniform(-0.05, 0.05, 3)
+        for a, b in ((lie, part), (part, lie), (lie, lie)):
+            assert np.isfinite(vx.contacts(a, b, pose).depths).all()
+            vx.collide(a, b, pose)
+            assert np.isfinite(vx.distance(a, b, pose).distance)

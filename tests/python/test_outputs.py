@@ -179,3 +179,44 @@ def test_a_replay_is_refused_before_it_is_made(tmp_path, monkeypatch):
             recording.save_html(path)
         assert raised.type is kind
     assert list(tmp_path.iterdir()) == []
+
+
+def test_of_two_writers_of_a_folder_the_second_is_refused(tmp_path):
+    """They mixed old and new files."""
+    (tmp_path / "one").write_text("older")
+    code = """
+import sys
+from pathlib import Path
+from voxshell._outputs import filling
+with filling(Path(sys.argv[1])) as folder:
+    (folder / "one").write_text("first")
+    print("ready", flush=True)
+    sys.stdin.readline()
+"""
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    first = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert first.stdout is not None
+    assert first.stdout.readline() == "ready\n"
+    second = pytest.raises(FileAccessError, match="another program is writing into it; wait")
+    with second, filling(tmp_path):
+        pytest.fail("nobody else may write now")
+    first.communicate("\n")
+    assert (tmp_path / "one").read_text() == "first"
+    with filling(tmp_path) as folder:
+        (folder / "one").write_text("second")
+    assert (tmp_path / "one").read_text() == "second"
+    assert [path.name for path in tmp_path.iterdir()] == ["one"]
+
+
+def test_a_folder_that_somebody_makes_meanwhile_is_filled(tmp_path):
+    """The rename failed, and all was lost."""
+    target = tmp_path / "new"
+    with filling(target) as outer:
+        (outer / "one").write_text("outer")
+        with filling(target) as inner:
+            (inner / "one").write_text("inner")
+            (inner / "two").write_text("inner")
+    assert {path.name: path.read_text() for path in target.iterdir()} == {
+        "one": "outer",
+        "two": "inner",
+    }

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -328,3 +330,18 @@ def test_without_yourdfpy_it_says_what_to_install(write, monkeypatch):
     monkeypatch.setitem(sys.modules, "yourdfpy", None)
     with pytest.raises(vx.MissingExtraError, match=r"voxshell\[urdf\]"):
         vx.load_urdf(vx.World(), write(link("a")))
+
+
+def test_a_mesh_that_refers_to_a_pipe_keeps_no_robot_waiting(tmp_path: Path):
+    """An `mtllib` that named a pipe waited until something was written into it."""
+    os.mkfifo(tmp_path / "pipe")
+    tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    (tmp_path / "part.obj").write_text("mtllib pipe\n" + tetrahedron)
+    (tmp_path / "robot.urdf").write_text(
+        '<robot name="r"><link name="l"><collision><geometry><mesh filename="part.obj"/></geometry>'
+        "</collision></link></robot>"
+    )
+    program = "import sys, voxshell as vx; print(vx.load_urdf(vx.World(), sys.argv[1]))"
+    command = [sys.executable, "-c", program, str(tmp_path / "robot.urdf")]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=30)
+    assert "1 link" in run.stdout

@@ -121,7 +121,9 @@ struct EightPoints {
 /// where all its distances are those to one plane, it holds the plane. Between nodes: trilinear.
 /// Built to a tolerance, nodes are eight times finer and cells that trilinear samples cannot follow
 /// (creases, thin walls) hold the few triangles that are nearest to them, and are exact. Outside
-/// the grid the surface is taken to be where the nearest point of the grid sees it.
+/// the grid the surface is taken to be where the nearest point of the grid sees it: off by at most
+/// as much as that point is away from the surface, and its own error. For D(q) the distance of the
+/// nearest point q, the true one of p is between sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
 class GridField {
  public:
   /// Errors: kInvalidArgument, kInvalidMesh (encloses nothing; where it must be closed: is open,

@@ -17,9 +17,9 @@ namespace voxshell {
 Result<std::monostate> save_model(const Model& model, const std::string& path);
 
 /// Reads what save_model() wrote. Whatever the file holds, a model that comes out is sound: every
-/// index is in range, every number finite. Takes a few milliseconds.
-/// Errors: kFileAccess; kInvalidFile (damaged, or of another kind or version); kTooLarge (more than
-/// `memory_limit` bytes, or than there are).
+/// index is in range, every number finite. That distances are true is trusted (decision 0008).
+/// Takes a few milliseconds. Errors: kFileAccess; kInvalidFile (damaged, or of another kind or
+/// version); kTooLarge (more than `memory_limit` bytes, or than there are).
 Result<std::shared_ptr<const Model>> load_model(const std::string& path,
                                                 std::uint64_t memory_limit = std::uint64_t{4}
                                                                              << 30);

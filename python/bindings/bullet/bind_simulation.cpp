@@ -141,6 +141,9 @@ void bind_simulation(nb::module_& module) {
   [[maybe_unused]] const nb::class_<SimulationState> state(module, "SimulationState");
 
   module.attr("most_turn") = Simulation::kMostTurn;
+  module.attr("most_way") = Simulation::kMostWay;
+  module.attr("most_extent") = Simulation::kMostExtent;
+  module.attr("most_mass") = Simulation::kMostMass;
 
   nb::class_<SharedSimulation> simulation(module, "Simulation");
   simulation
@@ -200,6 +203,7 @@ void bind_simulation(nb::module_& module) {
       .def("motor", [](const Simulation& s, std::size_t i) { return Motor(s.motor(i)); })
       .def("set_motor", &Simulation::set_motor)
       .def("take_fast_spins", &Simulation::take_fast_spins)
+      .def("take_long_ways", &Simulation::take_long_ways)
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })

@@ -290,6 +290,17 @@ void Simulation::step() {
   if (timings_.size() > kMostTimings) timings_.pop_front();
   for (const auto& [number, joint] : joints_) joint->finish_step();
   note_spins();
+  note_ways();
+}
+
+void Simulation::note_ways() {
+  for (const auto& [number, body] : bodies_) {
+    if (body->moves_far || body->motion != Motion::kDynamic) continue;
+    const double way = body->rigid_body.getLinearVelocity().length() * settings_.time_step;
+    if (way <= kMostWay) continue;  // NaN goes on
+    body->moves_far = true;
+    long_ways_.push_back({number, way});
+  }
 }
 
 void Simulation::note_spins() {

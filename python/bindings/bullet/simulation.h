@@ -141,6 +141,19 @@ class Simulation {
   std::vector<std::pair<std::size_t, double>> take_fast_spins() {
     return std::exchange(fast_spins_, {});
   }
+  /// Bodies that move by more than kMostWay a step, each of them once, with how far that is,
+  /// metres; and forgets them.
+  std::vector<std::pair<std::size_t, double>> take_long_ways() {
+    return std::exchange(long_ways_, {});
+  }
+  /// Metres a step, and diagonal of a moving body's box, metres. Bullet takes what moves out of the
+  /// simulation where the diagonal of its box and its way in a step reaches 1e6 m
+  /// (btCollisionWorld::updateSingleAabb); turned, a box of this diagonal has one of 8.7e5 m.
+  static constexpr double kMostWay = 1e5;
+  static constexpr double kMostExtent = 5e5;
+  /// Kilograms. Bullet takes an inverse mass below 2.2e-16 (SIMD_EPSILON) for 0, and so what is
+  /// heavier for a body that no contact stops.
+  static constexpr double kMostMass = 1e15;
   /// Bullet looks for pairs of bodies as if none turned farther in a step, radians.
   static constexpr double kMostTurn = std::numbers::pi / 4.0;
   /// Of the steps since the start or clear_timings(), the last kMostTimings at most.
@@ -189,6 +202,7 @@ class Simulation {
   class Filter;
 
   void note_spins();
+  void note_ways();
   void make_solver();
   void move_surface(const Body& body);
   void make_world();
@@ -217,6 +231,7 @@ class Simulation {
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
   std::deque<StepTimings> timings_;
   std::vector<std::pair<std::size_t, double>> fast_spins_;
+  std::vector<std::pair<std::size_t, double>> long_ways_;
 };
 
 }  // namespace voxshell::python

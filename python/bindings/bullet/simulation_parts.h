@@ -13,6 +13,7 @@ struct Simulation::Body {
   Motion motion;
   BodyMaterial material;
   bool spins_fast = false;  ///< has been among Simulation::take_fast_spins()
+  bool moves_far = false;   ///< has been among Simulation::take_long_ways()
 
   Body(const BodySettings& settings, const bullet::BodyFrame& frame);
 };

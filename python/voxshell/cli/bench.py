@@ -61,7 +61,7 @@ def bench(
         voxshell bench part.stl --scale 0.001 --voxel-size 0.001 --poses 1000
 
     Args:
-        mesh: A model file (.vxs), or a mesh that trimesh reads.
+        mesh: A model file (.vxs), or a mesh file.
         poses: How many poses.
         repeats: How often each pose is timed.
         seed: Of the random poses.

@@ -40,7 +40,7 @@ def build(
         voxshell build bunny.obj -o bunny.vxs --resolution 200 --target-points 5000
 
     Args:
-        mesh: Any format that trimesh reads: STL, OBJ, PLY, OFF, GLB, ...
+        mesh: A file: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF
         output: The model file to write, by custom ending in .vxs.
         options: How.
         json_only: Print what was built as JSON and nothing else.

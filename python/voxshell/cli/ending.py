@@ -61,6 +61,9 @@ def run(app: App, arguments: Sequence[str]) -> int:
         except OSError as error:
             _say("error", str(error))
             return FAILURE
+        except MemoryError:
+            _say("error", "out of memory; give fewer or simpler meshes, or larger sizes")
+            return FAILURE
         except KeyboardInterrupt:
             _say("stopped", "")
             return INTERRUPTED

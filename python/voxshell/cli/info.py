@@ -59,7 +59,7 @@ def info(
         voxshell info part.stl --json
 
     Args:
-        file: A model file (.vxs), or a mesh that trimesh reads.
+        file: A model file (.vxs), or a mesh file.
         advise: Estimate what other voxel sizes and point spacings would cost.
         scale: Of a mesh: factor that brings it to metres, 0.001 for one in millimetres.
         json_only: Print JSON and nothing else: metres, bytes, seconds.

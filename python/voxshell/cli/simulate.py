@@ -161,7 +161,7 @@ def drop(
         voxshell simulate drop part.stl --up z --size 0.1 --methods vps-fine hull
 
     Args:
-        mesh: A closed mesh in any format that trimesh reads; the Stanford bunny by default.
+        mesh: A closed mesh: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF; the Stanford bunny by default.
         out: The folder to write into; it is made where there is none.
         steps: How many steps to simulate.
         slow_steps: The same for GImpact on the block, which takes tens of milliseconds a step.

@@ -13,8 +13,9 @@ from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
 from voxshell.model import Model
+from voxshell.viewer.guard import make_token
 from voxshell.viewer.inspector import Inspector, Layer
-from voxshell.viewer.server import import_viser, silent_server
+from voxshell.viewer.server import import_viser, make_address, silent_server
 
 if TYPE_CHECKING:
     from voxshell.queries import Collidable
@@ -43,12 +44,13 @@ def view(
         voxshell view bunny.vxs --show slice points --export bunny.html
 
     Args:
-        body: A model file (.vxs), or a mesh that trimesh reads.
+        body: A model file (.vxs), or a mesh file.
         other: Likewise, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
         show: What is seen at first: surface, slice, level, points, normals, spheres.
         export: Write the scene as one offline page instead, to turn and look at, without controls.
         options: How meshes are made into models.
-        port: Of the page on this machine; where it is taken, the next free one.
+        port: Of the page on this machine; where it is taken, the next free one. The address holds a
+            secret, so that pages of others in the browser cannot read the scene.
     """
     if not show:
         raise SettingsError("show must name what is seen, as in --show slice points")
@@ -65,11 +67,12 @@ def view(
     if not isinstance(model, Model):
         raise SettingsError(f"{body} has no field and no points: name a mesh or a model file first")
     partner = None if other is None else bodies[other]
-    with silent_server(port if export is None else 0) as server:
+    token = make_token()
+    with silent_server(port if export is None else 0, token=token) as server:
         inspector = Inspector(server, model, partner, name=Path(body).name, show=show)
         if export is not None:
             inspector.save_html(export)
             print(f"wrote {export}")
             return
-        print(f"http://127.0.0.1:{server.get_port()}  (Ctrl-C ends it)", flush=True)
+        print(f"{make_address(server, token)}  (Ctrl-C ends it)", flush=True)
         server.sleep_forever()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import stat
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -59,6 +60,8 @@ def read_scene(path: Path) -> Scene:
             line and key.
     """
     try:
+        if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
+            raise SettingsError("not a regular file")
         text = path.read_text(encoding="utf-8")
         tables = parse_toml(text)
     except (FileNotFoundError, IsADirectoryError):

@@ -48,7 +48,7 @@ def test_list_and_size_say_what_is_there(folder, two_models):
     for file in folder.iterdir():
         assert file.name[:16] in listed.stdout
     entries = json.loads(voxshell_cache("list", "--json").stdout)
-    assert {entry["key"] + ".vxs" for entry in entries} == set(os.listdir(folder))
+    assert {f"{entry['key']}-{entry['seal']}.vxs" for entry in entries} == set(os.listdir(folder))
     assert entries[0]["used"] >= entries[1]["used"]
     sized = voxshell_cache("size")
     assert sized.stdout == (

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+import voxshell as vx
 
 COMMANDS = [
     ("solve", "Unknown command"),
@@ -301,3 +302,16 @@ def test_table_of_another_command_is_no_wrong_use(tmp_path):
         EXPERIMENTS[:1], tmp_path, quick=True, overrides={"peers": {"rates": [20]}}, known=known
     )
     assert study.experiment is EXPERIMENTS[0]
+
+
+def test_memory_that_runs_out_is_said_in_a_line(voxshell, cone_path, monkeypatch):
+    """It was a traceback."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(vx.Model, "from_mesh", fail)
+    ending = voxshell("info", cone_path)
+    assert ending.code == 1
+    assert ending.err.startswith("error: out of memory; ")
+    assert ending.err.count("\n") == 1

@@ -42,3 +42,19 @@ n = 1
 )
 def test_lines_are_where_keys_begin(keys, line):
     assert find_line(TEXT, keys) == line
+
+
+def test_brackets_and_quotes_in_texts_begin_nothing():
+    text = '[a]\nx = \'\'\'\n[b]\n\'\'\'\ny = """\\"""\n[b]""""\nz = "\\"[" # ]\n[b]\nk = \'[\'\n'
+    assert find_line(text, ["b", "k"]) == 9
+    assert find_line(text, ["b"]) == 8
+    assert find_line(text, ["a", "z"]) == 7
+
+
+def test_a_line_separator_in_a_text_is_no_line():
+    assert find_line('a = "\u2028\x85"\nb = 1\n', ["b"]) == 2
+
+
+def test_a_key_of_a_table_is_not_taken_for_one_of_another():
+    assert find_line("[a]\nx = 1\n[b]\nx = 2\n", ["b", "x"]) == 4
+    assert find_line("[a.b]\nx = 1\n[c.b]\nx = 2\n", ["c", "b", "x"]) == 4

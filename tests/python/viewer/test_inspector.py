@@ -17,7 +17,7 @@ from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
 from voxshell.viewer.layers import find_box, find_level_surface, paint_slice
-from voxshell.viewer.server import silent_server
+from voxshell.viewer.server import make_address, silent_server
 
 HALF = (0.03, 0.02, 0.01)
 
@@ -66,11 +66,11 @@ def test_a_level_surface_lies_where_the_field_has_that_value(brick):
 class Visit:
     """A page of the inspector in the browser, and what it complained of."""
 
-    def __init__(self, browser: Browser, port: int) -> None:
+    def __init__(self, browser: Browser, address: str) -> None:
         self.page: Page = browser.new_page(viewport={"width": 760, "height": 420})
         self.page.set_default_timeout(PATIENCE * 1000.0)
         self.complaints = complaints_of(self.page)
-        self.page.goto(f"http://127.0.0.1:{port}")
+        self.page.goto(address)
         self.page.wait_for_selector("canvas[data-engine]")
         self.page.add_style_tag(content=".mantine-Notifications-root { display: none; }")
 
@@ -111,9 +111,9 @@ class Visit:
 
 @pytest.fixture
 def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]]:
-    with silent_server() as server:
+    with silent_server(token="secret") as server:
         inspector = Inspector(server, brick, vx.Sphere(0.015), name="brick")
-        visit = Visit(browser, server.get_port())
+        visit = Visit(browser, make_address(server, "secret"))
         visit.wait(lambda: int(np.sum(visit.picture().min(axis=2) < 240)) > 2000, "nothing is seen")
         yield visit, inspector
         visit.page.close()

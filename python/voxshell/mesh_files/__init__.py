@@ -1,0 +1,1 @@
+"""Files of meshes: opened, and measured against budgets before any library reads them."""

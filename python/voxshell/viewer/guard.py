@@ -1,0 +1,94 @@
+"""Who may ask a server on this machine: pages that it served itself, at an address with a secret.
+
+Any page that is open in the user's browser can send requests to this machine: to a socket of
+127.0.0.1, and through a name of its own that it lets point there (DNS rebinding).
+"""
+
+from __future__ import annotations
+
+import http
+import secrets
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+    Process = Callable[[ServerConnection, Request], Response | None]
+
+_patching = threading.Lock()
+
+
+def make_token() -> str:
+    """A new secret: 128 bits that fit into an address."""
+    return secrets.token_urlsafe(16)
+
+
+def is_welcome(request: Request, port: int, token: str) -> bool:
+    """Whether a request comes from the address with the secret, and from no page of others.
+
+    Args:
+        request: Of a page or of a socket.
+        port: Of this server.
+        token: What the path begins with.
+    """
+    names = {f"127.0.0.1:{port}", f"localhost:{port}"}
+    hosts, origins = (request.headers.get_all(name) for name in ("Host", "Origin"))
+    if len(hosts) != 1 or hosts[0].lower() not in names:
+        return False
+    # Browsers name the origin of every socket, and of requests from pages of others.
+    is_socket = "Upgrade" in request.headers
+    if len(origins) > 1 or (is_socket and not origins):
+        return False
+    if origins and origins[0].lower() not in {f"http://{name}" for name in names}:
+        return False
+    first = request.path.partition("?")[0].split("/")[1:2]
+    return bool(first) and secrets.compare_digest(first[0].encode(), token.encode())
+
+
+@contextmanager
+def guarding(token: str) -> Iterator[Callable[[], bool]]:
+    """Lets the server that viser starts in the block answer none but welcome requests.
+
+    viser has no setting for this, and starts the server in a thread of its own.
+
+    Args:
+        token: What addresses begin with.
+
+    Yields:
+        Whether a server has started that is guarded.
+    """
+    from websockets.asyncio import server as websockets
+
+    serve = websockets.serve
+    started = threading.Event()
+
+    def serve_guarded(*args: Any, process_request: Process | None = None, **kwargs: Any) -> Any:
+        if getattr(process_request, "__module__", "").split(".")[0] != "viser":
+            return serve(*args, process_request=process_request, **kwargs)
+        assert process_request is not None
+        started.set()
+        return serve(*args, process_request=_guard(process_request, token), **kwargs)
+
+    with _patching, patch.object(websockets, "serve", serve_guarded):
+        yield started.is_set
+
+
+def _guard(process: Process, token: str) -> Process:
+    def answer(connection: ServerConnection, request: Request) -> Response | None:
+        if not is_welcome(request, connection.local_address[1], token):
+            return connection.respond(
+                http.HTTPStatus.FORBIDDEN, "Open the address that voxshell view printed.\n"
+            )
+        request.path = request.path[1 + len(token) :] or "/"
+        response = process(connection, request)
+        if response is not None:
+            response.headers["Referrer-Policy"] = "no-referrer"  # it would hold the secret
+        return response
+
+    return answer

@@ -1,0 +1,81 @@
+"""Scene files that ask for much: what is wrong is said with file and line, at once."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import voxshell as vx
+from voxshell.scenes.scene_file import read_scene
+
+BODY = '[bodies.b{0}]\nshape = "box"\nhalf_extents = [1, 1, 1]\nposition = [{0}, 0, 1]\nmass = 1\n'
+BODIES = "[scene]\n" + "".join(BODY.format(i) for i in range(400))
+ONE = '[bodies.a]\nshape = "sphere"\nradius = 1\nmass = 1\n'
+
+HOSTILE: dict[str, tuple[Callable[[], str], str]] = {
+    "typo in the last of 400 bodies": (
+        lambda: BODIES.replace("mass = 1\n", "mas = 1\n", 400).replace("mas = ", "mass = ", 399),
+        r":2001: bodies.b399.mas is no setting",
+    ),
+    "key of 100,000 parts": (
+        lambda: ONE + "x" + ".a" * 100_000 + " = 1\n",
+        ":5: .* more than 100 parts",
+    ),
+    "quoted key of 100,000 parts": (
+        lambda: ONE + "x = {'b'" + ".'a'" * 100_000 + " = 1}\n",
+        ":5: .* more than 100 parts",
+    ),
+    "integer of 400 digits": (
+        lambda: ONE + "friction = " + "9" * 400,
+        ":5: bodies.a.friction must be a number from .* an integer of 1329 bits",
+    ),
+    "integer of 5000 digits": (lambda: ONE + "\nfriction = " + "9" * 5000, ":6: .*4300 digits"),
+    "hexadecimal integer of 5000 digits": (
+        lambda: ONE + "shape = 0x" + "f" * 5000,
+        "Cannot overwrite",
+    ),
+    "hexadecimal integer for a text": (
+        lambda: "[bodies.a]\nshape = 0x" + "f" * 5000,
+        ":2: bodies.a.shape must be one of .* an integer of 20000 bits",
+    ),
+    "hexadecimal integers in a list": (
+        lambda: "[bodies.a]\nshape = [0x" + "f" * 5000 + "]",
+        ":2: bodies.a.shape must be one of .* too many digits",
+    ),
+    "2000 nested arrays": (
+        lambda: ONE + "color = " + "[" * 2000 + "]" * 2000,
+        ":5: .* nested too deeply",
+    ),
+    "2000 nested tables": (
+        lambda: ONE + "color = " + "{a=" * 2000 + "1" + "}" * 2000,
+        ":5: .* nested too deeply",
+    ),
+    "a long text for a number": (
+        lambda: ONE + f'friction = "{"x" * 100_000}"',
+        r":5: bodies.a.friction must be a number, not 'x{79}\.\.\.",
+    ),
+    "3 MB": (lambda: ONE + "#" * 3_000_000, "3000048 characters, and at most 2000000 are read"),
+}
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_what_is_wrong_is_located_at_once(tmp_path: Path, what: str):
+    """A typo took 11.6 s, a long key minutes; large integers and deep arrays ended in tracebacks."""
+    make, message = HOSTILE[what]
+    path = tmp_path / "scene.toml"
+    path.write_text(make())
+    start = time.perf_counter()
+    with pytest.raises(vx.SettingsError, match=message) as caught:
+        read_scene(path)
+    assert time.perf_counter() - start < 2.0
+    assert str(path) in str(caught.value)
+    assert len(str(caught.value)) < 1000
+
+
+def test_a_pipe_is_no_scene_and_keeps_nobody_waiting(tmp_path: Path):
+    os.mkfifo(tmp_path / "scene.toml")
+    with pytest.raises(vx.SettingsError, match="not a regular file"):
+        read_scene(tmp_path / "scene.toml")

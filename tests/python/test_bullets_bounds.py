@@ -1,0 +1,127 @@
+"""Beyond Bullet's bounds, bodies stayed where they were or fell through the ground, and nobody was told."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import voxshell as vx
+from voxshell.scenes.scene_file import read_scene
+from voxshell.scenes.scene_world import build_world
+
+TURN = np.array([[0.0, -0.6, 0.8, 0], [1, 0, 0, 0], [0, 0.8, 0.6, 0], [0, 0, 0, 1]])
+
+
+def above(height: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[2, 3] = height
+    return pose
+
+
+def test_a_body_too_large_to_move_is_refused():
+    world = vx.World()
+    with pytest.raises(
+        vx.SettingsError, match=r"'moon' .*diagonal of 1.38564e\+06 m.* 500000 m; scale"
+    ):
+        world.add(vx.Box((4e5, 4e5, 4e5)), name="moon")
+    assert world.bodies == []
+    world.step()
+    world.add(vx.Box((4e5, 4e5, 4e5)), mass=0, name="ground")
+
+
+@pytest.mark.parametrize("sleeping", [True, False])
+def test_the_largest_bodies_move_in_any_pose(sleeping: bool):
+    world = vx.World(sleeping=sleeping)
+    half = 0.999 * 5e5 / (2.0 * 3.0**0.5)
+    body = world.add(vx.Box((half, half, half)), pose=np.eye(4))
+    for pose in (np.eye(4), TURN):
+        body.pose = pose
+        body.linear_velocity = (0, 0, 0)
+        world.step(20)
+        assert body.pose[2, 3] == pytest.approx(-0.5 * 9.81 * 0.1**2, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "time_step", "way"),
+    [((0, 0, -1e20), 1 / 200, r"2.5e\+15"), ((0, 0, -9.81), 1000.0, r"9.81e\+06")],
+)
+def test_gravity_that_takes_bodies_out_of_the_simulation_is_refused(gravity, time_step, way):
+    with pytest.raises(vx.SettingsError, match=f"by {way} m in the first step .* 100000 m can be"):
+        vx.World(gravity=gravity, time_step=time_step)
+
+
+def test_long_steps_without_gravity_are_simulated():
+    world = vx.World(gravity=(0, 0, 0), time_step=1000.0)
+    body = world.add(vx.Sphere(1.0))
+    body.linear_velocity = (1, 0, 0)
+    world.step(3)
+    assert body.pose[0, 3] == pytest.approx(3000.0)
+
+
+def test_a_body_that_moves_too_far_in_a_step_is_told_of_once():
+    world = vx.World(gravity=(0, 0, 0))
+    body = world.add(vx.Sphere(1.0), name="ball")
+    body.linear_velocity = (1e9, 0, 0)
+    with pytest.warns(
+        vx.AccuracyWarning, match=r"'ball' moves by 5e\+06 m a step, more than 100000"
+    ):
+        world.step()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step()
+
+
+def test_a_body_too_heavy_for_any_contact_is_refused():
+    """It fell through the ground."""
+    world = vx.World()
+    with pytest.raises(vx.SettingsError, match=r"mass of 'sun' is 1e\+20 kg.* above 1e\+15 kg"):
+        world.add(vx.Sphere(1.0), mass=1e20, name="sun")
+
+
+@pytest.mark.parametrize("solver", ["coulomb", "sequential_impulse"])
+def test_the_heaviest_bodies_rest(solver):
+    world = vx.World(solver=solver)
+    world.add(vx.Plane(), mass=0)
+    body = world.add(vx.Box((0.1, 0.1, 0.1)), mass=1e15, pose=above(0.101))
+    world.step(200)
+    assert body.pose[2, 3] == pytest.approx(0.1, abs=1e-3)
+
+
+@pytest.mark.parametrize("size", [0.005, 0.1, 10.0, 500.0])
+@pytest.mark.parametrize("mass", [1e-6, 1.0, 1e6])
+def test_what_people_simulate_is_not_warned_of(size: float, mass: float):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    body = world.add(vx.Sphere(size / 2), mass=mass, pose=above(0.501 * size))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step(200)
+    assert body.pose[2, 3] == pytest.approx(0.5 * size, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [
+        ("gravity = [0, 0, -1e20]", "first step"),
+        ("", r"'a' .*diagonal of"),
+    ],
+)
+def test_scene_files_are_held_to_the_bounds(tmp_path: Path, scene: str, message: str):
+    path = tmp_path / "scene.toml"
+    path.write_text(f"[scene]\n{scene}\n[bodies.a]\nshape = 'sphere'\nradius = 1e6\nmass = 1\n")
+    with pytest.raises(vx.SettingsError, match=message):
+        build_world(read_scene(path), lambda *_: None)
+
+
+def test_robots_are_held_to_the_bounds(tmp_path: Path):
+    pytest.importorskip("yourdfpy")
+    path = tmp_path / "robot.urdf"
+    path.write_text(
+        '<robot name="r"><link name="l"><inertial><mass value="1e20"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<collision><geometry><sphere radius="1"/></geometry></collision></link></robot>'
+    )
+    with pytest.raises(vx.SettingsError, match=r"mass of 'r/l' is 1e\+20 kg"):
+        vx.load_urdf(vx.World(), path, fixed_base=False)
