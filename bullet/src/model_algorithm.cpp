@@ -207,8 +207,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     const bool slides_first = slides && !has_swapped_roles;
     if (slides_first) {
-      first_on_round_.slide(contacts_, *pair.shell_side().model(),
-                            RoundSide::of(pair.field_side()), pair.field_from_shell(), touch);
+      first_on_round_.slide(contacts_, *pair.shell_side().model(), RoundSide::of(pair.field_side()),
+                            pair.field_from_shell(), touch);
     }
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);

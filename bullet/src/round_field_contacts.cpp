@@ -10,8 +10,8 @@
 namespace voxshell::bullet {
 namespace {
 
-/// Where a function of growing value is zero, from a first guess on: by secants, and by halves where
-/// these leave what holds the zero. None where it does not grow by `least` or is not found.
+/// Where a function of growing value is zero, from a first guess on: by secants, and by halves
+/// where these leave what holds the zero. None where it does not grow by `least` or is not found.
 template <class F>
 std::optional<double> find_zero(const F& value_at, double first_step, double least, double within) {
   double at = 0.0;
@@ -108,7 +108,7 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3&
   // The slope of the distance from the round body.
   const auto zero = find_zero(
       [&](double way) -> std::optional<double> {
-        on_round = round_->nearest(start + way * along_in_field);
+        on_round = round_->nearest(start + way * along_in_field, on_round ? &*on_round : nullptr);
         if (!on_round) return std::nullopt;
         return dot(on_round->normal, along_in_field);
       },
@@ -129,8 +129,8 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3&
   const Vec3 beside = cross(along, mean);
   for (const double side : {-1.0, 1.0}) {
     const Vec3 away = side * beside;
-    const Vec3 face = normalized(static_cast<Vec3>(
-        own.gradient(static_cast<Vec3f>(position + tolerance * away))));
+    const Vec3 face = normalized(
+        static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * away))));
     if (std::abs(dot(face, along)) > kFaceOfEdge || !(dot(face, away) > 0.0)) continue;
     const Vec3 into = normalized(away - dot(away, face) * face);
     if (dot(outwards, into) > kLeansOverFace) return on_face(position, face);
@@ -155,9 +155,14 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const Vec3&
   if (std::abs(static_cast<double>(own.distance(static_cast<Vec3f>(position)))) > tolerance) {
     return std::nullopt;
   }
+  // At that depth the nearest surface of the shell's body must still be this one.
+  if (depth > tolerance) {
+    const auto deepest = static_cast<Vec3f>(position - depth * outwards);
+    if (static_cast<double>(own.distance(deepest)) > -kOwnDepth * depth) return std::nullopt;
+  }
   // In front of it: on an edge, the gradient is that of either face.
-  const Vec3 there = normalized(static_cast<Vec3>(
-      own.gradient(static_cast<Vec3f>(position + tolerance * outwards))));
+  const Vec3 there = normalized(
+      static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * outwards))));
   if (dot(there, outwards) < -static_cast<double>(kAlignedCosine)) return std::nullopt;
   return Touch{position, outwards, depth, *lowest, false};
 }
@@ -176,8 +181,8 @@ bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec
   const double moved = squared_length(lowest->position - on_round.position);
   double within = same_within_;
   if (moved > same_within_ * same_within_) {
-    within += round_->model() != nullptr ? round_->model()->shell().spacing()
-                                         : shell_->shell().spacing();
+    within +=
+        round_->model() != nullptr ? round_->model()->shell().spacing() : shell_->shell().spacing();
   }
   return squared_length(lowest->position - touch.on_round.position) <= within * within;
 }
@@ -227,7 +232,8 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
     }
     if (feature.radius > 0.0 || !slide_feature(contact, feature)) continue;
     const auto is_same = [&](const Vec3f& other) {
-      return squared_length(static_cast<Vec3>(other) - feature.place) <= same_within_ * same_within_;
+      return squared_length(static_cast<Vec3>(other) - feature.place) <=
+             same_within_ * same_within_;
     };
     if (std::ranges::any_of(known, is_same)) {
       dropped.push_back(contact.id);
@@ -248,8 +254,8 @@ bool RoundFieldContacts::slide_feature(Contact& contact, Feature& feature) const
   const Vec3 start = field_from_shell_.transform_point(feature.place);
   Vec3 outwards = -static_cast<Vec3>(contact.normal);
   for (int i = 0; i < kMostSlides; ++i) {
-    const auto lowest = round_->slide({start, {}, {}}, -field_from_shell_.rotate(outwards),
-                                      least_curvature_);
+    const auto lowest =
+        round_->slide({start, {}, {}}, -field_from_shell_.rotate(outwards), least_curvature_);
     if (!lowest) return false;
     const Vec3 place = shell_from_field_.transform_point(lowest->position);
     const auto at = static_cast<Vec3f>(place);

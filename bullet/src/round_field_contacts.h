@@ -25,8 +25,8 @@ class RoundFieldContacts {
   void slide(std::vector<Contact>& contacts, const Model& model, std::optional<RoundSide> round,
              const Pose& field_from_shell, const TouchScale& scale);
 
-  /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same place
-  /// as another or as a contact of the last slide().
+  /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same
+  /// place as another or as a contact of the last slide().
   /// @param exact  To which the ids of those that have slid are added.
   void slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
                       std::vector<std::uint32_t>& exact) const;

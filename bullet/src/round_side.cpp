@@ -41,15 +41,16 @@ std::optional<RoundSide> RoundSide::of(const Side& side) {
   }
   const Field* const field = side.participant().field;
   if (field == nullptr) return std::nullopt;
-  const bool is_round = std::visit(
-      [](const auto& typed) { return kIsRound<std::decay_t<decltype(typed)>>; }, *field);
+  const bool is_round =
+      std::visit([](const auto& typed) { return kIsRound<std::decay_t<decltype(typed)>>; }, *field);
   return is_round ? std::optional(RoundSide(nullptr, *field)) : std::nullopt;
 }
 
-std::optional<Place> RoundSide::nearest(const Vec3& point) const {
+std::optional<Place> RoundSide::nearest(const Vec3& point, const Place* guess) const {
   if (model_ != nullptr) {
     const SmoothSurface& surface = model_->smooth_surface();
-    const SmoothSurface::Place on = surface.nearest(point);
+    const SmoothSurface::Place on =
+        surface.nearest(point, guess != nullptr ? guess->on.triangle : 0);
     if (surface.is_flat(on.triangle)) return std::nullopt;
     return Place{surface.position(on), surface.normal(on), on};
   }

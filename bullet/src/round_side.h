@@ -13,7 +13,7 @@ class RoundSide {
  public:
   struct Place {
     Vec3 position;
-    Vec3 normal;               ///< unit length
+    Vec3 normal;              ///< unit length
     SmoothSurface::Place on;  ///< of models
   };
 
@@ -22,8 +22,9 @@ class RoundSide {
 
   const Model* model() const { return model_; }
 
-  /// The place that is nearest to a point; none where the surface is flat there.
-  std::optional<Place> nearest(const Vec3& point) const;
+  /// The place that is nearest to a point; none where the surface is flat there. One that is near,
+  /// or null, makes the search short.
+  std::optional<Place> nearest(const Vec3& point, const Place* guess = nullptr) const;
 
   /// The place that is farthest along a direction, by way of a surface that is convex by at least
   /// `least_curvature`, 1/metres: along the axis of a cylinder it stays. None where the surface is

@@ -60,8 +60,8 @@ class SmoothSurface {
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
   /// The place of the surface that is nearest to a point: exactly where the point is near. The
-  /// first call makes a tree of the triangles.
-  Place nearest(const Vec3& point) const;
+  /// first call makes a tree of the triangles. A near triangle as a guess makes the search short.
+  Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
   /// The same by way of adjacent triangles.
   Place nearest_from(const Place& start, const Vec3& point) const;
 

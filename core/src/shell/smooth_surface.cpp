@@ -24,6 +24,8 @@ constexpr float kFlatBend = 1e-4f;
 constexpr double kRounding = 1e-6;
 /// Most times that a point is moved along a normal towards the surface to find what is nearest.
 constexpr int kMostProjections = 6;
+/// It has come near enough if it moves by less than this fraction of its coordinates.
+constexpr double kProjected = 1e-5;
 /// Half of what Phong tessellation projects: see the class.
 constexpr double kShapeFactor = 0.5;
 
@@ -406,9 +408,9 @@ SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec
   return {triangle, {1.0 - second - third, second, third}};
 }
 
-SmoothSurface::Place SmoothSurface::nearest(const Vec3& point) const {
+SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
   std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
-  Place place{};
+  Place place{guess, {}};
   Vec3 near = point;
   for (int i = 0; i < kMostProjections; ++i) {
     place = nearest_on(tree_->find_closest(near, place.triangle).triangle, near);
@@ -416,7 +418,7 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point) const {
     // Seen from afar, corners of facets are nearest.
     const Vec3 out = normal(place);
     const Vec3 moved = point - dot(point - position(place), out) * out;
-    if (squared_length(moved - near) <= kRounding * kRounding * squared_length(point)) break;
+    if (squared_length(moved - near) <= kProjected * kProjected * squared_length(point)) break;
     near = moved;
   }
   return place;

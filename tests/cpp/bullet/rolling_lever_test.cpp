@@ -1,5 +1,6 @@
 #include "rolling_lever.h"
 
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -32,6 +33,12 @@ TEST(RollingLever, OfASmallPatchIsItsRadius) {
 TEST(RollingLever, OfALongRowIsItsWidth) {
   const auto row = contacts_at({{0, 0, 0}, {0.05f, 0, 0}, {0.02f, 0.002f, 0}});
   EXPECT_NEAR(rolling_lever_of(make_step(), row, {}), 0.002, 1e-6);
+}
+
+TEST(RollingLever, OfAShortRowThatIsNotOfSamplesIsItsWidth) {
+  const auto row = contacts_at({{0, 0, 0}, {0.004f, 0, 0}, {0.008f, 0, 0}});
+  EXPECT_NEAR(rolling_lever_of(make_step(), row, {}), 0.008, 1e-6);
+  EXPECT_EQ(rolling_lever_of(make_step(), row, std::vector<std::uint32_t>{0, 1, 2}), 0.0);
 }
 
 TEST(RollingLever, OfAWidePatchIsLeftToTheSolver) {
