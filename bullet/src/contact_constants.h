@@ -191,9 +191,6 @@ inline constexpr double kFollowedOfRadius = 0.1;
 /// How much farther than its depth a contact may be from the place of a round surface that it is
 /// said to be nearest to: far from surfaces, grids' distances are rough.
 inline constexpr double kNearestWithin = 1.25;
-/// Contacts of the other shell that are as deep as the deepest of this one, but for this fraction
-/// of the rest margin, are of flat faces. Larger: a ball rolls over points of the ground.
-inline constexpr double kAsDeepOfMargin = 0.02;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.
 inline constexpr double kSlideWithin = 1e-3;
@@ -206,6 +203,17 @@ inline constexpr int kMostSlides = 6;
 /// A slide that leads out of the field by more than this fraction of the rest margin is none: the
 /// field's surface bends away.
 inline constexpr double kSlideLosesOfMargin = 0.1;
+/// Where an edge touches a round surface, the cosine of their angle is below this. Larger: the
+/// place jumps from one piece of the edge to the next.
+inline constexpr double kZeroWithin = 1e-4;
+/// Most steps along an edge to that place.
+inline constexpr int kMostZeroSteps = 24;
+/// A normal beside an edge is that of a face of it where its cosine with the edge is below this.
+inline constexpr double kFaceOfEdge = 0.1;
+/// An edge touches where no face beside it leads towards the round body by more than this sine.
+/// 0: by rounding, a cylinder that lies across a bar touches neither edge of it. Larger: what rolls
+/// towards an edge is braked by it.
+inline constexpr double kLeansOverFace = 5e-3;
 
 // ---- facing normals -----------------------------------------------------------------------------
 

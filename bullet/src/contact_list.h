@@ -42,6 +42,12 @@ inline std::size_t find_from_id(std::span<const Contact> contacts, std::uint32_t
   return begin;
 }
 
+/// Whether one of `contacts`, ascending by id, has the id.
+inline bool has_id(std::span<const Contact> contacts, std::uint32_t id) {
+  const std::size_t found = find_from_id(contacts, id);
+  return found < contacts.size() && contacts[found].id == id;
+}
+
 /// Leaves those of `values` of which `is_kept` says so.
 template <class T, class IsKept>
 void keep_if(std::vector<T>& values, const IsKept& is_kept) {

@@ -43,6 +43,11 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches_from_above = touches_from_above || beside.back() == 0;
   };
   const bool looks_ahead = step.margin > step.rest_margin;
+  // What has slid to the deepest place has a truer normal than the place that it is said to reach.
+  const auto stays_exact = [&](const Contact& contact, const Contact& reached) {
+    return std::ranges::binary_search(exact, contact.id) &&
+           dot(contact.normal, reached.normal) >= kDoubleCosine;
+  };
   for (const Contact& each : contacts) {
     const Contact contact = each;
     const Impact impact = impact_of(step, contact);
@@ -56,10 +61,12 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
         if (!is_followed) {
           touch(contact, contact);
         } else if (const auto speculative = find_speculative(step, features, contact, 1.0)) {
-          touch(contact, *speculative);
+          touch(contact, stays_exact(contact, *speculative) ? contact : *speculative);
         }
       } else if (is_followed && kCcdReach * closing >= impact.gap) {
-        keep(contact, find_speculative(step, features, contact, kCcdReach).value_or(contact));
+        const Contact reached =
+            find_speculative(step, features, contact, kCcdReach).value_or(contact);
+        keep(contact, stays_exact(contact, reached) ? contact : reached);
       } else {
         keep(contact, contact);
       }

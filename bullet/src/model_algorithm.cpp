@@ -78,6 +78,15 @@ std::optional<Contact> find_inner(const PosedPair& pair) {
   return found;
 }
 
+/// The ids, ascending, of contacts of a shell that are no samples.
+void gather_exact(const RoundContacts& own, const RoundFieldContacts& on_round,
+                  std::vector<std::uint32_t>& exact) {
+  exact.clear();
+  own.append_ids(0, exact);
+  on_round.append_ids(0, exact);
+  std::ranges::sort(exact);
+}
+
 }  // namespace
 
 ModelAlgorithm::ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
@@ -222,10 +231,15 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
     contacts_.assign(found.begin(), found.end());
     face_elements(contacts_, pair.field(), pair.shell(), pair.field_from_shell(),
                   pair.field_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    const bool slides_first = slides && !has_swapped_roles;
+    if (slides_first) {
+      first_on_round_.slide(contacts_, *pair.shell_side().model(), RoundSide::of(pair.field_side()),
+                            pair.field_from_shell(), touch);
+    }
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
     drop_behind(contacts_, pair.shell());
-    if (!slides || has_swapped_roles) return;
+    if (!slides_first) return;
     first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(), pair.field_from_shell(),
                        touch, turning_of(*step, false), least_depth_of(contacts_));
     drop_far(contacts_);
@@ -239,6 +253,10 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
     second_found_.assign(found.begin(), found.end());
     face_elements(second_found_, pair.second_field(), pair.second_shell(), second_field_from_shell,
                   pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
+    if (slides) {
+      second_on_round_.slide(second_found_, *pair.field_side().model(),
+                             RoundSide::of(pair.shell_side()), second_field_from_shell, touch);
+    }
     second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
     drop_behind(second_found_, pair.second_shell());
@@ -247,8 +265,16 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                           second_field_from_shell, touch, turning_of(*step, true),
                           least_depth_of(second_found_));
       drop_far(second_found_);
-      first_round_.drop_covered(second_found_, pair.second_shell(), pair.field_from_shell());
-      second_round_.drop_covered(contacts_, pair.shell(), second_field_from_shell);
+      gather_exact(first_round_, first_on_round_, exact_);
+      gather_exact(second_round_, second_on_round_, second_exact_);
+      first_on_round_.drop_covered(contacts_, /*are_of_field=*/false, exact_);
+      first_on_round_.drop_covered(second_found_, /*are_of_field=*/true, second_exact_);
+      second_on_round_.drop_covered(second_found_, /*are_of_field=*/false, second_exact_);
+      second_on_round_.drop_covered(contacts_, /*are_of_field=*/true, exact_);
+      first_round_.drop_covered(second_found_, pair.second_shell(), second_exact_, contacts_,
+                                pair.field_from_shell());
+      second_round_.drop_covered(contacts_, pair.shell(), exact_, second_found_,
+                                 second_field_from_shell);
     }
     second_.append(second_found_, second_field_from_shell, contacts_);
   } else if (settings_.shell == ShellRule::kFewest && contacts_.empty() &&
@@ -264,12 +290,20 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
       append_way_out(*step, opposition);
     }
   }
-  if (slides && !has_swapped_roles) {
-    first_round_.append_ids(0, exact_);
-    if (pair.asks_both) second_round_.append_ids(kFirstOfSecond, exact_);
+  const bool has_slid = slides && !has_swapped_roles;
+  if (has_slid) {
+    gather_exact(first_round_, first_on_round_, exact_);
+    if (pair.asks_both) {
+      for (const std::uint32_t id : second_exact_) exact_.push_back(kFirstOfSecond + id);
+    } else {
+      first_on_round_.drop_covered(contacts_, /*are_of_field=*/false, exact_);
+    }
   }
   find_features(pair, features_);
-  if (!features_.empty()) append_feature_contacts(features_, pair, reach, contacts_);
+  if (features_.empty()) return has_swapped_roles;
+  append_feature_contacts(features_, pair, reach, contacts_);
+  if (has_slid) first_on_round_.slide_features(contacts_, features_, exact_);
+  std::ranges::sort(exact_);
   return has_swapped_roles;
 }
 
@@ -422,7 +456,7 @@ void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular) {
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    entry.rolling_lever = is_few ? rolling_lever_of(step, group) : 0.0;
+    entry.rolling_lever = is_few ? rolling_lever_of(step, group, exact_) : 0.0;
     entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
 }

@@ -14,6 +14,7 @@
 #include "flat_elements.h"
 #include "hull.h"
 #include "round_contacts.h"
+#include "round_field_contacts.h"
 #include "second_shell.h"
 #include "shape_features.h"
 #include "triangle_contacts.h"
@@ -89,12 +90,15 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   FlatElements second_flat_;
   RoundContacts first_round_;
   RoundContacts second_round_;
+  RoundFieldContacts first_on_round_;
+  RoundFieldContacts second_on_round_;
   bool uses_ccd_ = false;    ///< in this step
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
   std::vector<std::uint32_t> exact_;         ///< ids, ascending, of those that are no samples
+  std::vector<std::uint32_t> second_exact_;  ///< the same of the second shell
   std::vector<Contact> second_found_;        ///< those of the second shell
   std::vector<Contact> chosen_;              ///< those of contacts_ that are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <variant>
 
 #include "contact_constants.h"
@@ -20,18 +18,13 @@ double most_above_samples(const Model& model) {
 void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
                           const Pose& field_from_shell, const TouchScale& scale,
                           const Turning& turning, float least_depth) {
-  at_rest_.swap(before_);
-  std::ranges::sort(before_, {}, &AtRest::id);
-  at_rest_.clear();
-  by_x_.clear();
-  if (surface_ != &model.smooth_surface()) before_.clear();
+  at_rest_.begin(/*forgets=*/surface_ != &model.smooth_surface());
   surface_ = &model.smooth_surface();
   if (!surface_->is_curved()) return;
   least_curvature_ = kFlatBend / scale.radius;
   spacing_ = model.shell().spacing();
   margin_ = scale.margin;
   same_within_ = kSameOfRadius * scale.radius;
-  as_deep_within_ = static_cast<float>(kAsDeepOfMargin * scale.margin);
   followed_within_ = kFollowedOfRadius * scale.radius;
   const Pose shell_from_field = field_from_shell.inverse();
   const auto between = static_cast<float>(model.accuracy().coverage.p99);
@@ -47,44 +40,7 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
         });
       },
       field);
-  keep_ids(contacts);
-}
-
-/// Gives contacts the ids of those near them in the step before: a ball that rolls touches with one
-/// contact, not with one after the other.
-void RoundContacts::keep_ids(std::vector<Contact>& contacts) {
-  // Most have kept theirs.
-  std::size_t lost = 0;
-  auto now = at_rest_.begin();
-  for (const AtRest& then : before_) {
-    while (now != at_rest_.end() && now->id < then.id) ++now;
-    if (now != at_rest_.end() && now->id == then.id) {
-      now->was_there = true;
-    } else {
-      before_[lost++] = then;
-    }
-  }
-  before_.resize(lost);
-  if (before_.empty()) return;
-  changes_.clear();
-  for (AtRest& at_rest : at_rest_) {
-    if (before_.empty()) break;
-    if (at_rest.was_there) continue;
-    const auto apart = [&](const AtRest& then) {
-      return squared_length(then.position - at_rest.position);
-    };
-    const auto nearest = std::ranges::min_element(before_, {}, apart);
-    if (apart(*nearest) > followed_within_ * followed_within_) continue;
-    const std::uint32_t id = nearest->id;
-    before_.erase(nearest);
-    const std::size_t taken = find_from_id(contacts, id);
-    if (taken < contacts.size() && contacts[taken].id == id) continue;
-    changes_.push_back({find_from_id(contacts, at_rest.id), id});
-    at_rest.id = id;
-  }
-  if (changes_.empty()) return;
-  for (const auto& [place, id] : changes_) contacts[place].id = id;
-  std::ranges::sort(contacts, {}, &Contact::id);
+  at_rest_.keep_ids(contacts, followed_within_);
 }
 
 /// Whether the contact is one that no other is yet.
@@ -130,15 +86,13 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
     const auto depth = -static_cast<double>(field.distance(in_field));
     if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
       return true;
-    if (const AtRest* const known = find_known(position, same_within_)) {
+    if (const auto* const known = at_rest_.find(position, same_within_)) {
       const double gap = std::max(-static_cast<double>(known->depth), 0.0);
       const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
                                             known->position, gap, -outwards);
       return lead > scale.margin;
     }
-    const Along along{position.x, at_rest_.size()};
-    by_x_.insert(std::ranges::upper_bound(by_x_, along.x, {}, &Along::x), along);
-    at_rest_.push_back({contact.id, false, static_cast<float>(depth), place, position});
+    at_rest_.add(contact.id, static_cast<float>(depth), position, place);
     contact.point = static_cast<Vec3f>(position);
     contact.normal = static_cast<Vec3f>(outwards);
     contact.depth = static_cast<float>(depth);
@@ -147,57 +101,24 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
   return true;
 }
 
-const RoundContacts::AtRest* RoundContacts::find_known(const Vec3& position, double within) const {
-  for (auto near = std::ranges::lower_bound(by_x_, position.x - within, {}, &Along::x);
-       near != by_x_.end() && near->x <= position.x + within; ++near) {
-    const AtRest& known = at_rest_[near->index];
-    if (squared_length(known.position - position) <= within * within) return &known;
-  }
-  return nullptr;
-}
-
-/// Of at least one.
-const RoundContacts::AtRest& RoundContacts::nearest_known(const Vec3& position) const {
-  const AtRest* nearest = &at_rest_.front();
-  double least = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](const Along& along) {
-    const double aside = along.x - position.x;
-    if (aside * aside >= least) return false;
-    const AtRest& known = at_rest_[along.index];
-    const double squared = squared_length(known.position - position);
-    if (squared < least) {
-      least = squared;
-      nearest = &known;
-    }
-    return true;
-  };
-  const auto middle = std::ranges::lower_bound(by_x_, position.x, {}, &Along::x);
-  for (auto right = middle; right != by_x_.end() && look_at(*right); ++right) {
-  }
-  for (auto left = middle; left != by_x_.begin() && look_at(*std::prev(left)); --left) {
-  }
-  return *nearest;
-}
-
-void RoundContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
-  const auto before = static_cast<std::ptrdiff_t>(ids.size());
-  for (const AtRest& at_rest : at_rest_) ids.push_back(first + at_rest.id);
-  std::sort(ids.begin() + before, ids.end());
-}
-
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
+                                 std::span<const std::uint32_t> exact,
+                                 std::span<const Contact> own,
                                  const Pose& other_from_shell) const {
   if (at_rest_.empty()) return;
   const Pose shell_from_other = other_from_shell.inverse();
-  float as_deep = -std::numeric_limits<float>::infinity();
-  for (const AtRest& at_rest : at_rest_) as_deep = std::max(as_deep, at_rest.depth);
-  as_deep -= as_deep_within_;
   const auto is_covered = [&](const Contact& contact) {
-    // Of flat faces that lie on each other, all are as deep.
-    if (contact.depth >= as_deep) return false;
     const Vec3 point = shell_from_other.transform_point(static_cast<Vec3>(contact.point));
-    const AtRest& nearest = nearest_known(point);
-    Vec3 direction = surface_->normal(nearest.place);
+    if (std::ranges::binary_search(exact, contact.id)) {
+      // Where bodies touch along a line, contacts are as far apart as samples are. Edges end it.
+      const bool is_point = shell_of_others.is_point(contact.id);
+      const auto* const same =
+          at_rest_.find(point, is_point ? same_within_ + spacing_ : same_within_);
+      // Of two that are one, one stays.
+      return same != nullptr && has_id(own, same->id);
+    }
+    const auto& nearest = at_rest_.nearest(point);
+    Vec3 direction = surface_->normal(nearest.of);
     if (shell_of_others.is_point(contact.id)) {
       direction =
           -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
@@ -205,7 +126,9 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       // An edge that stands up from the ground.
       return false;
     }
-    const SmoothSurface::Place start = surface_->nearest_from(nearest.place, point);
+    const SmoothSurface::Place start = surface_->nearest_from(nearest.of, point);
+    // Flat faces may lie on each other.
+    if (surface_->is_flat(start.triangle)) return false;
     // Another part of the body may be nearer.
     const double apart = length(surface_->position(start) - point);
     if (apart > same_within_ + kNearestWithin * std::abs(static_cast<double>(contact.depth))) {
@@ -217,7 +140,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     const bool slid =
         squared_length(deepest - surface_->position(start)) > same_within_ * same_within_;
     const double within = slid ? same_within_ + spacing_ : same_within_;
-    return slide.is_at_rest && find_known(deepest, within) != nullptr;
+    return slide.is_at_rest && at_rest_.find(deepest, within) != nullptr;
   };
   std::erase_if(others, is_covered);
 }

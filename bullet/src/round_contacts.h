@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "flat_elements.h"
 #include "pair_step.h"
+#include "places_at_rest.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 
@@ -31,46 +31,32 @@ class RoundContacts {
              float least_depth);
 
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
-  void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
+  void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
+    at_rest_.append_ids(first, ids);
+  }
 
   /// Drops those of `others`, contacts of the field's own shell, from which the surface of this
   /// shell leads to one of the contacts of the last slide().
   ///
+  /// @param exact             Ids, ascending, of those that are no samples.
+  /// @param own               What is left of the contacts of the last slide(), ascending by id.
   /// @param other_from_shell  Pose of this shell's frame in that of `others`.
   void drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
+                    std::span<const std::uint32_t> exact, std::span<const Contact> own,
                     const Pose& other_from_shell) const;
 
  private:
-  struct AtRest {
-    std::uint32_t id;
-    bool was_there;  ///< in the step before, by that id
-    float depth;     ///< metres
-    SmoothSurface::Place place;
-    Vec3 position;  ///< metres, the shell's frame
-  };
-  struct Along {
-    double x;           ///< of the position
-    std::size_t index;  ///< in at_rest_
-  };
-
   template <class F>
   bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
                  const Pose& shell_from_field, const TouchScale& scale, const Turning& turning);
-  const AtRest* find_known(const Vec3& position, double within) const;
-  const AtRest& nearest_known(const Vec3& position) const;
-  void keep_ids(std::vector<Contact>& contacts);
 
   const SmoothSurface* surface_ = nullptr;
   double least_curvature_ = 0.0;
   double spacing_ = 0.0;          ///< of the shell's samples, metres
   double margin_ = 0.0;           ///< see TouchScale
   double same_within_ = 0.0;      ///< metres
-  float as_deep_within_ = 0.0f;   ///< metres
   double followed_within_ = 0.0;  ///< metres
-  std::vector<AtRest> at_rest_;
-  std::vector<Along> by_x_;                                     ///< those, ascending by x
-  std::vector<AtRest> before_;                                  ///< those of the step before
-  std::vector<std::pair<std::size_t, std::uint32_t>> changes_;  ///< of ids, by place in the list
+  PlacesAtRest<SmoothSurface::Place> at_rest_;
 };
 
 }  // namespace voxshell::bullet

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "voxshell/point_shell.h"
@@ -11,6 +13,7 @@
 namespace voxshell {
 
 class BoxFinder;
+class ClosestPointTree;
 
 /// The smooth surface that a mesh of small facets stands for.
 ///
@@ -32,6 +35,9 @@ class SmoothSurface {
 
   /// Of the mesh, which outlives this, and the elements of its shell.
   SmoothSurface(const TriangleMesh& mesh, const PointShell& shell);
+  ~SmoothSurface();
+  SmoothSurface(const SmoothSurface&) = delete;
+  SmoothSurface& operator=(const SmoothSurface&) = delete;
 
   /// Whether any patch is.
   bool is_curved() const { return most_lift_ > 0.0f; }
@@ -53,7 +59,10 @@ class SmoothSurface {
 
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
-  /// The place of the surface that is nearest to a point, by way of adjacent triangles.
+  /// The place of the surface that is nearest to a point: exactly where the point is near. The
+  /// first call makes a tree of the triangles. A near triangle as a guess makes the search short.
+  Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
+  /// The same by way of adjacent triangles.
   Place nearest_from(const Place& start, const Vec3& point) const;
 
   /// Where a slide has led.
@@ -95,6 +104,8 @@ class SmoothSurface {
   std::vector<std::uint32_t> triangle_of_element_;
   std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
   float most_lift_ = 0.0f;
+  mutable std::once_flag tree_once_;
+  mutable std::unique_ptr<const ClosestPointTree> tree_;
 };
 
 }  // namespace voxshell

@@ -22,6 +22,10 @@ constexpr int kMostAround = 8;
 constexpr float kFlatBend = 1e-4f;
 /// Relative to the mesh's size: elements are float32.
 constexpr double kRounding = 1e-6;
+/// Most times that a point is moved along a normal towards the surface to find what is nearest.
+constexpr int kMostProjections = 6;
+/// It has come near enough if it moves by less than this fraction of its coordinates.
+constexpr double kProjected = 1e-5;
 /// Half of what Phong tessellation projects: see the class.
 constexpr double kShapeFactor = 0.5;
 
@@ -231,6 +235,8 @@ std::vector<double> SmoothSurface::measure_faces() const {
   return areas;
 }
 
+SmoothSurface::~SmoothSurface() = default;
+
 /// One normal for all corners at a vertex that are connected without a crease. Faces count by their
 /// angle there times their squared area: a flat face beside a fillet stays flat, and the fillet
 /// leaves it smoothly.
@@ -400,6 +406,22 @@ SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec
   const double second = weight(1);
   const double third = std::min(weight(2), 1.0 - second);
   return {triangle, {1.0 - second - third, second, third}};
+}
+
+SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
+  std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
+  Place place{guess, {}};
+  Vec3 near = point;
+  for (int i = 0; i < kMostProjections; ++i) {
+    place = nearest_on(tree_->find_closest(near, place.triangle).triangle, near);
+    if (is_flat(place.triangle)) break;
+    // Seen from afar, corners of facets are nearest.
+    const Vec3 out = normal(place);
+    const Vec3 moved = point - dot(point - position(place), out) * out;
+    if (squared_length(moved - near) <= kProjected * kProjected * squared_length(point)) break;
+    near = moved;
+  }
+  return place;
 }
 
 /// The same place on the triangle across from a corner.

@@ -1,0 +1,283 @@
+#include "round_field_contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "contact_constants.h"
+#include "contact_list.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// Where a function of growing value is zero, from a first guess on: by secants, and by halves
+/// where these leave what holds the zero. None where it does not grow by `least` or is not found.
+template <class F>
+std::optional<double> find_zero(const F& value_at, double first_step, double least, double within) {
+  double at = 0.0;
+  std::optional<double> value = value_at(at);
+  if (!value) return std::nullopt;
+  std::optional<double> below;
+  std::optional<double> above;
+  double slope = 0.0;
+  for (int i = 0; i < kMostZeroSteps; ++i) {
+    if (std::abs(*value) <= within) return at;
+    (*value < 0.0 ? below : above) = at;
+    double step = *value < 0.0 ? first_step : -first_step;
+    if (i > 0) step = -*value / slope;
+    double next = at + step;
+    if (below && above && !(next > *below && next < *above)) next = 0.5 * (*below + *above);
+    const std::optional<double> value_there = value_at(next);
+    if (!value_there || next == at) return std::nullopt;
+    const double steepness = (*value_there - *value) / (next - at);
+    // Facets that are seen from afar have the same normal over some way.
+    if (steepness >= least) {
+      slope = steepness;
+    } else if (!(slope > 0.0)) {
+      return std::nullopt;
+    }
+    at = next;
+    value = value_there;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& model,
+                               std::optional<RoundSide> round, const Pose& field_from_shell,
+                               const TouchScale& scale) {
+  const bool forgets = before_ != &model;
+  on_edges_.begin(forgets);
+  on_faces_.begin(forgets);
+  before_ = &model;
+  round_ = round;
+  // Uniform models round their edges off.
+  if (model.settings().tolerance == 0.0) round_.reset();
+  if (!round_) return;
+  shell_ = &model;
+  field_from_shell_ = field_from_shell;
+  shell_from_field_ = field_from_shell.inverse();
+  radius_ = scale.radius;
+  margin_ = scale.margin;
+  least_curvature_ = kFlatBend / scale.radius;
+  same_within_ = kSameOfRadius * scale.radius;
+  followed_within_ = kFollowedOfRadius * scale.radius;
+  std::erase_if(contacts, [&](Contact& contact) { return !slide_one(contact); });
+  on_edges_.keep_ids(contacts, followed_within_);
+  on_faces_.keep_ids(contacts, followed_within_);
+}
+
+/// Whether the contact is one that no other is yet.
+bool RoundFieldContacts::slide_one(Contact& contact) {
+  const PointShell& shell = shell_->shell();
+  const SmoothSurface& surface = shell_->smooth_surface();
+  // Round parts of the shell's own are slid by RoundContacts.
+  if (surface.is_curved() && !surface.is_flat(surface.triangle_of(contact.id))) return true;
+  const auto point = static_cast<Vec3>(contact.point);
+  const auto outwards = static_cast<Vec3>(shell.normal_of(contact.id));
+  std::optional<Touch> touch;
+  if (!shell.is_point(contact.id)) {
+    const auto index = contact.id - static_cast<std::uint32_t>(shell.size());
+    const auto half = static_cast<Vec3>(shell.edges()->halves()[index]);
+    touch = on_edge(point, normalized(half), outwards);
+  } else {
+    touch = on_face(point, outwards);
+  }
+  if (!touch) return true;
+  // Points come first: those at an edge leave no second contact there.
+  if (on_edges_.find(touch->position, same_within_) != nullptr ||
+      on_faces_.find(touch->position, same_within_) != nullptr) {
+    return false;
+  }
+  PlacesAtRest<Touch>& places = touch->is_on_edge ? on_edges_ : on_faces_;
+  contact.point = static_cast<Vec3f>(touch->position);
+  contact.normal = static_cast<Vec3f>(-touch->outwards);
+  contact.depth = static_cast<float>(touch->depth);
+  places.add(contact.id, contact.depth, touch->position, *touch);
+  return true;
+}
+
+/// Along an edge through a point. `mean` is the mean of the normals of the two faces beside it.
+std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3& point,
+                                                                     const Vec3& along,
+                                                                     const Vec3& mean) const {
+  const Vec3 start = field_from_shell_.transform_point(point);
+  const Vec3 along_in_field = field_from_shell_.rotate(along);
+  std::optional<RoundSide::Place> on_round;
+  // The slope of the distance from the round body.
+  const auto zero = find_zero(
+      [&](double way) -> std::optional<double> {
+        on_round = round_->nearest(start + way * along_in_field, on_round ? &*on_round : nullptr);
+        if (!on_round) return std::nullopt;
+        return dot(on_round->normal, along_in_field);
+      },
+      same_within_, least_curvature_, kZeroWithin);
+  if (!zero) return std::nullopt;
+  const Vec3 position = point + *zero * along;
+  const GridField& own = shell_->grid();
+  const double tolerance = shell_->settings().tolerance;
+  if (std::abs(static_cast<double>(own.distance(static_cast<Vec3f>(position)))) > tolerance) {
+    return std::nullopt;
+  }
+  const Vec3 in_field = start + *zero * along_in_field;
+  const Vec3 normal =
+      normalized(on_round->normal - dot(on_round->normal, along_in_field) * along_in_field);
+  const Vec3 outwards = -shell_from_field_.rotate(normal);
+  // The edge touches with a normal between those of its faces. A face that leads towards the round
+  // body touches it elsewhere.
+  const Vec3 beside = cross(along, mean);
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 away = side * beside;
+    const Vec3 face = normalized(
+        static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * away))));
+    if (std::abs(dot(face, along)) > kFaceOfEdge || !(dot(face, away) > 0.0)) continue;
+    const Vec3 into = normalized(away - dot(away, face) * face);
+    if (dot(outwards, into) > kLeansOverFace) return on_face(position, face);
+  }
+  return Touch{position, outwards, dot(on_round->position - in_field, normal), *on_round, true};
+}
+
+/// Over the flat face that a point lies on.
+std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const Vec3& point,
+                                                                     const Vec3& outwards) const {
+  const Vec3 in_field = field_from_shell_.transform_point(point);
+  const Vec3 up = field_from_shell_.rotate(outwards);
+  const auto start = round_->nearest(in_field);
+  // The other side of a wall faces away.
+  if (!start || !(dot(start->normal, up) < 0.0)) return std::nullopt;
+  const auto lowest = round_->slide(*start, -up, least_curvature_);
+  if (!lowest || squared_length(lowest->normal + up) > kFlatRim * kFlatRim) return std::nullopt;
+  const double depth = dot(in_field - lowest->position, up);
+  const Vec3 position = shell_from_field_.transform_point(lowest->position + depth * up);
+  const GridField& own = shell_->grid();
+  const double tolerance = shell_->settings().tolerance;
+  if (std::abs(static_cast<double>(own.distance(static_cast<Vec3f>(position)))) > tolerance) {
+    return std::nullopt;
+  }
+  // At that depth the nearest surface of the shell's body must still be this one.
+  if (depth > tolerance) {
+    const auto deepest = static_cast<Vec3f>(position - depth * outwards);
+    if (static_cast<double>(own.distance(deepest)) > -kOwnDepth * depth) return std::nullopt;
+  }
+  // In front of it: on an edge, the gradient is that of either face.
+  const Vec3 there = normalized(
+      static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * outwards))));
+  if (dot(there, outwards) < -static_cast<double>(kAlignedCosine)) return std::nullopt;
+  return Touch{position, outwards, depth, *lowest, false};
+}
+
+/// Whether a place, the shell's frame, lies behind the nearest of some contacts, to which the round
+/// surface leads from there.
+bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec3& position,
+                                    const RoundSide::Place& on_round) const {
+  if (places.empty()) return false;
+  const Touch& touch = places.nearest(position).of;
+  if (dot(position - touch.position, touch.outwards) > margin_) return false;
+  const auto lowest =
+      round_->slide(on_round, -field_from_shell_.rotate(touch.outwards), least_curvature_);
+  if (!lowest) return false;
+  // Where bodies touch along a line, contacts are as far apart as samples are.
+  const double moved = squared_length(lowest->position - on_round.position);
+  double within = same_within_;
+  if (moved > same_within_ * same_within_) {
+    within +=
+        round_->model() != nullptr ? round_->model()->shell().spacing() : shell_->shell().spacing();
+  }
+  return squared_length(lowest->position - touch.on_round.position) <= within * within;
+}
+
+void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_of_field,
+                                      const std::vector<std::uint32_t>& exact) const {
+  if (!round_ || (on_edges_.empty() && on_faces_.empty())) return;
+  const auto covers = [&](const Vec3& position, const RoundSide::Place& on_round) {
+    return is_covered(on_edges_, position, on_round) || is_covered(on_faces_, position, on_round);
+  };
+  std::erase_if(contacts, [&](const Contact& contact) {
+    if (std::ranges::binary_search(exact, contact.id)) return false;
+    const auto point = static_cast<Vec3>(contact.point);
+    if (!are_of_field) {
+      const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
+      return on_round && covers(point, *on_round);
+    }
+    const SmoothSurface& surface = round_->model()->smooth_surface();
+    const std::uint32_t triangle = surface.triangle_of(contact.id);
+    if (surface.is_flat(triangle)) return false;
+    const SmoothSurface::Place on = surface.nearest_on(triangle, point);
+    const Vec3 touched =
+        point + static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal);
+    return covers(shell_from_field_.transform_point(touched),
+                  {surface.position(on), surface.normal(on), on});
+  });
+}
+
+void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
+                                        std::vector<std::uint32_t>& exact) const {
+  if (!round_ || features.empty()) return;
+  const std::size_t first = find_from_id(contacts, kFirstFeature);
+  std::vector<Vec3f> known;
+  std::vector<std::uint32_t> dropped;
+  // The last feature of a rim is the deepest as its centre sees it.
+  for (std::size_t i = contacts.size(); i-- > first;) {
+    Contact& contact = contacts[i];
+    Feature& feature = features[contact.id - kFirstFeature];
+    const auto point = static_cast<Vec3>(contact.point);
+    if (const auto* const at_rest = on_faces_.find(point, same_within_)) {
+      dropped.push_back(at_rest->id);
+    }
+    const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
+    if (on_round && is_covered(on_edges_, point, *on_round)) {
+      dropped.push_back(contact.id);
+      continue;
+    }
+    if (feature.radius > 0.0 || !slide_feature(contact, feature)) continue;
+    const auto is_same = [&](const Vec3f& other) {
+      return squared_length(static_cast<Vec3>(other) - feature.place) <=
+             same_within_ * same_within_;
+    };
+    if (std::ranges::any_of(known, is_same)) {
+      dropped.push_back(contact.id);
+      continue;
+    }
+    known.push_back(static_cast<Vec3f>(feature.place));
+    exact.push_back(contact.id);
+  }
+  std::ranges::sort(dropped);
+  std::erase_if(contacts, [&](const Contact& contact) {
+    return std::ranges::binary_search(dropped, contact.id);
+  });
+}
+
+/// Along the rim that a feature is of. Whether it has come to rest.
+bool RoundFieldContacts::slide_feature(Contact& contact, Feature& feature) const {
+  const GridField& own = shell_->grid();
+  const Vec3 start = field_from_shell_.transform_point(feature.place);
+  Vec3 outwards = -static_cast<Vec3>(contact.normal);
+  for (int i = 0; i < kMostSlides; ++i) {
+    const auto lowest =
+        round_->slide({start, {}, {}}, -field_from_shell_.rotate(outwards), least_curvature_);
+    if (!lowest) return false;
+    const Vec3 place = shell_from_field_.transform_point(lowest->position);
+    const auto at = static_cast<Vec3f>(place);
+    const Vec3 there = normalized(static_cast<Vec3>(own.gradient(at)));
+    if (squared_length(there - outwards) > kSlideWithin * kSlideWithin) {
+      outwards = there;
+      continue;
+    }
+    const auto depth = -static_cast<double>(own.distance(at));
+    if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * margin_) return false;
+    feature.place = place;
+    contact = contact_of(feature, contact.id, static_cast<Vec3f>(there), depth);
+    return true;
+  }
+  return false;
+}
+
+void RoundFieldContacts::append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
+  const auto before = static_cast<std::ptrdiff_t>(ids.size());
+  for (const auto& at_rest : on_edges_.all()) ids.push_back(first + at_rest.id);
+  for (const auto& at_rest : on_faces_.all()) ids.push_back(first + at_rest.id);
+  std::sort(ids.begin() + before, ids.end());
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "flat_elements.h"
+#include "places_at_rest.h"
+#include "round_side.h"
+#include "shape_features.h"
+#include "voxshell/contacts.h"
+#include "voxshell/model.h"
+
+namespace voxshell::bullet {
+
+/// Contacts of a shell with a round body, the field, of which the shell's elements are samples:
+/// slides them along the shell's straight edges and flat faces to where they are deepest, and gives
+/// them the normal that both surfaces have in common there. Decision 36.
+class RoundFieldContacts {
+ public:
+  /// @param contacts          Of `model`'s shell in the field, ascending by id; changed.
+  /// @param round             The field's body; none where no part of it is round.
+  /// @param field_from_shell  Pose of the shell's frame in the field's.
+  void slide(std::vector<Contact>& contacts, const Model& model, std::optional<RoundSide> round,
+             const Pose& field_from_shell, const TouchScale& scale);
+
+  /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same
+  /// place as another or as a contact of the last slide().
+  /// @param exact  To which the ids of those that have slid are added.
+  void slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
+                      std::vector<std::uint32_t>& exact) const;
+
+  /// Drops those of `contacts` that are samples and lie behind a contact of the last slide(), where
+  /// the round body's surface leads from them to that. They are of the shell or, with
+  /// `are_of_field`, of the field's body.
+  void drop_covered(std::vector<Contact>& contacts, bool are_of_field,
+                    const std::vector<std::uint32_t>& exact) const;
+
+  /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
+  void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
+
+ private:
+  /// Where a contact is at rest. The frame of the shell, but for `on_round`.
+  struct Touch {
+    Vec3 position;  ///< on the shell's body
+    Vec3 outwards;  ///< of the shell's body there, unit length
+    double depth;
+    RoundSide::Place on_round;
+    bool is_on_edge;
+  };
+
+  std::optional<Touch> on_edge(const Vec3& point, const Vec3& along, const Vec3& mean) const;
+  std::optional<Touch> on_face(const Vec3& point, const Vec3& outwards) const;
+  bool slide_one(Contact& contact);
+  bool slide_feature(Contact& contact, Feature& feature) const;
+  bool is_covered(const PlacesAtRest<Touch>& places, const Vec3& position,
+                  const RoundSide::Place& on_round) const;
+
+  std::optional<RoundSide> round_;
+  const Model* shell_ = nullptr;
+  Pose field_from_shell_;
+  Pose shell_from_field_;
+  double radius_ = 0.0;           ///< see TouchScale
+  double margin_ = 0.0;           ///< see TouchScale
+  double least_curvature_ = 0.0;  ///< 1/metres
+  double same_within_ = 0.0;      ///< metres
+  double followed_within_ = 0.0;  ///< metres
+  const void* before_ = nullptr;  ///< of which shell the places of the step before are
+  PlacesAtRest<Touch> on_edges_;
+  PlacesAtRest<Touch> on_faces_;
+};
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,96 @@
+#include "round_side.h"
+
+#include <cmath>
+#include <type_traits>
+#include <variant>
+
+#include "contact_constants.h"
+
+namespace voxshell::bullet {
+namespace {
+
+template <class F>
+constexpr bool kIsRound = std::is_same_v<F, SphereField> || std::is_same_v<F, CapsuleField> ||
+                          std::is_same_v<F, CylinderField> || std::is_same_v<F, ConeField>;
+
+/// How far a vector leads away from the z axis.
+double across(const Vec3& v) { return std::hypot(v.x, v.y); }
+
+using Place = RoundSide::Place;
+
+/// The place of the ball about a centre.
+Place on_ball(const Vec3& centre, double radius, const Vec3& direction) {
+  return {centre + radius * direction, direction, {}};
+}
+
+/// Round the axis; none where the direction leads along it.
+std::optional<Place> around(const Place& start, const Vec3& direction) {
+  const double out = across(direction);
+  if (out < kFlatRim) return std::nullopt;
+  const Vec3 radial{direction.x / out, direction.y / out, 0.0};
+  const auto turned = [&](const Vec3& v) { return across(v) * radial + Vec3{0.0, 0.0, v.z}; };
+  return Place{turned(start.position), turned(start.normal), {}};
+}
+
+}  // namespace
+
+std::optional<RoundSide> RoundSide::of(const Side& side) {
+  if (const Model* const model = side.model()) {
+    if (!model->smooth_surface().is_curved()) return std::nullopt;
+    return RoundSide(model, model->field());
+  }
+  const Field* const field = side.participant().field;
+  if (field == nullptr) return std::nullopt;
+  const bool is_round =
+      std::visit([](const auto& typed) { return kIsRound<std::decay_t<decltype(typed)>>; }, *field);
+  return is_round ? std::optional(RoundSide(nullptr, *field)) : std::nullopt;
+}
+
+std::optional<Place> RoundSide::nearest(const Vec3& point, const Place* guess) const {
+  if (model_ != nullptr) {
+    const SmoothSurface& surface = model_->smooth_surface();
+    const SmoothSurface::Place on =
+        surface.nearest(point, guess != nullptr ? guess->on.triangle : 0);
+    if (surface.is_flat(on.triangle)) return std::nullopt;
+    return Place{surface.position(on), surface.normal(on), on};
+  }
+  return std::visit(
+      [&](const auto& field) -> std::optional<Place> {
+        using F = std::decay_t<decltype(field)>;
+        const auto at = static_cast<Vec3f>(point);
+        const Vec3 outwards = normalized(static_cast<Vec3>(field.gradient(at)));
+        constexpr bool kHasCaps = std::is_same_v<F, CylinderField> || std::is_same_v<F, ConeField>;
+        if (kHasCaps && across(outwards) < kFlatRim) return std::nullopt;
+        return Place{point - static_cast<double>(field.distance(at)) * outwards, outwards, {}};
+      },
+      *field_);
+}
+
+std::optional<Place> RoundSide::slide(const Place& start, const Vec3& direction,
+                                      double least_curvature) const {
+  if (model_ != nullptr) {
+    const SmoothSurface& surface = model_->smooth_surface();
+    const SmoothSurface::Slide slide = surface.slide(start.on, direction, least_curvature);
+    if (!slide.is_at_rest || surface.is_flat(slide.place.triangle)) return std::nullopt;
+    return Place{surface.position(slide.place), surface.normal(slide.place), slide.place};
+  }
+  return std::visit(
+      [&](const auto& field) -> std::optional<Place> {
+        using F = std::decay_t<decltype(field)>;
+        if constexpr (std::is_same_v<F, SphereField>) {
+          return on_ball({}, field.radius, direction);
+        } else if constexpr (std::is_same_v<F, CapsuleField>) {
+          const double half = 0.5 * field.length;
+          const double end = std::copysign(half, start.position.z);
+          if (std::abs(start.position.z) >= half && direction.z * end >= 0.0) {
+            return on_ball({0.0, 0.0, end}, field.radius, direction);
+          }
+          return around(start, direction);
+        } else {
+          return around(start, direction);
+        }
+      },
+      *field_);
+}
+
+}  // namespace voxshell::bullet

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+
+#include "posed_pair.h"
+#include "voxshell/model.h"
+
+namespace voxshell::bullet {
+
+/// The surface of a body as contacts may slide along it: a model's smooth surface, or a ball,
+/// capsule, cylinder or cone of Bullet's. Metres, the geometry's frame.
+class RoundSide {
+ public:
+  struct Place {
+    Vec3 position;
+    Vec3 normal;              ///< unit length
+    SmoothSurface::Place on;  ///< of models
+  };
+
+  /// None where no part of it is round. The side outlives this.
+  static std::optional<RoundSide> of(const Side& side);
+
+  const Model* model() const { return model_; }
+
+  /// The place that is nearest to a point; none where the surface is flat there. One that is near,
+  /// or null, makes the search short.
+  std::optional<Place> nearest(const Vec3& point, const Place* guess = nullptr) const;
+
+  /// The place that is farthest along a direction, by way of a surface that is convex by at least
+  /// `least_curvature`, 1/metres: along the axis of a cylinder it stays. None where the surface is
+  /// flat or not convex.
+  std::optional<Place> slide(const Place& start, const Vec3& direction,
+                             double least_curvature) const;
+
+ private:
+  RoundSide(const Model* model, const Field& field) : model_(model), field_(&field) {}
+
+  const Model* model_;
+  const Field* field_;
+};
+
+}  // namespace voxshell::bullet
