@@ -102,8 +102,7 @@ bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& fiel
 }
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
-                                 std::span<const std::uint32_t> exact,
-                                 std::span<const Contact> own,
+                                 std::span<const std::uint32_t> exact, std::span<const Contact> own,
                                  const Pose& other_from_shell) const {
   if (at_rest_.empty()) return;
   const Pose shell_from_other = other_from_shell.inverse();
