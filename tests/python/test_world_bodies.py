@@ -431,3 +431,15 @@ def test_any_number_in_any_argument_of_a_query_is_harmless(brick):
             except vx.SettingsError:
                 continue
             assert number >= 0
+
+
+@pytest.mark.parametrize("rate", [200, 60])
+@pytest.mark.parametrize("side", [0.005, 0.02, 0.05])
+def test_a_box_shape_that_falls_on_a_plane_shape_lies_on_it(side, rate):
+    world = vx.World(time_step=1 / rate)
+    world.add(vx.Plane(), mass=0)
+    pose = np.eye(4)
+    pose[2, 3] = 2 * side
+    box = world.add(vx.Box((side / 2,) * 3), pose=pose, mass=0.01)
+    world.step(2 * rate)
+    assert box.pose[2, 3] == pytest.approx(side / 2, abs=1e-4)
