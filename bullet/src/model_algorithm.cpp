@@ -234,7 +234,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
     const bool slides_first = slides && !has_swapped_roles;
     if (slides_first) {
       first_on_round_.slide(contacts_, *pair.shell_side().model(), RoundSide::of(pair.field_side()),
-                            pair.field_from_shell(), touch);
+                            pair.field_from_shell(), touch, own_turning_of(*step, false));
     }
     first_flat_.align(contacts_, pair.field(), pair.shell(), pair.shell_side().model()->grid(),
                       pair.field_from_shell(), touch);
@@ -255,7 +255,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                   pair.shell_side().has_sharp_field() ? touch.margin : 0.0, pair.thickness());
     if (slides) {
       second_on_round_.slide(second_found_, *pair.field_side().model(),
-                             RoundSide::of(pair.shell_side()), second_field_from_shell, touch);
+                             RoundSide::of(pair.shell_side()), second_field_from_shell, touch,
+                             own_turning_of(*step, true));
     }
     second_flat_.align(second_found_, pair.second_field(), pair.second_shell(),
                        pair.field_side().model()->grid(), second_field_from_shell, touch);

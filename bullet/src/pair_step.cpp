@@ -131,4 +131,15 @@ Turning turning_of(const PairStep& step, bool is_of_field) {
           kCcdReach / step.radius * to_own(step.displacement)};
 }
 
+Turning own_turning_of(const PairStep& step, bool is_of_field) {
+  const bool is_a = step.pair->shell_is_a != is_of_field;
+  const Motion& own = is_a ? step.motion_a : step.motion_b;
+  Turning turning = turning_of(step, is_of_field);
+  if (own.inverse_mass == 0.0 && !own.is_link) turning.stopped = {};
+  const Side& side = is_of_field ? step.pair->field_side() : step.pair->shell_side();
+  turning.turn = kCcdReach * step.time_step *
+                 side.world_from_geometry().inverse().rotate(own.angular_velocity);
+  return turning;
+}
+
 }  // namespace voxshell::bullet

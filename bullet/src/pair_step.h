@@ -56,6 +56,9 @@ struct Turning {
 };
 /// Of the shell's body, or of the field's.
 Turning turning_of(const PairStep& step, bool is_of_field);
+/// The same by its own spin alone, as a round body sees it whose spin moves no place of its surface
+/// towards the other body.
+Turning own_turning_of(const PairStep& step, bool is_of_field);
 
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
                        double owed_energy);

@@ -46,7 +46,7 @@ std::optional<double> find_zero(const F& value_at, double first_step, double lea
 
 void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& model,
                                std::optional<RoundSide> round, const Pose& field_from_shell,
-                               const TouchScale& scale) {
+                               const TouchScale& scale, const Turning& turning) {
   const bool forgets = before_ != &model;
   on_edges_.begin(forgets);
   on_faces_.begin(forgets);
@@ -58,6 +58,7 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   shell_ = &model;
   field_from_shell_ = field_from_shell;
   shell_from_field_ = field_from_shell.inverse();
+  turning_ = turning;
   radius_ = scale.radius;
   margin_ = scale.margin;
   least_curvature_ = kFlatBend / scale.radius;
@@ -88,7 +89,7 @@ bool RoundFieldContacts::slide_one(Contact& contact) {
   // Points come first: those at an edge leave no second contact there.
   if (on_edges_.find(touch->position, same_within_) != nullptr ||
       on_faces_.find(touch->position, same_within_) != nullptr) {
-    return false;
+    return may_lead(point, outwards, *touch);
   }
   PlacesAtRest<Touch>& places = touch->is_on_edge ? on_edges_ : on_faces_;
   contact.point = static_cast<Vec3f>(touch->position);
@@ -167,13 +168,19 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const Vec3&
   return Touch{position, outwards, depth, *lowest, false};
 }
 
-/// Whether a place, the shell's frame, lies behind the nearest of some contacts, to which the round
-/// surface leads from there.
+/// Whether a place of the shell's body may touch, once that has turned, before a contact does.
+bool RoundFieldContacts::may_lead(const Vec3& place, const Vec3& normal, const Touch& touch) const {
+  const double gap = std::max(-touch.depth, 0.0);
+  return turning_.lead_over(place, normal, touch.position, gap, touch.outwards) > margin_;
+}
+
+/// Whether a place of the shell's body, which looks outwards there, lies behind the nearest of some
+/// contacts, to which the round surface leads from there.
 bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec3& position,
-                                    const RoundSide::Place& on_round) const {
+                                    const Vec3& outwards, const RoundSide::Place& on_round) const {
   if (places.empty()) return false;
   const Touch& touch = places.nearest(position).of;
-  if (dot(position - touch.position, touch.outwards) > margin_) return false;
+  if (may_lead(position, outwards, touch)) return false;
   const auto lowest =
       round_->slide(on_round, -field_from_shell_.rotate(touch.outwards), least_curvature_);
   if (!lowest) return false;
@@ -190,23 +197,26 @@ bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec
 void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_of_field,
                                       const std::vector<std::uint32_t>& exact) const {
   if (!round_ || (on_edges_.empty() && on_faces_.empty())) return;
-  const auto covers = [&](const Vec3& position, const RoundSide::Place& on_round) {
-    return is_covered(on_edges_, position, on_round) || is_covered(on_faces_, position, on_round);
+  const auto covers = [&](const Vec3& position, const Vec3& outwards,
+                          const RoundSide::Place& on_round) {
+    return is_covered(on_edges_, position, outwards, on_round) ||
+           is_covered(on_faces_, position, outwards, on_round);
   };
   std::erase_if(contacts, [&](const Contact& contact) {
     if (std::ranges::binary_search(exact, contact.id)) return false;
     const auto point = static_cast<Vec3>(contact.point);
     if (!are_of_field) {
       const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
-      return on_round && covers(point, *on_round);
+      const auto outwards = static_cast<Vec3>(shell_->shell().normal_of(contact.id));
+      return on_round && covers(point, outwards, *on_round);
     }
     const SmoothSurface& surface = round_->model()->smooth_surface();
     const std::uint32_t triangle = surface.triangle_of(contact.id);
     if (surface.is_flat(triangle)) return false;
     const SmoothSurface::Place on = surface.nearest_on(triangle, point);
-    const Vec3 touched =
-        point + static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal);
-    return covers(shell_from_field_.transform_point(touched),
+    const auto normal = static_cast<Vec3>(contact.normal);
+    const Vec3 touched = point + static_cast<double>(contact.depth) * normal;
+    return covers(shell_from_field_.transform_point(touched), shell_from_field_.rotate(normal),
                   {surface.position(on), surface.normal(on), on});
   });
 }
@@ -226,7 +236,8 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
       dropped.push_back(at_rest->id);
     }
     const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
-    if (on_round && is_covered(on_edges_, point, *on_round)) {
+    const Vec3 outwards = -static_cast<Vec3>(contact.normal);
+    if (on_round && is_covered(on_edges_, point, outwards, *on_round)) {
       dropped.push_back(contact.id);
       continue;
     }

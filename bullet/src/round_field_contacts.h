@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flat_elements.h"
+#include "pair_step.h"
 #include "places_at_rest.h"
 #include "round_side.h"
 #include "shape_features.h"
@@ -22,8 +23,10 @@ class RoundFieldContacts {
   /// @param contacts          Of `model`'s shell in the field, ascending by id; changed.
   /// @param round             The field's body; none where no part of it is round.
   /// @param field_from_shell  Pose of the shell's frame in the field's.
+  /// @param turning           Of the shell's body: samples that may touch, once it has turned,
+  /// before the place that they slide to does, stay where they are, also in drop_covered().
   void slide(std::vector<Contact>& contacts, const Model& model, std::optional<RoundSide> round,
-             const Pose& field_from_shell, const TouchScale& scale);
+             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
 
   /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same
   /// place as another or as a contact of the last slide().
@@ -54,13 +57,15 @@ class RoundFieldContacts {
   std::optional<Touch> on_face(const Vec3& point, const Vec3& outwards) const;
   bool slide_one(Contact& contact);
   bool slide_feature(Contact& contact, Feature& feature) const;
-  bool is_covered(const PlacesAtRest<Touch>& places, const Vec3& position,
+  bool may_lead(const Vec3& place, const Vec3& normal, const Touch& touch) const;
+  bool is_covered(const PlacesAtRest<Touch>& places, const Vec3& position, const Vec3& outwards,
                   const RoundSide::Place& on_round) const;
 
   std::optional<RoundSide> round_;
   const Model* shell_ = nullptr;
   Pose field_from_shell_;
   Pose shell_from_field_;
+  Turning turning_{};
   double radius_ = 0.0;           ///< see TouchScale
   double margin_ = 0.0;           ///< see TouchScale
   double least_curvature_ = 0.0;  ///< 1/metres
