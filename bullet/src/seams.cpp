@@ -279,8 +279,10 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
   if (both.distance(behind) < 0.0) return std::nullopt;
-  return Seam{upwards, above + dot(touch.on_body - place, upwards),
-              dot(touch.normal, upwards) >= kTurnedCosine};
+  const double gap = above + dot(touch.on_body - place, upwards);
+  // Bodies that the neighbor keeps apart arrive behind it.
+  if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;
+  return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
 /// A body, one that it touches, and a manifold of theirs.

@@ -56,10 +56,12 @@ def _make_mesh(shape: Field) -> tuple[np.ndarray, np.ndarray] | None:
         case Sphere():
             mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS, radius=shape.radius)
         case Capsule():
+            # Of radius 1 first: trimesh merges the corners of small ones.
             mesh = trimesh.creation.capsule(
-                height=shape.length, radius=shape.radius, count=[_AROUND, _AROUND]
+                height=shape.length / shape.radius, radius=1.0, count=[_AROUND, _AROUND]
             )
             mesh.apply_translation((0.0, 0.0, -mesh.bounds.mean(axis=0)[2]))
+            mesh.apply_scale(shape.radius)
         case Cylinder():
             mesh = trimesh.creation.cylinder(shape.radius, shape.length, sections=_AROUND)
         case Cone():

@@ -105,8 +105,10 @@ def mesh_of(shape: Shape) -> Mesh:
             mesh = creation.icosphere(subdivisions=4, radius=shape.radius)
         case Capsule():
             sections = (_ROUND_SECTIONS, _ROUND_SECTIONS)
-            mesh = creation.capsule(height=shape.length, radius=shape.radius, count=sections)
+            # Of radius 1 first: trimesh merges the corners of small ones.
+            mesh = creation.capsule(height=shape.length / shape.radius, radius=1.0, count=sections)
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
+            mesh.apply_scale(shape.radius)
         case Cylinder():
             mesh = creation.cylinder(
                 radius=shape.radius, height=shape.length, sections=_ROUND_SECTIONS

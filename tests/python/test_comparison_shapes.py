@@ -64,3 +64,12 @@ def test_meshes_of_analytic_shapes_lie_on_their_surface(make):
 def test_wrong_shapes_are_refused(make, error, part):
     with pytest.raises(error, match=part):
         make()
+
+
+@pytest.mark.parametrize("radius", [0.001, 0.005, 0.02])
+def test_small_capsules_are_capsules(radius):
+    length = 2 * radius
+    solid = as_trimesh(vx.Capsule(radius, length))
+    assert solid.is_watertight
+    expected = np.pi * radius**2 * length + 4 / 3 * np.pi * radius**3
+    assert solid.volume == pytest.approx(expected, rel=0.01)

@@ -89,3 +89,20 @@ def test_a_wall_at_the_end_of_the_ground_stops_a_cube_upright(rate):
     assert body.pose[0, 3] < TILE / 2 - 0.05 + 1e-3
     assert abs(body.linear_velocity[0]) < 0.01
     assert body.pose[2, 3] == pytest.approx(0.05, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("rate", "count", "side", "thickness"),
+    [(60, 6, 0.05, 0.001), (60, 5, 0.2, 0.002), (30, 5, 0.1, 0.002), (30, 6, 0.1, 0.002)],
+)
+def test_flush_stacks_of_thin_plates_lie_still(rate, count, side, thickness):
+    """Every other plate is nearer than gravity moves it in a step, and the one between keeps them apart."""
+    plate = vx.Model.from_mesh(box((side, side, thickness)))
+    world = vx.World(time_step=1 / rate)
+    world.add(vx.Plane(), mass=0)
+    heights = [thickness * (i + 0.5) for i in range(count)]
+    bodies = [world.add(plate, mass=0.05, pose=at(0, 0, z)) for z in heights]
+    for _ in range(2 * rate):
+        world.step()
+        assert max(np.linalg.norm(body.linear_velocity) for body in bodies) < 0.01
+    assert [body.pose[2, 3] for body in bodies] == pytest.approx(heights, abs=1e-4)
