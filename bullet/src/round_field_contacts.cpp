@@ -1,7 +1,6 @@
 #include "round_field_contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "contact_constants.h"
@@ -59,7 +58,6 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   field_from_shell_ = field_from_shell;
   shell_from_field_ = field_from_shell.inverse();
   turning_ = turning;
-  radius_ = scale.radius;
   margin_ = scale.margin;
   least_curvature_ = kFlatBend / scale.radius;
   same_within_ = kSameOfRadius * scale.radius;

@@ -66,7 +66,6 @@ class RoundFieldContacts {
   Pose field_from_shell_;
   Pose shell_from_field_;
   Turning turning_{};
-  double radius_ = 0.0;           ///< see TouchScale
   double margin_ = 0.0;           ///< see TouchScale
   double least_curvature_ = 0.0;  ///< 1/metres
   double same_within_ = 0.0;      ///< metres
