@@ -205,7 +205,8 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   bool has_swapped_roles = false;
   exact_.clear();
   // What kSegmented promises are points, and so are contacts without a margin.
-  const bool slides = touch.margin > 0.0 && settings_.mode != ContactMode::kSegmented;
+  const bool slides =
+      step != nullptr && touch.margin > 0.0 && settings_.mode != ContactMode::kSegmented;
   const auto reach_of = [&](const Side& side) {
     return reach + (slides ? static_cast<float>(most_above_samples(*side.model())) : 0.0f);
   };

@@ -62,13 +62,14 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   least_curvature_ = kFlatBend / scale.radius;
   same_within_ = kSameOfRadius * scale.radius;
   followed_within_ = kFollowedOfRadius * scale.radius;
-  std::erase_if(contacts, [&](Contact& contact) { return !slide_one(contact); });
+  const RoundSide& on_round = *round_;
+  std::erase_if(contacts, [&](Contact& contact) { return !slide_one(on_round, contact); });
   on_edges_.keep_ids(contacts, followed_within_);
   on_faces_.keep_ids(contacts, followed_within_);
 }
 
 /// Whether the contact is one that no other is yet.
-bool RoundFieldContacts::slide_one(Contact& contact) {
+bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   const PointShell& shell = shell_->shell();
   const SmoothSurface& surface = shell_->smooth_surface();
   // Round parts of the shell's own are slid by RoundContacts.
@@ -79,9 +80,9 @@ bool RoundFieldContacts::slide_one(Contact& contact) {
   if (!shell.is_point(contact.id)) {
     const auto index = contact.id - static_cast<std::uint32_t>(shell.size());
     const auto half = static_cast<Vec3>(shell.edges()->halves()[index]);
-    touch = on_edge(point, normalized(half), outwards);
+    touch = on_edge(round, point, normalized(half), outwards);
   } else {
-    touch = on_face(point, outwards);
+    touch = on_face(round, point, outwards);
   }
   if (!touch) return true;
   // Points come first: those at an edge leave no second contact there.
@@ -98,7 +99,8 @@ bool RoundFieldContacts::slide_one(Contact& contact) {
 }
 
 /// Along an edge through a point. `mean` is the mean of the normals of the two faces beside it.
-std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3& point,
+std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const RoundSide& round,
+                                                                     const Vec3& point,
                                                                      const Vec3& along,
                                                                      const Vec3& mean) const {
   const Vec3 start = field_from_shell_.transform_point(point);
@@ -107,12 +109,12 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3&
   // The slope of the distance from the round body.
   const auto zero = find_zero(
       [&](double way) -> std::optional<double> {
-        on_round = round_->nearest(start + way * along_in_field, on_round ? &*on_round : nullptr);
+        on_round = round.nearest(start + way * along_in_field, on_round ? &*on_round : nullptr);
         if (!on_round) return std::nullopt;
         return dot(on_round->normal, along_in_field);
       },
       same_within_, least_curvature_, kZeroWithin);
-  if (!zero) return std::nullopt;
+  if (!zero || !on_round) return std::nullopt;
   const Vec3 position = point + *zero * along;
   const GridField& own = shell_->grid();
   const double tolerance = shell_->settings().tolerance;
@@ -132,20 +134,21 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Vec3&
         static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * away))));
     if (std::abs(dot(face, along)) > kFaceOfEdge || !(dot(face, away) > 0.0)) continue;
     const Vec3 into = normalized(away - dot(away, face) * face);
-    if (dot(outwards, into) > kLeansOverFace) return on_face(position, face);
+    if (dot(outwards, into) > kLeansOverFace) return on_face(round, position, face);
   }
   return Touch{position, outwards, dot(on_round->position - in_field, normal), *on_round, true};
 }
 
 /// Over the flat face that a point lies on.
-std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const Vec3& point,
+std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const RoundSide& round,
+                                                                     const Vec3& point,
                                                                      const Vec3& outwards) const {
   const Vec3 in_field = field_from_shell_.transform_point(point);
   const Vec3 up = field_from_shell_.rotate(outwards);
-  const auto start = round_->nearest(in_field);
+  const auto start = round.nearest(in_field);
   // The other side of a wall faces away.
   if (!start || !(dot(start->normal, up) < 0.0)) return std::nullopt;
-  const auto lowest = round_->slide(*start, -up, least_curvature_);
+  const auto lowest = round.slide(*start, -up, least_curvature_);
   if (!lowest || squared_length(lowest->normal + up) > kFlatRim * kFlatRim) return std::nullopt;
   const double depth = dot(in_field - lowest->position, up);
   const Vec3 position = shell_from_field_.transform_point(lowest->position + depth * up);
@@ -174,20 +177,21 @@ bool RoundFieldContacts::may_lead(const Vec3& place, const Vec3& normal, const T
 
 /// Whether a place of the shell's body, which looks outwards there, lies behind the nearest of some
 /// contacts, to which the round surface leads from there.
-bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec3& position,
-                                    const Vec3& outwards, const RoundSide::Place& on_round) const {
+bool RoundFieldContacts::is_covered(const RoundSide& round, const PlacesAtRest<Touch>& places,
+                                    const Vec3& position, const Vec3& outwards,
+                                    const RoundSide::Place& on_round) const {
   if (places.empty()) return false;
   const Touch& touch = places.nearest(position).of;
   if (may_lead(position, outwards, touch)) return false;
   const auto lowest =
-      round_->slide(on_round, -field_from_shell_.rotate(touch.outwards), least_curvature_);
+      round.slide(on_round, -field_from_shell_.rotate(touch.outwards), least_curvature_);
   if (!lowest) return false;
   // Where bodies touch along a line, contacts are as far apart as samples are.
   const double moved = squared_length(lowest->position - on_round.position);
   double within = same_within_;
   if (moved > same_within_ * same_within_) {
     within +=
-        round_->model() != nullptr ? round_->model()->shell().spacing() : shell_->shell().spacing();
+        round.model() != nullptr ? round.model()->shell().spacing() : shell_->shell().spacing();
   }
   return squared_length(lowest->position - touch.on_round.position) <= within * within;
 }
@@ -195,20 +199,21 @@ bool RoundFieldContacts::is_covered(const PlacesAtRest<Touch>& places, const Vec
 void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_of_field,
                                       const std::vector<std::uint32_t>& exact) const {
   if (!round_ || (on_edges_.empty() && on_faces_.empty())) return;
+  const RoundSide& round = *round_;
   const auto covers = [&](const Vec3& position, const Vec3& outwards,
                           const RoundSide::Place& on_round) {
-    return is_covered(on_edges_, position, outwards, on_round) ||
-           is_covered(on_faces_, position, outwards, on_round);
+    return is_covered(round, on_edges_, position, outwards, on_round) ||
+           is_covered(round, on_faces_, position, outwards, on_round);
   };
   std::erase_if(contacts, [&](const Contact& contact) {
     if (std::ranges::binary_search(exact, contact.id)) return false;
     const auto point = static_cast<Vec3>(contact.point);
     if (!are_of_field) {
-      const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
+      const auto on_round = round.nearest(field_from_shell_.transform_point(point));
       const auto outwards = static_cast<Vec3>(shell_->shell().normal_of(contact.id));
       return on_round && covers(point, outwards, *on_round);
     }
-    const SmoothSurface& surface = round_->model()->smooth_surface();
+    const SmoothSurface& surface = round.model()->smooth_surface();
     const std::uint32_t triangle = surface.triangle_of(contact.id);
     if (surface.is_flat(triangle)) return false;
     const SmoothSurface::Place on = surface.nearest_on(triangle, point);
@@ -222,6 +227,7 @@ void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_o
 void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
                                         std::vector<std::uint32_t>& exact) const {
   if (!round_ || features.empty()) return;
+  const RoundSide& round = *round_;
   const std::size_t first = find_from_id(contacts, kFirstFeature);
   std::vector<Vec3f> known;
   std::vector<std::uint32_t> dropped;
@@ -233,13 +239,13 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
     if (const auto* const at_rest = on_faces_.find(point, same_within_)) {
       dropped.push_back(at_rest->id);
     }
-    const auto on_round = round_->nearest(field_from_shell_.transform_point(point));
+    const auto on_round = round.nearest(field_from_shell_.transform_point(point));
     const Vec3 outwards = -static_cast<Vec3>(contact.normal);
-    if (on_round && is_covered(on_edges_, point, outwards, *on_round)) {
+    if (on_round && is_covered(round, on_edges_, point, outwards, *on_round)) {
       dropped.push_back(contact.id);
       continue;
     }
-    if (feature.radius > 0.0 || !slide_feature(contact, feature)) continue;
+    if (feature.radius > 0.0 || !slide_feature(round, contact, feature)) continue;
     const auto is_same = [&](const Vec3f& other) {
       return squared_length(static_cast<Vec3>(other) - feature.place) <=
              same_within_ * same_within_;
@@ -258,13 +264,14 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
 }
 
 /// Along the rim that a feature is of. Whether it has come to rest.
-bool RoundFieldContacts::slide_feature(Contact& contact, Feature& feature) const {
+bool RoundFieldContacts::slide_feature(const RoundSide& round, Contact& contact,
+                                       Feature& feature) const {
   const GridField& own = shell_->grid();
   const Vec3 start = field_from_shell_.transform_point(feature.place);
   Vec3 outwards = -static_cast<Vec3>(contact.normal);
   for (int i = 0; i < kMostSlides; ++i) {
     const auto lowest =
-        round_->slide({start, {}, {}}, -field_from_shell_.rotate(outwards), least_curvature_);
+        round.slide({start, {}, {}}, -field_from_shell_.rotate(outwards), least_curvature_);
     if (!lowest) return false;
     const Vec3 place = shell_from_field_.transform_point(lowest->position);
     const auto at = static_cast<Vec3f>(place);

@@ -53,13 +53,15 @@ class RoundFieldContacts {
     bool is_on_edge;
   };
 
-  std::optional<Touch> on_edge(const Vec3& point, const Vec3& along, const Vec3& mean) const;
-  std::optional<Touch> on_face(const Vec3& point, const Vec3& outwards) const;
-  bool slide_one(Contact& contact);
-  bool slide_feature(Contact& contact, Feature& feature) const;
+  std::optional<Touch> on_edge(const RoundSide& round, const Vec3& point, const Vec3& along,
+                               const Vec3& mean) const;
+  std::optional<Touch> on_face(const RoundSide& round, const Vec3& point,
+                               const Vec3& outwards) const;
+  bool slide_one(const RoundSide& round, Contact& contact);
+  bool slide_feature(const RoundSide& round, Contact& contact, Feature& feature) const;
   bool may_lead(const Vec3& place, const Vec3& normal, const Touch& touch) const;
-  bool is_covered(const PlacesAtRest<Touch>& places, const Vec3& position, const Vec3& outwards,
-                  const RoundSide::Place& on_round) const;
+  bool is_covered(const RoundSide& round, const PlacesAtRest<Touch>& places, const Vec3& position,
+                  const Vec3& outwards, const RoundSide::Place& on_round) const;
 
   std::optional<RoundSide> round_;
   const Model* shell_ = nullptr;
