@@ -194,10 +194,21 @@ inline constexpr double kNearestWithin = 1.25;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.
 inline constexpr double kSlideWithin = 1e-3;
+/// A place is nearest to the inside of a smooth surface, not to its end, where it is aside of that
+/// normal by at most this fraction of its distance. Larger: what is beyond an edge feels the face
+/// that ends there.
+inline constexpr double kAsideOfDistance = 0.1;
 /// Surfaces that follow each other, as a peg and its hole do, have no one deepest place: the
 /// field's normal turns by more than this fraction of what a slide was to turn by. Smaller: a ball
 /// in a bowl feels its samples. Larger: slides along such surfaces lead far.
 inline constexpr double kFollowsOfTurn = 0.75;
+/// The same where both surfaces are smooth: a shaft in a bearing that is a tenth wider rolls in it.
+inline constexpr double kFollowsOfSmoothTurn = 0.97;
+/// Where a straight surface leans by less than this sine against a round one, it is where they face
+/// each other.
+inline constexpr double kStraightLean = 2e-3;
+/// Most ways along a straight surface in turn.
+inline constexpr int kMostStraight = 4;
 /// Most slides of a contact in turn, each towards the field's normal where the last one ended.
 inline constexpr int kMostSlides = 6;
 /// A slide that leads out of the field by more than this fraction of the rest margin is none: the

@@ -241,8 +241,9 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                       pair.field_from_shell(), touch);
     drop_behind(contacts_, pair.shell());
     if (!slides_first) return;
-    first_round_.slide(contacts_, *pair.shell_side().model(), pair.field(), pair.field_from_shell(),
-                       touch, turning_of(*step, false), least_depth_of(contacts_));
+    first_round_.slide(contacts_, *pair.shell_side().model(), SmoothField(pair.field_side()),
+                       pair.field_from_shell(), touch, turning_of(*step, false),
+                       least_depth_of(contacts_));
     drop_far(contacts_);
   };
   take();
@@ -263,7 +264,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
                        pair.field_side().model()->grid(), second_field_from_shell, touch);
     drop_behind(second_found_, pair.second_shell());
     if (slides) {
-      second_round_.slide(second_found_, *pair.field_side().model(), pair.second_field(),
+      second_round_.slide(second_found_, *pair.field_side().model(), SmoothField(pair.shell_side()),
                           second_field_from_shell, touch, turning_of(*step, true),
                           least_depth_of(second_found_));
       drop_far(second_found_);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "contact_constants.h"
 #include "contact_list.h"
+#include "find_zero.h"
 
 namespace voxshell::bullet {
 
@@ -15,7 +15,7 @@ double most_above_samples(const Model& model) {
   return static_cast<double>(surface.most_lift()) + model.accuracy().coverage.p99;
 }
 
-void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
+void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, SmoothField field,
                           const Pose& field_from_shell, const TouchScale& scale,
                           const Turning& turning, float least_depth) {
   at_rest_.begin(/*forgets=*/surface_ != &model.smooth_surface());
@@ -26,79 +26,103 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, co
   margin_ = scale.margin;
   same_within_ = kSameOfRadius * scale.radius;
   followed_within_ = kFollowedOfRadius * scale.radius;
-  const Pose shell_from_field = field_from_shell.inverse();
+  field_ = field;
+  field_from_shell_ = field_from_shell;
+  shell_from_field_ = field_from_shell.inverse();
   const auto between = static_cast<float>(model.accuracy().coverage.p99);
   const auto is_too_far = [&](const Contact& contact) {
     const float lift = surface_->lift(surface_->triangle_of(contact.id));
     return contact.depth + lift + between < least_depth;
   };
-  std::visit(
-      [&](const auto& typed) {
-        std::erase_if(contacts, [&](Contact& contact) {
-          return is_too_far(contact) ||
-                 !slide_one(contact, typed, field_from_shell, shell_from_field, scale, turning);
-        });
-      },
-      field);
+  std::erase_if(contacts, [&](Contact& contact) {
+    return is_too_far(contact) || !slide_one(contact, scale, turning);
+  });
   at_rest_.keep_ids(contacts, followed_within_);
 }
 
 /// Whether the contact is one that no other is yet.
-template <class F>
-bool RoundContacts::slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                              const Pose& shell_from_field, const TouchScale& scale,
-                              const Turning& turning) {
+bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const Turning& turning) {
   const std::uint32_t triangle = surface_->triangle_of(contact.id);
   if (surface_->is_flat(triangle)) return true;
   Vec3 direction = -static_cast<Vec3>(contact.normal);
   if (surface_->lies_flat(contact.id, direction, -static_cast<double>(kAlignedCosine))) return true;
-  const SmoothSurface::Place start =
-      surface_->nearest_on(triangle, static_cast<Vec3>(contact.point));
-  const Vec3 wanted = direction - surface_->normal(start);
-  Vec3 missed_before;
-  double relaxation = 1.0;
-  SmoothSurface::Place place = start;
-  for (int i = 0; i < kMostSlides; ++i) {
-    const SmoothSurface::Slide slide = surface_->slide(place, direction, least_curvature_);
-    if (!slide.is_at_rest) return true;
-    place = slide.place;
-    const Vec3 position = surface_->position(place);
-    const auto in_field = static_cast<Vec3f>(field_from_shell.transform_point(position));
-    const Vec3 outwards =
-        shell_from_field.rotate(normalized(static_cast<Vec3>(field.gradient(in_field))));
-    // Coarse fields have places without a gradient: there is nowhere to slide to.
-    if (outwards == Vec3{}) return true;
-    const Vec3 missed = -outwards - direction;
-    // Nor where the relaxation has no value: it has made no difference.
-    if (!(squared_length(missed) <= kSlideWithin * kSlideWithin)) {
-      // A peg in its hole: the field's surface has turned as far, and there is no one deepest
-      // place.
-      if (i == 0 && dot(missed, wanted) > kFollowsOfTurn * squared_length(wanted)) return true;
-      // Aitken's relaxation: the field's surface is curved, too.
-      if (i > 0) {
-        const Vec3 change = missed - missed_before;
-        relaxation *= -dot(missed_before, change) / squared_length(change);
-      }
-      missed_before = missed;
-      direction = normalized(direction + relaxation * missed);
-      continue;
-    }
-    const auto depth = -static_cast<double>(field.distance(in_field));
-    if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin)
-      return true;
-    if (const auto* const known = at_rest_.find(position, same_within_)) {
-      const double gap = std::max(-static_cast<double>(known->depth), 0.0);
-      const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
-                                            known->position, gap, -outwards);
-      return lead > scale.margin;
-    }
-    at_rest_.add(contact.id, static_cast<float>(depth), position, place);
-    contact.point = static_cast<Vec3f>(position);
-    contact.normal = static_cast<Vec3f>(outwards);
-    contact.depth = static_cast<float>(depth);
-    return true;
+  const auto point = static_cast<Vec3>(contact.point);
+  const SmoothSurface::Place start = surface_->nearest_on(triangle, point);
+  if (field_->is_smooth()) {
+    const Facing there = feel(point);
+    contact.depth = static_cast<float>(-there.distance);
+    contact.normal = static_cast<Vec3f>(there.outwards);
+    direction = -there.outwards;
   }
+  const auto touch = find_touch(start, direction);
+  if (!touch) return true;
+  const Facing& facing = touch->facing;
+  const double depth = -facing.distance;
+  if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
+  if (const auto* const known = at_rest_.find(facing.position, same_within_)) {
+    const double gap = std::max(-static_cast<double>(known->depth), 0.0);
+    const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
+                                          known->position, gap, -facing.outwards);
+    return lead > scale.margin;
+  }
+  at_rest_.add(contact.id, static_cast<float>(depth), facing.position, touch->place);
+  contact.point = static_cast<Vec3f>(facing.position);
+  contact.normal = static_cast<Vec3f>(facing.outwards);
+  contact.depth = static_cast<float>(depth);
   return true;
+}
+
+/// By way of the surface from a place on. `direction` is against the field's normal there.
+std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurface::Place& start,
+                                                              Vec3 direction) {
+  SmoothSurface::Place place = start;
+  Vec3 wanted = direction - surface_->normal(start);
+  const auto slide = [&](const Vec3& along) -> std::optional<Vec3> {
+    const SmoothSurface::Slide slide = surface_->slide(place, along, least_curvature_);
+    if (!slide.is_at_rest) return std::nullopt;
+    place = slide.place;
+    return surface_->position(place);
+  };
+  const double follows = field_->is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
+  for (int i = 0; i < kMostStraight; ++i) {
+    const auto facing = face_field(direction, wanted, follows, slide,
+                                   [&](const Vec3& position) { return feel(position); });
+    if (!facing) return std::nullopt;
+    const auto straight_on = go_straight(place, *facing);
+    if (!straight_on) return Touch{*facing, place};
+    place = *straight_on;
+    direction = -feel(surface_->position(place)).outwards;
+    wanted = {};
+  }
+  return std::nullopt;
+}
+
+/// Where the field's surface is curved and this one is straight, as a bar under a ball, to the
+/// place under it. None where the two face each other already.
+std::optional<SmoothSurface::Place> RoundContacts::go_straight(const SmoothSurface::Place& place,
+                                                               const Facing& facing) {
+  const Vec3 normal = surface_->normal(place);
+  const Vec3 lean = -facing.outwards - normal;
+  if (squared_length(lean) <= kStraightLean * kStraightLean || surface_->is_at_crease(place)) {
+    return std::nullopt;
+  }
+  const Vec3 along = normalized(lean - dot(lean, normal) * normal);
+  const auto zero = find_zero(
+      [&](double way) -> std::optional<double> {
+        return dot(feel(facing.position + way * along).outwards, along);
+      },
+      same_within_, least_curvature_, kSlideWithin);
+  if (!zero) return std::nullopt;
+  const Vec3 wanted = facing.position + *zero * along;
+  const SmoothSurface::Place reached = surface_->nearest_from(place, wanted);
+  // Beyond its end, it is not under the field's surface.
+  const double off = squared_length(surface_->position(reached) - wanted);
+  return off <= same_within_ * same_within_ ? std::optional(reached) : std::nullopt;
+}
+
+Facing RoundContacts::feel(const Vec3& position) {
+  const SmoothField::Value there = field_->at(field_from_shell_.transform_point(position));
+  return {position, shell_from_field_.rotate(there.outwards), there.distance};
 }
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "face_field.h"
 #include "flat_elements.h"
 #include "pair_step.h"
 #include "places_at_rest.h"
+#include "smooth_field.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 
@@ -26,7 +29,7 @@ class RoundContacts {
   /// @param turning           Of the shell's body: samples that may touch, once it has turned,
   /// before the place that they slide to does, stay where they are.
   /// @param least_depth       Contacts that cannot become as deep are dropped, metres.
-  void slide(std::vector<Contact>& contacts, const Model& model, const Field& field,
+  void slide(std::vector<Contact>& contacts, const Model& model, SmoothField field,
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
              float least_depth);
 
@@ -46,12 +49,22 @@ class RoundContacts {
                     const Pose& other_from_shell) const;
 
  private:
-  template <class F>
-  bool slide_one(Contact& contact, const F& field, const Pose& field_from_shell,
-                 const Pose& shell_from_field, const TouchScale& scale, const Turning& turning);
+  /// Where the two surfaces face each other, and the place there.
+  struct Touch {
+    Facing facing;
+    SmoothSurface::Place place;
+  };
+  bool slide_one(Contact& contact, const TouchScale& scale, const Turning& turning);
+  std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction);
+  std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
+                                                  const Facing& facing);
+  Facing feel(const Vec3& position);
 
   const SmoothSurface* surface_ = nullptr;
-  double least_curvature_ = 0.0;
+  std::optional<SmoothField> field_;
+  Pose field_from_shell_;
+  Pose shell_from_field_;
+  double least_curvature_ = 0.0;  ///< 1/metres
   double spacing_ = 0.0;          ///< of the shell's samples, metres
   double margin_ = 0.0;           ///< see TouchScale
   double same_within_ = 0.0;      ///< metres

@@ -54,6 +54,8 @@ class SmoothSurface {
   /// How far a patch is from its triangle at most, metres; 0 where it is flat.
   float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
   float most_lift() const { return most_lift_; }
+  /// Whether the surface ends or bends sharply there.
+  bool is_at_crease(const Place& place) const;
   Vec3 position(const Place& place) const;
   Vec3 normal(const Place& place) const;  ///< unit length
 

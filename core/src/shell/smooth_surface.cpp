@@ -349,6 +349,13 @@ bool SmoothSurface::lies_flat(std::uint32_t element, const Vec3& direction, doub
   return triangle != kNoTriangle && dot(face_normal(mesh_->corners(triangle)), direction) >= cosine;
 }
 
+bool SmoothSurface::is_at_crease(const Place& place) const {
+  for (std::size_t side = 0; side < kCorners; ++side) {
+    if (place.weights[side] == 0.0 && neighbors_[place.triangle][side] == kNoTriangle) return true;
+  }
+  return false;
+}
+
 SmoothSurface::Chart SmoothSurface::chart_of(std::uint32_t triangle) const {
   Chart chart;
   chart.corners = mesh_->corners(triangle);

@@ -36,8 +36,9 @@ std::vector<Contact> touching(const Model& model, const Pose& plane_from_body) {
 
 void slide(RoundContacts& round, std::vector<Contact>& contacts, const Model& model,
            const Pose& plane_from_body, const Turning& turning = {}) {
-  round.slide(contacts, model, PlaneField{{0, 0, 1}, 0.0}, plane_from_body, {0.1, kMargin, 0.0},
-              turning, -kReach);
+  const Field plane = PlaneField{{0, 0, 1}, 0.0};
+  round.slide(contacts, model, SmoothField(plane), plane_from_body, {0.1, kMargin, 0.0}, turning,
+              -kReach);
 }
 
 Pose lying(double angle, double height) {
@@ -108,8 +109,9 @@ TEST(RoundContacts, InAFieldWithoutGradientStayWhereTheyAre) {
   const auto before = touching(*ball, lying(0.3, 0.1));
   ASSERT_FALSE(before.empty());
   auto contacts = before;
-  RoundContacts().slide(contacts, *ball, PlaneField{{0, 0, 0}, 0.0}, lying(0.3, 0.1),
-                        {0.1, kMargin, 0.0}, {}, -kReach);
+  const Field none = PlaneField{{0, 0, 0}, 0.0};
+  RoundContacts().slide(contacts, *ball, SmoothField(none), lying(0.3, 0.1), {0.1, kMargin, 0.0},
+                        {}, -kReach);
   EXPECT_EQ(contacts, before);
 }
 

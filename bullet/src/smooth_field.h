@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "round_side.h"
+#include "voxshell/model.h"
+
+namespace voxshell::bullet {
+
+/// A body as round bodies feel it that slide over it: its field, and beside the round parts of a
+/// model that of the smooth surface that its mesh stands for, which has no facets. The geometry's
+/// frame.
+class SmoothField {
+ public:
+  /// The side outlives this, and so does the field.
+  explicit SmoothField(const Side& side);
+  /// As it is.
+  explicit SmoothField(const Field& field) : field_(&field) {}
+
+  /// Whether some of it is a smooth surface.
+  bool is_smooth() const { return round_.has_value(); }
+
+  struct Value {
+    double distance;  ///< metres
+    Vec3 outwards;    ///< unit length; zero where coarse fields have none
+  };
+  /// At places near the surface. Fast where the place before was near.
+  Value at(const Vec3& place);
+
+ private:
+  const Field* field_;
+  std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
+  std::optional<RoundSide::Place> before_;
+};
+
+}  // namespace voxshell::bullet
