@@ -194,6 +194,8 @@ inline constexpr double kNearestWithin = 1.25;
 /// Radians by which the two normals at the end of a slide may miss each other. Smaller: normals of
 /// a grid are not that smooth. Larger: a ball rolls with torques of its own.
 inline constexpr double kSlideWithin = 1e-3;
+/// The same where both surfaces are smooth: a shaft that spins in a bearing lost 4 % a second.
+inline constexpr double kSmoothSlideWithin = 1e-4;
 /// A place is nearest to the inside of a smooth surface, not to its end, where it is aside of that
 /// normal by at most this fraction of its distance. Larger: what is beyond an edge feels the face
 /// that ends there.
@@ -210,7 +212,7 @@ inline constexpr double kStraightLean = 2e-3;
 /// Most ways along a straight surface in turn.
 inline constexpr int kMostStraight = 4;
 /// Most slides of a contact in turn, each towards the field's normal where the last one ended.
-inline constexpr int kMostSlides = 6;
+inline constexpr int kMostSlides = 8;
 /// A slide that leads out of the field by more than this fraction of the rest margin is none: the
 /// field's surface bends away.
 inline constexpr double kSlideLosesOfMargin = 0.1;

@@ -24,8 +24,9 @@ struct Facing {
 /// @param wanted  By how much the first direction leads away from the surface's normal where it
 /// starts.
 /// @param follows  Of that turn, the fraction by which the field's normal may turn with it.
+/// @param within  Radians by which the two normals may miss each other.
 template <class Slide, class Feel>
-std::optional<Facing> face_field(Vec3 direction, const Vec3& wanted, double follows,
+std::optional<Facing> face_field(Vec3 direction, const Vec3& wanted, double follows, double within,
                                  const Slide& slide, const Feel& feel) {
   Vec3 missed_before;
   double relaxation = 1.0;
@@ -36,7 +37,7 @@ std::optional<Facing> face_field(Vec3 direction, const Vec3& wanted, double foll
     // Coarse fields have places without a gradient: there is nowhere to slide to.
     if (there.outwards == Vec3{}) return std::nullopt;
     const Vec3 missed = -there.outwards - direction;
-    if (squared_length(missed) <= kSlideWithin * kSlideWithin) return there;
+    if (squared_length(missed) <= within * within) return there;
     // A peg in its hole: the field's surface has turned as far, and there is no one deepest place.
     if (i == 0 && dot(missed, wanted) > follows * squared_length(wanted)) return std::nullopt;
     // Aitken's relaxation: the field's surface is curved, too.

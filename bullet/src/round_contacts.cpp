@@ -84,8 +84,9 @@ std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurfac
     return surface_->position(place);
   };
   const double follows = field_->is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
+  const double within = field_->is_smooth() ? kSmoothSlideWithin : kSlideWithin;
   for (int i = 0; i < kMostStraight; ++i) {
-    const auto facing = face_field(direction, wanted, follows, slide,
+    const auto facing = face_field(direction, wanted, follows, within, slide,
                                    [&](const Vec3& position) { return feel(position); });
     if (!facing) return std::nullopt;
     const auto straight_on = go_straight(place, *facing);
@@ -127,7 +128,7 @@ Facing RoundContacts::feel(const Vec3& position) {
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                                  std::span<const std::uint32_t> exact, std::span<const Contact> own,
-                                 const Pose& other_from_shell) const {
+                                 const Pose& other_from_shell) {
   if (at_rest_.empty()) return;
   const Pose shell_from_other = other_from_shell.inverse();
   const auto is_covered = [&](const Contact& contact) {
@@ -141,6 +142,27 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       return same != nullptr && has_id(own, same->id);
     }
     const auto& nearest = at_rest_.nearest(point);
+    const SmoothSurface::Place start = surface_->nearest_from(nearest.of, point);
+    // Flat faces may lie on each other.
+    if (surface_->is_flat(start.triangle)) return false;
+    const Vec3 place = surface_->position(start);
+    // Another part of the body may be nearer.
+    const double apart = length(place - point);
+    if (apart > same_within_ + kNearestWithin * std::abs(static_cast<double>(contact.depth))) {
+      return false;
+    }
+    // Where bodies touch along a line, contacts are as far apart as samples are.
+    const auto leads_to_rest = [&](const Vec3& deepest) {
+      const bool slid = squared_length(deepest - place) > same_within_ * same_within_;
+      return at_rest_.find(deepest, slid ? same_within_ + spacing_ : same_within_) != nullptr;
+    };
+    if (field_->is_smooth()) {
+      // On an edge, normals are those of either face.
+      const Vec3 off = normalized(nearest.position - place);
+      const auto touch = find_touch(surface_->nearest_from(start, place + same_within_ * off),
+                                    -feel(place + same_within_ * off).outwards);
+      if (touch && leads_to_rest(touch->facing.position)) return true;
+    }
     Vec3 direction = surface_->normal(nearest.of);
     if (shell_of_others.is_point(contact.id)) {
       direction =
@@ -149,21 +171,8 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       // An edge that stands up from the ground.
       return false;
     }
-    const SmoothSurface::Place start = surface_->nearest_from(nearest.of, point);
-    // Flat faces may lie on each other.
-    if (surface_->is_flat(start.triangle)) return false;
-    // Another part of the body may be nearer.
-    const double apart = length(surface_->position(start) - point);
-    if (apart > same_within_ + kNearestWithin * std::abs(static_cast<double>(contact.depth))) {
-      return false;
-    }
     const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
-    const Vec3 deepest = surface_->position(slide.place);
-    // Where bodies touch along a line, contacts are as far apart as samples are.
-    const bool slid =
-        squared_length(deepest - surface_->position(start)) > same_within_ * same_within_;
-    const double within = slid ? same_within_ + spacing_ : same_within_;
-    return slide.is_at_rest && at_rest_.find(deepest, within) != nullptr;
+    return slide.is_at_rest && leads_to_rest(surface_->position(slide.place));
   };
   std::erase_if(others, is_covered);
 }

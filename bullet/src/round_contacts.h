@@ -46,7 +46,7 @@ class RoundContacts {
   /// @param other_from_shell  Pose of this shell's frame in that of `others`.
   void drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                     std::span<const std::uint32_t> exact, std::span<const Contact> own,
-                    const Pose& other_from_shell) const;
+                    const Pose& other_from_shell);
 
  private:
   /// Where the two surfaces face each other, and the place there.

@@ -21,7 +21,8 @@ SmoothField::Value SmoothField::at(const Vec3& place) {
       const double distance = dot(apart, nearest->normal);
       const Vec3 aside = apart - distance * nearest->normal;
       // Beyond the end of a round part, its edge is nearest.
-      if (squared_length(aside) <= kAsideOfDistance * kAsideOfDistance * squared_length(apart)) {
+      const double tolerance = round_->model()->settings().tolerance;
+      if (length(aside) <= tolerance + kAsideOfDistance * std::abs(distance)) {
         return {distance, nearest->normal};
       }
     }
