@@ -128,6 +128,13 @@ inline constexpr double kBallSlack = 0.5;
 /// Most steps along a ball's surface to the place that is deepest in the model. Each at least
 /// halves the error on smooth surfaces.
 inline constexpr int kBallSteps = 8;
+/// Contacts of a ball have the id of the first direction whose cosine with theirs is less than that
+/// of the nearest by at most this. 0: where a groove lies between two directions, ids change with
+/// each rounding.
+inline constexpr double kNearlyAsNear = 0.02;
+/// The ball that ends a capsule is its surface from this sine behind the ball's equator on. 0: by
+/// rounding, a capsule that lies on its side touches nothing.
+inline constexpr double kCapRim = 0.01;
 /// A feature inside a model leaves it by the line to its shape's middle, up to this many times the
 /// way there: the shape's other end.
 inline constexpr double kToOtherEnd = 2.0;

@@ -304,6 +304,11 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   }
   find_features(pair, features_);
   if (features_.empty()) return has_swapped_roles;
+  if (features_.front().radius > 0.0) {
+    balls_.append(features_, pair, reach, has_slid ? touch : TouchScale{}, contacts_, exact_);
+    if (has_slid) balls_.drop_covered(contacts_, exact_);
+    return has_swapped_roles;
+  }
   append_feature_contacts(features_, pair, reach, contacts_);
   if (has_slid) first_on_round_.slide_features(contacts_, features_, exact_);
   std::ranges::sort(exact_);

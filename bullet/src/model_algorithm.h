@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
+#include "ball_contacts.h"
 #include "contact_rule.h"
 #include "facing_normals.h"
 #include "flat_elements.h"
@@ -96,6 +97,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   bool shell_was_a_ = true;  ///< whose ids and segments active_ is by
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;
+  BallContacts balls_;
   std::vector<Contact> contacts_;            ///< of this step, ascending by id
   std::vector<std::uint32_t> exact_;         ///< ids, ascending, of those that are no samples
   std::vector<std::uint32_t> second_exact_;  ///< the same of the second shell

@@ -211,7 +211,7 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
       dropped.push_back(contact.id);
       continue;
     }
-    if (feature.radius > 0.0 || !slide_feature(round, contact, feature)) continue;
+    if (!slide_feature(round, contact, feature)) continue;
     const auto is_same = [&](const Vec3f& other) {
       return squared_length(static_cast<Vec3>(other) - feature.place) <=
              same_within_ * same_within_;

@@ -41,17 +41,10 @@ void add_rim(double radius, double height, const Pose& model_from_shape, const G
   }
 }
 
-/// Where a model touches a feature, or holds it.
-struct Hold {
-  double distance;  ///< of the feature from the model's surface, metres
-  Vec3f outwards;   ///< the model's normal; zero where it has none
-};
-
-/// The nearest surface. Balls, by steps along their surface to its deepest place (Frank and Wolfe
-/// 1956).
-Hold hold_nearest(const Feature& feature, double distance, const GridField& field) {
-  Hold hold{distance, normalized(field.gradient(static_cast<Vec3f>(feature.place)))};
-  if (feature.radius == 0.0) return hold;
+/// The surface that is nearest to a ball, by steps along the ball's to its deepest place (Frank and
+/// Wolfe 1956).
+FeatureHold hold_nearest(const Feature& feature, double distance, const GridField& field) {
+  FeatureHold hold{distance, normalized(field.gradient(static_cast<Vec3f>(feature.place)))};
   const auto below = [&](const Vec3f& normal) {
     return static_cast<Vec3f>(feature.place - feature.radius * static_cast<Vec3>(normal));
   };
@@ -67,8 +60,8 @@ Hold hold_nearest(const Feature& feature, double distance, const GridField& fiel
 
 /// The surface that the line from a feature inside the model to the shape's middle comes out of;
 /// what `otherwise` says where it does not.
-Hold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const GridField& field,
-                        const Hold& otherwise) {
+FeatureHold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const GridField& field,
+                               const FeatureHold& otherwise) {
   const Vec3 way_in = middle - feature.place;
   const double left = kLeftOfVoxel * field.voxel_size();
   const auto place_at = [&](double fraction) {
@@ -81,10 +74,31 @@ Hold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const GridFi
   if (!reached || reached->gap > left) return otherwise;
   const Vec3f outwards = normalized(field.gradient(place_at(reached->fraction)));
   const double depth = reached->fraction * dot(way_in, static_cast<Vec3>(outwards));
-  return depth > 0.0 ? Hold{-depth - feature.radius, outwards} : otherwise;
+  return depth > 0.0 ? FeatureHold{-depth - feature.radius, outwards} : otherwise;
+}
+
+/// Nothing pushes a feature away from its shape's middle: it has passed the middle of a wall, or
+/// its edge is nearer than the face that it came through.
+FeatureHold turn_inwards(const FeatureHold& hold, const Feature& feature, const Vec3& middle,
+                         const GridField& field) {
+  const double inwards = dot(static_cast<Vec3>(hold.outwards), middle - feature.place);
+  const bool is_turned = hold.distance >= 0.0 || feature.place == middle || inwards > 0.0;
+  return is_turned ? hold : hold_on_the_way_in(feature, middle, field, hold);
 }
 
 }  // namespace
+
+std::optional<FeatureHold> hold_ball(const Feature& ball, const Vec3& middle, double margin,
+                                     const GridField& field) {
+  // Far from the surface a grid's distances are rough: those of balls are found near it.
+  const double slack = kBallSlack * ball.radius;
+  const double distance =
+      static_cast<double>(field.distance(static_cast<Vec3f>(ball.place))) - ball.radius;
+  if (!(distance < margin + slack)) return std::nullopt;
+  const FeatureHold hold = turn_inwards(hold_nearest(ball, distance, field), ball, middle, field);
+  if (!(hold.distance < margin) || hold.outwards == Vec3f{}) return std::nullopt;
+  return hold;
+}
 
 void find_features(const PosedPair& pair, std::vector<Feature>& features) {
   features.clear();
@@ -93,6 +107,9 @@ void find_features(const PosedPair& pair, std::vector<Feature>& features) {
   const Pose model_from_shape = pair.field_from_shell().inverse();
   const auto add = [&](const Vec3& place, double radius) {
     features.push_back({model_from_shape.transform_point(place), radius});
+  };
+  const auto add_ball = [&](const Vec3& centre, double radius) {
+    for (std::size_t i = 0; i < kBallIds; ++i) add(centre, radius);
   };
   const auto add_circle = [&](double radius, double height) {
     add_rim(radius, height, model_from_shape, model->grid(), features);
@@ -108,9 +125,9 @@ void find_features(const PosedPair& pair, std::vector<Feature>& features) {
             }
           }
         } else if constexpr (std::is_same_v<T, SphereField>) {
-          add({}, field.radius);
+          add_ball({}, field.radius);
         } else if constexpr (std::is_same_v<T, CapsuleField>) {
-          for (const double side : {-0.5, 0.5}) add({0, 0, side * field.length}, field.radius);
+          for (const double side : {-0.5, 0.5}) add_ball({0, 0, side * field.length}, field.radius);
         } else if constexpr (std::is_same_v<T, CylinderField>) {
           for (const double side : {-0.5, 0.5}) add_circle(field.radius, side * field.length);
         } else if constexpr (std::is_same_v<T, ConeField>) {
@@ -137,17 +154,11 @@ void append_feature_contacts(const std::vector<Feature>& features, const PosedPa
     const EightFloats distances = field.distances(places);
     for (std::size_t i = first; i < std::min(first + kLanes, count); ++i) {
       const Feature& feature = features[i];
-      // Far from the surface a grid's distances are rough: those of balls are found near it.
-      const double slack = kBallSlack * feature.radius;
-      const double distance = static_cast<double>(distances[i - first]) - feature.radius;
-      if (!(distance < margin + slack)) continue;
-      Hold hold = hold_nearest(feature, distance, field);
-      // Nothing pushes a corner away from its shape's middle: it has passed the middle of a wall,
-      // or its edge is nearer than the face that it came through.
-      const double inwards = dot(static_cast<Vec3>(hold.outwards), middle - feature.place);
-      if (hold.distance < 0.0 && feature.place != middle && !(inwards > 0.0)) {
-        hold = hold_on_the_way_in(feature, middle, field, hold);
-      }
+      const double distance = static_cast<double>(distances[i - first]);
+      if (!(distance < margin)) continue;
+      const FeatureHold nearest{distance,
+                                normalized(field.gradient(static_cast<Vec3f>(feature.place)))};
+      const FeatureHold hold = turn_inwards(nearest, feature, middle, field);
       if (!(hold.distance < margin) || hold.outwards == Vec3f{}) continue;
       contacts.push_back(contact_of(feature, kFirstFeature + static_cast<std::uint32_t>(i),
                                     hold.outwards, -hold.distance));

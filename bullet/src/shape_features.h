@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "posed_pair.h"
@@ -15,13 +16,28 @@ struct Feature {
   double radius;  ///< of the ball about it, metres
 };
 
+/// A ball has as many features: it may touch several walls of one model.
+inline constexpr std::size_t kBallIds = 14;
+
+/// Where a model touches a feature, or holds it.
+struct FeatureHold {
+  double distance;  ///< of the feature from the model's surface, metres
+  Vec3f outwards;   ///< the model's normal; zero where it has none
+};
+
 /// Contacts of features have ids from here on, in their order: no shell has so many points.
 inline constexpr std::uint32_t kFirstFeature = UINT32_MAX - 0xffff;
 
 /// Of the side that is the field, where it is a convex shape and the other a model; else none.
 void find_features(const PosedPair& pair, std::vector<Feature>& features);
 
-/// Appends those that are inside the model or nearer to its surface than `margin`, metres.
+/// Where the model is nearest to a ball; none where that is farther than `margin`, metres. `middle`
+/// is the shape's.
+std::optional<FeatureHold> hold_ball(const Feature& ball, const Vec3& middle, double margin,
+                                     const GridField& field);
+
+/// Appends those that are inside the model or nearer to its surface than `margin`, metres: all but
+/// balls.
 void append_feature_contacts(const std::vector<Feature>& features, const PosedPair& pair,
                              double margin, std::vector<Contact>& contacts);
 

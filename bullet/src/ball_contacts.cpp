@@ -1,0 +1,148 @@
+#include "ball_contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "contact_constants.h"
+#include "second_shell.h"
+
+namespace voxshell::bullet {
+namespace {
+
+constexpr double kThird = 0.57735026918962576;  // the square root of a third
+
+/// From which a ball's surface is looked over: no place of it is farther from all of them than
+/// kBetweenStarts radii. Unit length.
+constexpr std::array<Vec3, kBallIds> kStarts{{{0, 0, -1},
+                                              {0, 0, 1},
+                                              {0, -1, 0},
+                                              {0, 1, 0},
+                                              {-1, 0, 0},
+                                              {1, 0, 0},
+                                              {-kThird, -kThird, -kThird},
+                                              {-kThird, -kThird, kThird},
+                                              {-kThird, kThird, -kThird},
+                                              {-kThird, kThird, kThird},
+                                              {kThird, -kThird, -kThird},
+                                              {kThird, -kThird, kThird},
+                                              {kThird, kThird, -kThird},
+                                              {kThird, kThird, kThird}}};
+constexpr double kBetweenStarts = 0.63;
+
+/// The first start that a direction is near to, or nearly as near as to the nearest, and that is
+/// not taken: what lies between two keeps one of them.
+std::size_t choose_start(const Vec3& direction, const std::array<bool, kBallIds>& is_taken) {
+  double most = -1.0;
+  for (std::size_t i = 0; i < kBallIds; ++i) {
+    if (!is_taken[i]) most = std::max(most, dot(kStarts[i], direction));
+  }
+  std::size_t i = 0;
+  while (is_taken[i] || dot(kStarts[i], direction) < most - kNearlyAsNear) ++i;
+  return i;
+}
+
+}  // namespace
+
+bool BallContacts::is_outside(const Ball& ball, const Vec3& direction) {
+  return dot(direction, ball.out) >= -kCapRim;
+}
+
+void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair, double margin,
+                          const TouchScale& scale, std::vector<Contact>& contacts,
+                          std::vector<std::uint32_t>& exact) {
+  field_.emplace(pair.shell_side());
+  same_within_ = kSameOfRadius * scale.radius;
+  balls_.clear();
+  touches_.clear();
+  const GridField& grid = pair.shell_side().model()->grid();
+  const Vec3 middle = pair.field_from_shell().inverse().transform_point(pair.field_side().middle());
+  for (std::size_t first = 0; first < features.size(); first += kBallIds) {
+    const Feature ball = features[first];
+    balls_.push_back({ball.place, ball.radius, normalized(ball.place - middle)});
+    const auto nearest = hold_ball(ball, middle, margin, grid);
+    if (!nearest) continue;
+    const std::size_t first_touch = touches_.size();
+    const std::size_t index = balls_.size() - 1;
+    const auto outwards = static_cast<Vec3>(nearest->outwards);
+    std::optional<Facing> facing;
+    if (scale.margin > 0.0) facing = face(balls_.back(), -outwards);
+    const bool is_exact = facing && facing->distance <= nearest->distance + scale.margin;
+    if (!is_exact) facing = {ball.place - ball.radius * outwards, outwards, nearest->distance};
+    if (facing->distance < margin) touches_.push_back({index, *facing});
+    // What is about the centre of a ball that is in the model is no wall that it lies on.
+    const bool lies_on = is_exact && grid.distance(static_cast<Vec3f>(ball.place)) > 0.0f;
+    if (lies_on) find_all(index, margin);
+    std::array<bool, kBallIds> is_taken{};
+    for (std::size_t i = first_touch; i < touches_.size(); ++i) {
+      const Facing& of = touches_[i].facing;
+      const std::size_t start = choose_start(-of.outwards, is_taken);
+      is_taken[start] = true;
+      Feature& feature = features[first + start];
+      if (i > first_touch) feature = {of.position, 0.0};
+      const auto id = kFirstFeature + static_cast<std::uint32_t>(first + start);
+      contacts.push_back(contact_of(feature, id, static_cast<Vec3f>(of.outwards), -of.distance));
+      if (is_exact) exact.push_back(id);
+    }
+  }
+  std::ranges::sort(contacts, {}, &Contact::id);
+  std::ranges::sort(exact);
+}
+
+/// Where the model's surface faces a ball, from a direction on.
+std::optional<Facing> BallContacts::face(const Ball& ball, const Vec3& direction) {
+  const double within = field_->is_smooth() ? kSmoothSlideWithin : kSlideWithin;
+  return face_field(
+      direction, {}, std::numeric_limits<double>::infinity(), within,
+      [&](const Vec3& along) { return std::optional(ball.centre + ball.radius * along); },
+      [&](const Vec3& position) {
+        const SmoothField::Value there = field_->at(position);
+        return Facing{position, there.outwards, there.distance};
+      });
+}
+
+bool BallContacts::is_known(std::size_t first, const Vec3& position) const {
+  return std::any_of(touches_.begin() + static_cast<std::ptrdiff_t>(first), touches_.end(),
+                     [&](const Touch& touch) {
+                       return squared_length(touch.facing.position - position) <=
+                              same_within_ * same_within_;
+                     });
+}
+
+/// Beside the nearest place, the last of touches_.
+void BallContacts::find_all(std::size_t ball, double margin) {
+  const Ball& of = balls_[ball];
+  const std::size_t first = touches_.size() - 1;
+  for (const Vec3& start : kStarts) {
+    const SmoothField::Value there = field_->at(of.centre + of.radius * start);
+    if (there.distance - kBetweenStarts * of.radius > margin) continue;
+    const auto facing = face(of, start);
+    if (!facing || !(facing->distance < margin) || is_known(first, facing->position)) continue;
+    // Behind the centre, it is the back of a wall.
+    if (facing->distance <= -of.radius || !is_outside(of, -facing->outwards)) continue;
+    touches_.push_back({ball, *facing});
+  }
+}
+
+void BallContacts::drop_covered(std::vector<Contact>& contacts,
+                                const std::vector<std::uint32_t>& exact) {
+  if (touches_.empty()) return;
+  const auto is_covered = [&](const Contact& contact) {
+    if (contact.id >= kInnerContact) return false;
+    const auto point = static_cast<Vec3>(contact.point);
+    if (std::ranges::binary_search(exact, contact.id)) return is_known(0, point);
+    for (const Ball& ball : balls_) {
+      const Vec3 arm = point - ball.centre;
+      const double off = length(arm) - ball.radius;
+      const bool is_of_ball = std::abs(off + static_cast<double>(contact.depth)) <= same_within_;
+      if (!is_of_ball || !is_outside(ball, normalized(arm))) continue;
+      const auto facing = face(ball, normalized(arm));
+      if (facing && is_known(0, facing->position)) return true;
+    }
+    return false;
+  };
+  std::erase_if(contacts, is_covered);
+}
+
+}  // namespace voxshell::bullet

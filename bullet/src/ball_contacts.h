@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "face_field.h"
+#include "flat_elements.h"
+#include "posed_pair.h"
+#include "shape_features.h"
+#include "smooth_field.h"
+
+namespace voxshell::bullet {
+
+/// Contacts of a ball of Bullet's, or of those that end a capsule, with a model: where the model's
+/// surface faces them. A ball may lie in a groove, and touches each wall of it.
+class BallContacts {
+ public:
+  /// Appends those that are deeper than -`margin`, metres.
+  ///
+  /// @param features  Of find_features(); that of each contact is made what is to be followed: the
+  /// ball where it is nearest to the model, and places of it elsewhere.
+  /// @param scale     By which contacts are one; with a margin of 0, only the deepest is appended.
+  /// @param exact     To which the ids of those are added that face the model's surface.
+  void append(std::vector<Feature>& features, const PosedPair& pair, double margin,
+              const TouchScale& scale, std::vector<Contact>& contacts,
+              std::vector<std::uint32_t>& exact);
+
+  /// Drops the model's contacts from which a ball's surface leads to one of the contacts of the
+  /// last append(). Ids of `exact` are sorted.
+  void drop_covered(std::vector<Contact>& contacts, const std::vector<std::uint32_t>& exact);
+
+ private:
+  struct Ball {
+    Vec3 centre;    ///< metres, the model's frame
+    double radius;  ///< metres
+    Vec3 out;       ///< out of a capsule, unit length; zero of a whole ball
+  };
+  struct Touch {
+    std::size_t ball;
+    Facing facing;
+  };
+
+  /// Whether the ball's surface is its shape's there.
+  static bool is_outside(const Ball& ball, const Vec3& direction);
+  std::optional<Facing> face(const Ball& ball, const Vec3& direction);
+  bool is_known(std::size_t first, const Vec3& position) const;
+  void find_all(std::size_t ball, double margin);
+
+  std::optional<SmoothField> field_;
+  double same_within_ = 0.0;  ///< metres
+  std::vector<Ball> balls_;
+  std::vector<Touch> touches_;
+};
+
+}  // namespace voxshell::bullet
