@@ -54,22 +54,42 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
     contact.normal = static_cast<Vec3f>(there.outwards);
     direction = -there.outwards;
   }
+  const auto leads = [&](const PlacesAtRest<Touch>::AtRest& known) {
+    const double gap = std::max(-static_cast<double>(known.depth), 0.0);
+    return turning.lead_over(surface_->position(start), surface_->normal(start), known.position,
+                             gap, -known.of.facing.outwards) > scale.margin;
+  };
+  if (!at_rest_.empty()) {
+    const auto& nearest = at_rest_.nearest(point);
+    if (is_below(contact, nearest.of) && slides_to(start, nearest.of)) return leads(nearest);
+  }
   const auto touch = find_touch(start, direction);
   if (!touch) return true;
   const Facing& facing = touch->facing;
   const double depth = -facing.distance;
-  if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * scale.margin) return true;
-  if (const auto* const known = at_rest_.find(facing.position, same_within_)) {
-    const double gap = std::max(-static_cast<double>(known->depth), 0.0);
-    const double lead = turning.lead_over(surface_->position(start), surface_->normal(start),
-                                          known->position, gap, -facing.outwards);
-    return lead > scale.margin;
-  }
-  at_rest_.add(contact.id, static_cast<float>(depth), facing.position, touch->place);
+  if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * margin_) return true;
+  if (const auto* const known = at_rest_.find(facing.position, same_within_)) return leads(*known);
+  at_rest_.add(contact.id, static_cast<float>(depth), facing.position, *touch);
   contact.point = static_cast<Vec3f>(facing.position);
   contact.normal = static_cast<Vec3f>(facing.outwards);
   contact.depth = static_cast<float>(depth);
   return true;
+}
+
+/// Whether the field's surface, at a sample, does not rise over its tangent plane where it is
+/// touched, as another wall does.
+bool RoundContacts::is_below(const Contact& contact, const Touch& touch) const {
+  const Vec3 aside = static_cast<Vec3>(contact.point) - touch.facing.position;
+  const double of_plane = touch.facing.distance + dot(touch.facing.outwards, aside);
+  return -static_cast<double>(contact.depth) >= of_plane - kSlideLosesOfMargin * margin_;
+}
+
+/// Whether the surface alone leads from a place, against the field's normal at a touch, to that.
+bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& touch) const {
+  const SmoothSurface::Slide slide =
+      surface_->slide(start, -touch.facing.outwards, least_curvature_);
+  return slide.is_at_rest && squared_length(surface_->position(slide.place) -
+                                            touch.facing.position) <= same_within_ * same_within_;
 }
 
 /// By way of the surface from a place on. `direction` is against the field's normal there.
@@ -142,7 +162,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       return same != nullptr && has_id(own, same->id);
     }
     const auto& nearest = at_rest_.nearest(point);
-    const SmoothSurface::Place start = surface_->nearest_from(nearest.of, point);
+    const SmoothSurface::Place start = surface_->nearest_from(nearest.of.place, point);
     // Flat faces may lie on each other.
     if (surface_->is_flat(start.triangle)) return false;
     const Vec3 place = surface_->position(start);
@@ -156,23 +176,25 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       const bool slid = squared_length(deepest - place) > same_within_ * same_within_;
       return at_rest_.find(deepest, slid ? same_within_ + spacing_ : same_within_) != nullptr;
     };
-    if (field_->is_smooth()) {
-      // On an edge, normals are those of either face.
-      const Vec3 off = normalized(nearest.position - place);
-      const auto touch = find_touch(surface_->nearest_from(start, place + same_within_ * off),
-                                    -feel(place + same_within_ * off).outwards);
-      if (touch && leads_to_rest(touch->facing.position)) return true;
-    }
-    Vec3 direction = surface_->normal(nearest.of);
+    Vec3 direction = surface_->normal(nearest.of.place);
+    bool stands_up = false;
     if (shell_of_others.is_point(contact.id)) {
       direction =
           -shell_from_other.rotate(static_cast<Vec3>(shell_of_others.normal_of(contact.id)));
-    } else if (dot(point - nearest.position, direction) < -margin_) {
+    } else {
       // An edge that stands up from the ground.
-      return false;
+      stands_up = dot(point - nearest.position, direction) < -margin_;
     }
-    const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
-    return slide.is_at_rest && leads_to_rest(surface_->position(slide.place));
+    if (!stands_up) {
+      const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
+      if (slide.is_at_rest && leads_to_rest(surface_->position(slide.place))) return true;
+    }
+    if (!field_->is_smooth()) return false;
+    // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
+    // normals are those of either face.
+    const Vec3 beside = place + same_within_ * normalized(nearest.position - place);
+    const auto touch = find_touch(surface_->nearest_from(start, beside), -feel(beside).outwards);
+    return touch && leads_to_rest(touch->facing.position);
   };
   std::erase_if(others, is_covered);
 }

@@ -55,6 +55,8 @@ class RoundContacts {
     SmoothSurface::Place place;
   };
   bool slide_one(Contact& contact, const TouchScale& scale, const Turning& turning);
+  bool is_below(const Contact& contact, const Touch& touch) const;
+  bool slides_to(const SmoothSurface::Place& start, const Touch& touch) const;
   std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction);
   std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
                                                   const Facing& facing);
@@ -69,7 +71,7 @@ class RoundContacts {
   double margin_ = 0.0;           ///< see TouchScale
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
-  PlacesAtRest<SmoothSurface::Place> at_rest_;
+  PlacesAtRest<Touch> at_rest_;
 };
 
 }  // namespace voxshell::bullet

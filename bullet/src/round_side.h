@@ -26,6 +26,9 @@ class RoundSide {
   /// or null, makes the search short.
   std::optional<Place> nearest(const Vec3& point, const Place* guess = nullptr) const;
 
+  /// The same by way of the surface: it may end at another part's edge.
+  std::optional<Place> nearest_from(const Place& start, const Vec3& point) const;
+
   /// The place that is farthest along a direction, by way of a surface that is convex by at least
   /// `least_curvature`, 1/metres: along the axis of a cylinder it stays. None where the surface is
   /// flat or not convex.

@@ -28,8 +28,11 @@ class SmoothField {
   Value at(const Vec3& place);
 
  private:
+  std::optional<Value> value_at(const Vec3& place, const RoundSide::Place& nearest) const;
+
   const Field* field_;
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
+  double walk_within_ = 0.0;        ///< of the field's distance, that of the smooth surface, metres
   std::optional<RoundSide::Place> before_;
 };
 

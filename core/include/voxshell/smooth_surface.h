@@ -95,6 +95,8 @@ class SmoothSurface {
   std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
   Vec3 flat_position(const Place& place) const;
   Place across(const Place& place, std::size_t side) const;
+  template <class F>
+  Place project(const Vec3& point, Place place, const F& find) const;
   template <class Objective>
   Slide climb(Place place, const Objective& objective) const;
 

@@ -415,22 +415,6 @@ SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec
   return {triangle, {1.0 - second - third, second, third}};
 }
 
-SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
-  std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
-  Place place{guess, {}};
-  Vec3 near = point;
-  for (int i = 0; i < kMostProjections; ++i) {
-    place = nearest_on(tree_->find_closest(near, place.triangle).triangle, near);
-    if (is_flat(place.triangle)) break;
-    // Seen from afar, corners of facets are nearest.
-    const Vec3 out = normal(place);
-    const Vec3 moved = point - dot(point - position(place), out) * out;
-    if (squared_length(moved - near) <= kProjected * kProjected * squared_length(point)) break;
-    near = moved;
-  }
-  return place;
-}
-
 /// The same place on the triangle across from a corner.
 SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side) const {
   const std::uint32_t triangle = neighbors_[place.triangle][side];
@@ -491,8 +475,34 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
   return {place, false};
 }
 
+/// From the place of the flat triangles that is nearest to one, to that of their patches. `find`
+/// finds the former, from a place on.
+template <class F>
+SmoothSurface::Place SmoothSurface::project(const Vec3& point, Place place, const F& find) const {
+  Vec3 near = point;
+  for (int i = 0; i < kMostProjections; ++i) {
+    place = find(near, place);
+    if (is_flat(place.triangle)) break;
+    // Seen from afar, corners of facets are nearest.
+    const Vec3 out = normal(place);
+    const Vec3 moved = point - dot(point - position(place), out) * out;
+    if (squared_length(moved - near) <= kProjected * kProjected * squared_length(point)) break;
+    near = moved;
+  }
+  return place;
+}
+
+SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
+  std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
+  return project(point, {guess, {}}, [&](const Vec3& near, const Place& place) {
+    return nearest_on(tree_->find_closest(near, place.triangle).triangle, near);
+  });
+}
+
 SmoothSurface::Place SmoothSurface::nearest_from(const Place& start, const Vec3& point) const {
-  return climb(start, Nearness{*this, point}).place;
+  return project(point, start, [&](const Vec3& near, const Place& place) {
+    return climb(place, Nearness{*this, near}).place;
+  });
 }
 
 SmoothSurface::Slide SmoothSurface::slide(const Place& start, const Vec3& direction,
