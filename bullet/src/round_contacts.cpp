@@ -84,12 +84,19 @@ bool RoundContacts::is_below(const Contact& contact, const Touch& touch) const {
   return -static_cast<double>(contact.depth) >= of_plane - kSlideLosesOfMargin * margin_;
 }
 
-/// Whether the surface alone leads from a place, against the field's normal at a touch, to that.
-bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& touch) const {
+/// Whether the surface leads from a place, against the field's normal at a touch, to that, or to a
+/// straight line through it that the field's surface bends away from.
+bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& touch) {
   const SmoothSurface::Slide slide =
       surface_->slide(start, -touch.facing.outwards, least_curvature_);
-  return slide.is_at_rest && squared_length(surface_->position(slide.place) -
-                                            touch.facing.position) <= same_within_ * same_within_;
+  if (!slide.is_at_rest) return false;
+  const Vec3 position = surface_->position(slide.place);
+  const Vec3 aside = position - touch.facing.position;
+  if (squared_length(aside) <= same_within_ * same_within_) return true;
+  const Vec3 turned = surface_->normal(slide.place) - surface_->normal(touch.place);
+  if (squared_length(turned) > kStraightLean * kStraightLean) return false;
+  const Vec3 bends = feel(position).outwards - touch.facing.outwards;
+  return dot(bends, aside) > least_curvature_ * squared_length(aside);
 }
 
 /// By way of the surface from a place on. `direction` is against the field's normal there.

@@ -56,7 +56,7 @@ class RoundContacts {
   };
   bool slide_one(Contact& contact, const TouchScale& scale, const Turning& turning);
   bool is_below(const Contact& contact, const Touch& touch) const;
-  bool slides_to(const SmoothSurface::Place& start, const Touch& touch) const;
+  bool slides_to(const SmoothSurface::Place& start, const Touch& touch);
   std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction);
   std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
                                                   const Facing& facing);
