@@ -28,34 +28,31 @@ std::optional<SmoothField::Value> SmoothField::value_at(const Vec3& place,
 }
 
 SmoothField::Value SmoothField::at(const Vec3& place) {
-  const auto distance = [&] {
-    return std::visit(
-        [&](const auto& field) {
-          return static_cast<double>(field.distance(static_cast<Vec3f>(place)));
-        },
-        *field_);
-  };
-  if (round_ && before_) {
-    // What is near on the way along the surface need not be what is nearest.
-    const auto near = round_->nearest_from(*before_, place);
-    const auto value = near ? value_at(place, *near) : std::nullopt;
-    if (value && std::abs(value->distance - distance()) <= walk_within_) {
-      before_ = near;
-      return *value;
-    }
-  }
-  if (round_) {
-    const auto nearest = round_->nearest(place, before_ ? &*before_ : nullptr);
-    if (nearest) before_ = nearest;
-    const auto value = nearest ? value_at(place, *nearest) : std::nullopt;
-    if (value) return *value;
-  }
-  const Vec3 outwards = std::visit(
+  const auto value = std::visit(
       [&](const auto& field) {
-        return normalized(static_cast<Vec3>(field.gradient(static_cast<Vec3f>(place))));
+        const auto at = static_cast<Vec3f>(place);
+        return Value{static_cast<double>(field.distance(at)),
+                     normalized(static_cast<Vec3>(field.gradient(at)))};
       },
       *field_);
-  return {distance(), outwards};
+  if (!round_) return value;
+  // What is near on the way along the surface need not be what is nearest.
+  const auto walk_from = [&](const RoundSide::Place& start) -> std::optional<Value> {
+    const auto near = round_->nearest_from(start, place);
+    if (!near) return std::nullopt;
+    const auto found = value_at(place, *near);
+    if (!found || std::abs(found->distance - value.distance) > walk_within_) return std::nullopt;
+    before_ = near;
+    return found;
+  };
+  if (before_) {
+    if (const auto found = walk_from(*before_)) return *found;
+  }
+  const auto below =
+      round_->nearest(place - value.distance * value.outwards, before_ ? &*before_ : nullptr);
+  if (!below) return value;
+  before_ = below;
+  return walk_from(*below).value_or(value);
 }
 
 }  // namespace voxshell::bullet
