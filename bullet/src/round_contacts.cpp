@@ -81,6 +81,8 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
 bool RoundContacts::is_below(const Contact& contact, const Touch& touch) const {
   const Vec3 aside = static_cast<Vec3>(contact.point) - touch.facing.position;
   const double of_plane = touch.facing.distance + dot(touch.facing.outwards, aside);
+  // The other side of a wall faces away.
+  if (!(dot(static_cast<Vec3>(contact.normal), touch.facing.outwards) > 0.0)) return false;
   return -static_cast<double>(contact.depth) >= of_plane - kSlideLosesOfMargin * margin_;
 }
 
