@@ -171,7 +171,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       return same != nullptr && has_id(own, same->id);
     }
     const auto& nearest = at_rest_.nearest(point);
-    const SmoothSurface::Place start = surface_->nearest_from(nearest.of.place, point);
+    const SmoothSurface::Place start = surface_->below(nearest.of.place, point);
     // Flat faces may lie on each other.
     if (surface_->is_flat(start.triangle)) return false;
     const Vec3 place = surface_->position(start);

@@ -64,7 +64,10 @@ class SmoothSurface {
   /// The place of the surface that is nearest to a point: exactly where the point is near. The
   /// first call makes a tree of the triangles. A near triangle as a guess makes the search short.
   Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
-  /// The same by way of adjacent triangles.
+  /// The place of the flat triangles, by way of adjacent ones, that is nearest to a point.
+  Place below(const Place& start, const Vec3& point) const;
+  /// The place of the surface, in the same way, that is nearest to a point: from afar it may be
+  /// another one.
   Place nearest_from(const Place& start, const Vec3& point) const;
 
   /// Where a slide has led.

@@ -499,10 +499,13 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t gue
   });
 }
 
+SmoothSurface::Place SmoothSurface::below(const Place& start, const Vec3& point) const {
+  return climb(start, Nearness{*this, point}).place;
+}
+
 SmoothSurface::Place SmoothSurface::nearest_from(const Place& start, const Vec3& point) const {
-  return project(point, start, [&](const Vec3& near, const Place& place) {
-    return climb(place, Nearness{*this, near}).place;
-  });
+  return project(point, start,
+                 [&](const Vec3& near, const Place& place) { return below(place, near); });
 }
 
 SmoothSurface::Slide SmoothSurface::slide(const Place& start, const Vec3& direction,
