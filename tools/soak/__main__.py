@@ -8,9 +8,9 @@ from collections.abc import Mapping
 
 from soak import page, runner
 from soak.ledger import Ledger, Record
-from soak.task import Task, Unavailable
+from soak.task import Task, UnavailableError
 from soak.tasks import TASKS
-from soak.worker import Fault, Worker
+from soak.worker import CaseError, Worker
 
 REGISTRY = "soak.tasks"
 DESCRIPTION = """\
@@ -87,7 +87,7 @@ def run_case(name: str, case: int) -> int:
     worker = Worker(REGISTRY, name, TASKS[name].patience)
     try:
         print(worker.run(case))
-    except (Fault, Unavailable) as why:
+    except (CaseError, UnavailableError) as why:
         print(why)
         return 1
     finally:

@@ -9,6 +9,7 @@ from soak.ledger import ROOT, Record
 from soak.task import Task
 
 PAGE = ROOT / "docs/evidence.md"
+LISTED = 3  # findings of a task that the page shows
 
 INTRODUCTION = """\
 # Evidence
@@ -60,6 +61,7 @@ def reach(task: Task, record: Record) -> float:
 
 
 def count_row(task: Task, record: Record) -> str:
+    """How much was run, and what came of it."""
     done = task.done(record.totals)
     short = " **short**" if done < task.target else ""
     measured = task.describe(record.totals) if record.totals.count else "nothing yet"
@@ -78,6 +80,7 @@ def count_row(task: Task, record: Record) -> str:
 
 
 def origin_row(name: str, task: Task, record: Record) -> str:
+    """Where a counter is from."""
     cells = (
         name,
         task.oracle,
@@ -90,13 +93,18 @@ def origin_row(name: str, task: Task, record: Record) -> str:
 
 
 def list_findings(tasks: Mapping[str, Task], records: Mapping[str, Record]) -> list[str]:
-    """A line for each finding that was kept."""
-    return [
-        f"- {task.promise}: case {fault['case']}, `./dev soak --only {name} --case {fault['case']}`: "
-        f"`{last_line(fault['what'])}`"
-        for name, task in tasks.items()
-        for fault in records[name].faults
-    ]
+    """The first findings of each task, and how many more there are."""
+    lines: list[str] = []
+    for name, task in tasks.items():
+        record = records[name]
+        for fault in record.faults[:LISTED]:
+            lines.append(
+                f"- {task.promise}: `./dev soak --only {name} --case {fault['case']}` says "
+                f"`{last_line(fault['what'])}`"
+            )
+        if record.found > LISTED:
+            lines.append(f"- and {record.found - LISTED:,} more of `{name}`")
+    return lines
 
 
 def last_line(text: str) -> str:

@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Mapping
 
 from soak.ledger import Ledger, Record
-from soak.task import Task, Unavailable
-from soak.worker import Fault, Worker
+from soak.task import Task, UnavailableError
+from soak.worker import CaseError, Worker
 
 TURNS = 4  # of each task in a run, so that a short run gives some time to all
 LONGEST_TURN = 20.0  # seconds; a kill loses at most one turn
@@ -43,7 +43,7 @@ def run(
             if not waiting:
                 return
             name = min(waiting, key=lambda name: spent[name])
-            take_turn(workers[name], records[name], min(now + turn, end))
+            take_turn(tasks[name], workers[name], records[name], min(now + turn, end))
             spent[name] += time.monotonic() - now
             ledger.save(name, records[name])
             report(name, records[name])
@@ -64,15 +64,15 @@ def wants_more(task: Task, record: Record) -> bool:
     return task.done(record.totals) < task.target and record.found < MANY_FAULTS
 
 
-def take_turn(worker: Worker, record: Record, until: float) -> None:
-    """Runs cases until that time, at least one."""
+def take_turn(task: Task, worker: Worker, record: Record, until: float) -> None:
+    """Runs cases until that time or the target, at least one."""
     record.stamp()
     try:
         worker.start()
-    except Unavailable as lack:
+    except UnavailableError as lack:
         record.unavailable = str(lack)
         return
-    except Fault as fault:
+    except CaseError as fault:
         record.note_fault(record.next_case, f"cannot be prepared: {fault}")
         return
     record.unavailable = ""
@@ -81,13 +81,13 @@ def take_turn(worker: Worker, record: Record, until: float) -> None:
         case = record.next_case
         try:
             record.totals.add(worker.run(case))
-        except Fault as fault:
+        except CaseError as fault:
             record.note_fault(case, str(fault))
-        except Unavailable as lack:
+        except UnavailableError as lack:
             record.unavailable = str(lack)
             return
         record.next_case = case + 1
         record.seconds += time.monotonic() - began
-        if time.monotonic() >= until:
+        if time.monotonic() >= until or not wants_more(task, record):
             record.stamp()
             return

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 
-class Unavailable(Exception):
+class UnavailableError(Exception):
     """A task cannot run on this machine; the message says what is missing."""
 
 
@@ -64,7 +64,7 @@ class Task:
         unit: What is counted, in the plural.
         target: How many a release asks for.
         prepare: Makes what all cases share, in the process that runs them. Raises
-            :class:`Unavailable`.
+            :class:`UnavailableError`.
         describe: What the cases covered or measured, in a few words.
         doubt: Says why the totals prove little, as where hardly any pose collided; else "".
         done: How much of the target the totals reach; by default their count.

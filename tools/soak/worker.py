@@ -18,11 +18,12 @@ import subprocess
 import sys
 import tempfile
 import traceback
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from soak.task import Outcome, Task, Unavailable
+from soak.task import Outcome, Task, UnavailableError
 
 STARTS_WITHIN = 600.0  # seconds in which a task is prepared
 TEXT = 2000  # characters of a finding that are kept
@@ -41,7 +42,7 @@ def main(registry: str, name: str) -> None:
     task: Task = importlib.import_module(registry).TASKS[name]
     try:
         check = task.prepare()
-    except Unavailable as lack:
+    except UnavailableError as lack:
         answer({"unavailable": str(lack)})
         return
     answer({"ready": True})
@@ -52,7 +53,7 @@ def main(registry: str, name: str) -> None:
             answer({"fault": traceback.format_exc()[-TEXT:]})
 
 
-class Fault(Exception):
+class CaseError(Exception):
     """What a case found, as a text."""
 
 
@@ -69,66 +70,62 @@ class Worker:
         self._command = [sys.executable, "-m", "soak.worker", registry, name]
         self._patience = patience
         self._process: subprocess.Popen[str] | None = None
-        self._errors = tempfile.TemporaryFile(mode="w+", errors="replace")
         self._folder = tempfile.TemporaryDirectory(prefix="voxshell-soak-")
+        self._errors = Path(self._folder.name, "errors")
 
     def start(self) -> None:
         """Prepares the task where that has not been done.
 
         Raises:
-            Unavailable: The task cannot run here.
-            Fault: It cannot be prepared.
+            UnavailableError: The task cannot run here.
+            CaseError: It cannot be prepared.
         """
         if self._process is not None:
             return
-        self._process = subprocess.Popen(
-            self._command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            text=True,
-            start_new_session=True,  # Ctrl-C is for the runner, and it ends what a task has started
-            env={**os.environ, "TMPDIR": self._folder.name, "VOXSHELL_CACHE_SIZE": "0"},
-        )
+        with self._errors.open("w") as errors:
+            self._process = subprocess.Popen(
+                self._command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                start_new_session=True,  # Ctrl-C is for the runner, and it ends what a task has started
+                env={**os.environ, "TMPDIR": self._folder.name, "VOXSHELL_CACHE_SIZE": "0"},
+            )
         said = self._read(STARTS_WITHIN)
         if "unavailable" in said:
             self.stop()
-            raise Unavailable(said["unavailable"])
+            raise UnavailableError(said["unavailable"])
 
     def run(self, case: int) -> Outcome:
         """One case.
 
         Raises:
-            Fault: The promise does not hold, the process has died, or it hangs.
+            CaseError: The promise does not hold, the process has died, or it hangs.
         """
         self.start()
         assert self._process is not None
         assert self._process.stdin is not None
-        try:
+        with suppress(BrokenPipeError):  # the answer says so
             self._process.stdin.write(f"{case}\n")
             self._process.stdin.flush()
-        except BrokenPipeError:
-            pass  # the answer tells
         said = self._read(self._patience)
         if "fault" in said:
-            raise Fault(said["fault"])
+            raise CaseError(said["fault"])
         return Outcome(**said)
 
     def stop(self) -> None:
         """Ends the process and all that it has started."""
         if self._process is None:
             return
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         self._process.communicate()
         self._process = None
 
     def close(self) -> None:
         """Ends the process for good."""
         self.stop()
-        self._errors.close()
         self._folder.cleanup()
 
     def _read(self, patience: float) -> dict[str, Any]:
@@ -137,16 +134,15 @@ class Worker:
         ready, _, _ = select.select([self._process.stdout], [], [], patience)
         if not ready:
             self.stop()
-            raise Fault(f"no answer within {patience:g} s")
+            raise CaseError(f"no answer within {patience:g} s")
         line = self._process.stdout.readline()
         if line:
             return json.loads(line)
         code = self._process.wait()
         self.stop()
-        self._errors.seek(0, os.SEEK_END)
-        self._errors.seek(max(0, self._errors.tell() - TEXT))
         ended = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        raise Fault(f"the process ended with {ended}: {self._errors.read()}")
+        stack = self._errors.read_text(errors="replace")[-TEXT:]
+        raise CaseError(f"{stack}\nthe process ended with {ended}")
 
 
 if __name__ == "__main__":

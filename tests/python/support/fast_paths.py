@@ -11,7 +11,7 @@ from parts import random_rotation
 from voxshell.queries import Collidable
 
 MUCH = 2**40  # nodes of a budget that is never used up
-FAR_AWAY = 100.0  # metres
+FAR_AWAY = 100.0  # metres, or as many reaches of larger bodies: all points are within
 EVERY = 20  # one in so many poses also asks for the nearest point, however far
 
 
@@ -173,7 +173,7 @@ class Asker:
         self._compare_manifolds(index, setting, poses, flat, random)
         self._compare_distance(flat, poses, margin, random)
         if index % EVERY == 0:
-            everything = {"shell": "a", "margin": FAR_AWAY}
+            everything = {"shell": "a", "margin": FAR_AWAY * max(1.0, pair.reach)}
             all_points = vx.testing.contacts_flat(*bodies, *poses, **everything)
             assert set(range(len(pair.a.shell))) <= set(all_points.ids.tolist())
             self._compare_distance(all_points, poses, np.inf, random)

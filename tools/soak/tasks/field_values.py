@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 import parts
 import trimesh
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals, Unavailable
+from soak.task import Check, Outcome, Task, Totals, UnavailableError
 
 POINTS = 20_000  # a case: half of them within two voxels of the surface, the others anywhere
 ROUNDING = 1e-6  # of the body's longest side: single precision
@@ -42,9 +43,8 @@ def by_libigl(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, Distance]:
 
     def distance(points: np.ndarray) -> np.ndarray:
         unsigned = np.sqrt(igl.point_mesh_squared_distance(points, vertices, faces)[0])
-        return (
-            np.where(np.round(igl.winding_number(vertices, faces, points)) == 0, 1, -1) * unsigned
-        )
+        winding = np.asarray(igl.winding_number(vertices, faces, points))
+        return np.where(np.abs(winding) < 0.5, unsigned, -unsigned)
 
     return mesh, distance
 
@@ -59,7 +59,11 @@ BODIES = {
     "bolt": lambda: by_libigl(as_mesh(parts.bolt())),
     "pinion": lambda: by_libigl(as_mesh(parts.pinion())),
 }
-SETTINGS = ({"resolution": 30}, {"resolution": 100}, {"tolerance": None})
+SETTINGS: tuple[dict[str, Any], ...] = (
+    {"resolution": 30},
+    {"resolution": 100},
+    {"tolerance": None},
+)
 
 
 @cache
@@ -76,7 +80,7 @@ def prepare() -> Check:
     try:
         import igl  # noqa: F401
     except ImportError:
-        raise Unavailable("libigl is missing; ./dev soak installs it") from None
+        raise UnavailableError("libigl is missing; ./dev soak installs it") from None
 
     def check(case: int) -> Outcome:
         setting, number = case % len(SETTINGS), case // len(SETTINGS) % len(BODIES)

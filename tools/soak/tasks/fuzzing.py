@@ -11,10 +11,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from soak.task import Check, Outcome, Task, Totals, Unavailable
+from soak.task import Check, Outcome, Task, Totals, UnavailableError
 
 ROOT = Path(__file__).resolve().parents[3]
-SEEDS = ROOT / "fuzz/seeds"
 SECONDS = 5  # a case
 LARGEST = 200_000  # bytes of a file; the targets start from one of 19,000
 
@@ -23,7 +22,7 @@ def fuzz(target: str) -> Check:
     program = ROOT / f"build/fuzz/fuzz/voxshell_fuzz_{target}"
     if not program.is_file():
         lacks = "" if shutil.which("clang++") else ": clang++ is missing"
-        raise Unavailable(f"{program.name} is not built{lacks}")
+        raise UnavailableError(f"{program.name} is not built{lacks}")
     corpus, crashes = (ROOT / "build/soak" / kind / target for kind in ("corpus", "crashes"))
     for folder in (corpus, crashes):
         folder.mkdir(parents=True, exist_ok=True)
@@ -33,7 +32,7 @@ def fuzz(target: str) -> Check:
             [
                 *(str(program), f"-seed={case + 1}", f"-max_len={LARGEST}", "-timeout=2"),
                 *(f"-max_total_time={SECONDS}", "-print_final_stats=1", "-rss_limit_mb=2048"),
-                *(f"-artifact_prefix={crashes}/", str(corpus), str(SEEDS)),
+                *(f"-artifact_prefix={crashes}/", str(corpus)),
             ],
             capture_output=True,
             text=True,

@@ -9,7 +9,7 @@ from pathlib import Path
 import trimesh
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals, Unavailable
+from soak.task import Check, Outcome, Task, Totals, UnavailableError
 
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / "build/release/tests/cpp/soak/voxshell_query_latency"
@@ -21,9 +21,9 @@ BUCKETS_AN_OCTAVE = 16
 
 def prepare() -> Check:
     if not PROGRAM.is_file():
-        raise Unavailable(f"{PROGRAM.name} is not built")
+        raise UnavailableError(f"{PROGRAM.name} is not built")
     if not BUNNY.is_file():
-        raise Unavailable(f"{BUNNY} is missing; install the package glmark2-data")
+        raise UnavailableError(f"{BUNNY} is missing; install the package glmark2-data")
     mesh = trimesh.load_mesh(BUNNY, process=False)
     mesh.apply_scale(LENGTH / mesh.extents.max())
     model = vx.Model.from_mesh(mesh, voxel_size=VOXEL, target_points=POINTS)

@@ -7,6 +7,7 @@ import resource
 import tempfile
 import time
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -43,17 +44,14 @@ def work(seed: int, folder: Path) -> None:
     world.add(vx.Plane(offset=-0.1), mass=0)
     for number in range(5):
         poses[number, :3, 3] = (0.0, 0.0, 0.2 * number)
-        body = world.add(model if number % 2 else tight, pose=poses[number])
+        world.add(model if number % 2 else tight, pose=poses[number])
     world.step(20)
     state = world.save_state()
-    world.remove(body)
+    world.remove(world.bodies[-1])
     world.contacts()
     del state
-    for wrong in ({"resolution": -1}, {"tolerance": float("nan")}):
-        try:
-            vx.Model.from_mesh(ring, **wrong)
-        except vx.VoxshellError:
-            pass
+    with suppress(vx.VoxshellError):
+        vx.Model.from_mesh(ring, resolution=-1)
 
 
 def read_resident() -> int:

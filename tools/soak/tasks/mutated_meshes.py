@@ -7,6 +7,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -151,8 +152,8 @@ def write_damaged(arrays: Arrays, folder: Path, rng: np.random.Generator) -> Pat
 # ---- the task ------------------------------------------------------------------------------------
 
 
-def settings(rng: np.random.Generator) -> dict[str, object]:
-    chosen: dict[str, object] = dict(
+def settings(rng: np.random.Generator) -> dict[str, Any]:
+    chosen: dict[str, Any] = dict(
         [{"resolution": 8}, {"resolution": 16}, {"tolerance": 0.01}, {"target_points": 50}][
             rng.integers(4)
         ]
@@ -184,7 +185,8 @@ def prepare() -> Check:
         seconds = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
         assert seconds <= SECONDS, f"took {seconds:.1f} s of processor time"
         if model is not None:
-            points = rng.uniform(*(model.bounds + [[-0.1], [0.1]]), (50, 3))
+            low, high = model.bounds
+            points = rng.uniform(low - 0.1, high + 0.1, (50, 3))
             assert np.isfinite(model.field.sample(points)).all(), "distances that are not finite"
             assert len(model.shell) > 0, "no points"
             vx.contacts(model, model, shell="both")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from soak.task import Check, Outcome, Task, Totals, Unavailable
+from soak.task import Check, Outcome, Task, Totals, UnavailableError
 
 BUNNY = Path("/usr/share/glmark2/models/bunny.obj")
 POSES = 10  # a case
@@ -17,7 +17,7 @@ def prepare() -> Check:
     import real_geometry
 
     if not BUNNY.is_file():
-        raise Unavailable(f"{BUNNY} is missing; install the package glmark2-data")
+        raise UnavailableError(f"{BUNNY} is missing; install the package glmark2-data")
 
     @cache
     def court(name: str) -> real_geometry.Court:
