@@ -56,7 +56,7 @@ def quantile(totals: Totals, share: float) -> float:
 def describe(totals: Totals) -> str:
     median, rare = (quantile(totals, share) / 1e3 for share in (0.5, 0.999))
     return (
-        f"median {median:.0f} µs, p99.9 {rare:.0f} µs, worst {totals.peaks['worst'] / 1e3:,.0f} µs "
+        f"median {median:.2f} µs, p99.9 {rare:.1f} µs, worst {totals.peaks['worst'] / 1e3:,.0f} µs "
         f"({totals.tallies['interruptions']:,.0f} times the system took the processor away); "
         f"{totals.tallies['touching'] / totals.count:.0%} touch"
     )
