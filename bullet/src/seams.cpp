@@ -335,8 +335,11 @@ void apply(std::vector<Correction>& corrections) {
     return std::pair(each.manifold, each.point);
   };
   std::ranges::stable_sort(corrections, std::ranges::greater{}, contact_of);
-  const auto [same, end] = std::ranges::unique(corrections, {}, contact_of);
-  corrections.erase(same, end);
+  const auto is_of_one_contact = [&](const Correction& a, const Correction& b) {
+    return contact_of(a) == contact_of(b);
+  };
+  corrections.erase(std::unique(corrections.begin(), corrections.end(), is_of_one_contact),
+                    corrections.end());
   for (const Correction& correction : corrections) {
     btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
     if (correction.seam.carries) {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections import Counter
+from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -171,8 +172,7 @@ class World:
             )
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
-        if friction_directions not in (1, 2):
-            raise SettingsError(f"friction_directions must be 1 or 2, not {friction_directions!r}")
+        directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self.time_step: float = as_positive(time_step, "time_step")
         _check_fall(as_vector(gravity, "gravity"), self.time_step)
         as_needed = iterations is None and solver == "coulomb"
@@ -180,7 +180,7 @@ class World:
             iterations = 10 if as_needed else self._fixed_iterations()
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
-        self._moves_surfaces = solver == "coulomb" and friction_directions == 2
+        self._moves_surfaces = solver == "coulomb" and directions == 2
         self._takes_joints = solver != "nncg"
         self._recorders: list[Recorder] = []
         self._judges = shell == "auto"
@@ -196,7 +196,7 @@ class World:
             solver=_SOLVERS[solver],
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
             effort=_bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
-            two_friction_directions=friction_directions == 2,
+            two_friction_directions=directions == 2,
             mode=_CONTACT_MODES[contact],
             shell=_SHELL_RULES[shell],
             level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
@@ -627,8 +627,7 @@ class World:
             >>> hits["point"][0]
             array([0.5, 0. , 0. ])
         """
-        first = as_points(np.atleast_2d(starts), "starts")
-        last = as_points(np.atleast_2d(ends), "ends")
+        first, last = _as_rows(starts, "starts"), _as_rows(ends, "ends")
         if first.shape != last.shape:
             raise SettingsError(
                 f"starts and ends must be of the same shape, not {first.shape} and {last.shape}"
@@ -758,8 +757,15 @@ class World:
         check_own(body, self._simulation)
 
 
+def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Points, (n, 3), of one or many."""
+    with suppress(TypeError, ValueError):  # as_points says what is wrong
+        value = np.atleast_2d(value)
+    return as_points(value, name)
+
+
 def _check_fall(gravity: ArrayLike, time_step: float) -> None:
-    way = float(np.linalg.norm(gravity)) * time_step**2
+    way = float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
     if not way <= _bullet.most_way:
         raise SettingsError(
             f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s, and at most "

@@ -11,6 +11,7 @@ import threading
 import time
 from pathlib import Path
 
+import cache_races
 import numpy as np
 import pytest
 import trimesh
@@ -284,6 +285,7 @@ def run(script: str, *arguments: object) -> str:
         text=True,
         timeout=120,
         check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(cache_races.__file__).parent)},
     )
     assert result.returncode == 0, result.stderr
     return result.stdout
@@ -296,6 +298,7 @@ PREPARE = """
     import voxshell as vx
     from voxshell import cache as cache_module
     from voxshell.cache import ModelCache
+    from cache_races import kill_while_storing, race
     cache_module.WORTH_SECONDS = 0.0
     core = vx.Model.from_mesh(
         trimesh.creation.box(), resolution=3, padding=0, cache=False
@@ -329,33 +332,10 @@ def test_a_full_disk_leaves_models_in_memory_with_one_warning(folder):
 
 def test_of_eight_processes_one_builds_and_all_get_it(folder):
     script = """
-    log = sys.argv[2]
-    def build():
-        with open(log, "a") as file:
-            file.write(f"{os.getpid()}\\n")
-        time.sleep(0.2)
-        return core
-    start = time.monotonic() + 0.1
-    children = []
-    for child in range(8):
-        reading, writing = os.pipe()
-        if os.fork() == 0:
-            time.sleep(max(0.0, start - time.monotonic()))
-            points = cache.fetch(64 * "a", build).shell.points
-            os.write(writing, points[:20].tobytes() + bytes([len(points) % 256]))
-            os._exit(0)
-        os.close(writing)
-        children.append(reading)
-    answers = [os.read(reading, 1000) for reading in children]
-    codes = [os.wait()[1] for _ in children]
-    print(json.dumps([len(set(answers)), len(answers[0]), codes]))
+    builds, answers = race(cache, 64 * "a", core, 8, build_seconds=0.2)
+    print(json.dumps([builds, len(answers), len(set(answers)), len(answers[0])]))
     """
-    log = folder.parent / "log"
-    different, length, codes = json.loads(run(PREPARE + script, folder, log))
-    assert codes == [0] * 8
-    assert different == 1
-    assert length == 241
-    assert len(log.read_text().splitlines()) == 1
+    assert json.loads(run(PREPARE + script, folder)) == [1, 8, 1, 32]
     assert files(folder) == ["a" * 64 + ".vxs"]
 
 
@@ -412,17 +392,8 @@ def test_one_that_waits_may_be_stopped_and_need_not_wait_for_ever(folder, core, 
 def test_killed_at_any_moment_nothing_torn_is_left(folder):
     script = """
     generator = random.Random(8)
-    left = 0
-    for round in range(40):
-        child = os.fork()
-        if child == 0:
-            number = 0
-            while True:
-                number += 1
-                cache.fetch(f"{round:032x}{number:032x}", lambda: core)
-        time.sleep(generator.uniform(0.0, 0.02))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+    for series in range(40):
+        kill_while_storing(cache, core, generator.uniform(0.0, 0.02), series)
     whole = 0
     for entry in cache.entries():
         vx.Model.load(cache._path(entry))

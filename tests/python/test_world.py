@@ -354,6 +354,9 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
         ({"iterations": 0}, "iterations"),
         ({"iterations": 2.5}, "iterations"),
         ({"friction_directions": 3}, "friction_directions"),
+        # These raised an OverflowError and a TypeError.
+        ({"time_step": 1e300}, "shorter time_step"),
+        ({"friction_directions": np.array([2])}, "friction_directions"),
     ],
 )
 def test_wrong_settings_of_a_world(settings, part):

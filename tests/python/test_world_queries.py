@@ -179,6 +179,8 @@ def test_wrong_queries_are_refused(ring):
         world.ray_cast((0, 0, 0), [(0, 0, 1), (0, 0, 2)])
     with pytest.raises(vx.SettingsError, match="ends must be finite"):
         world.ray_cast((0, 0, 0), (0, 0, np.inf))
+    with pytest.raises(vx.SettingsError, match="starts must be"):  # raised numpy's ValueError
+        world.ray_cast([0, [0, 0]], (0, 0, 1))
     with pytest.raises(vx.SettingsError, match="margin must be at least 0"):
         world.query_contacts(body, margin=-1.0)
     with pytest.raises(vx.InputTypeError, match="b must be a Body, not Model"):

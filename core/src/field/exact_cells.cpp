@@ -227,7 +227,7 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
   }
   std::vector<std::uint32_t> triangles = work.nearby;
   std::ranges::sort(triangles);
-  triangles.erase(std::ranges::unique(triangles).begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   std::erase_if(triangles, [&](std::uint32_t triangle) {
     const float* normal = &records_[simd::kTriangleFloats * std::size_t{triangle}];
     normal += simd::kRecordNormal;
@@ -554,7 +554,7 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
   // Only the triangles in use are kept, and indices become those among them.
   std::vector<std::uint32_t> used = exact.listed;
   std::ranges::sort(used);
-  used.erase(std::ranges::unique(used).begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
   const auto copy = [&](const std::vector<float>& all, std::size_t each, std::vector<float>& to) {
     to.reserve(each * used.size());
     for (const std::uint32_t triangle : used) {

@@ -20,7 +20,7 @@ namespace {
 std::vector<Triangle> drop_copies(std::span<const Triangle> triangles) {
   // The smallest vertex first: the same order around says the same side.
   const auto rotated = [](Triangle t) {
-    std::ranges::rotate(t, std::ranges::min_element(t));
+    std::rotate(t.begin(), std::ranges::min_element(t), t.end());
     return t;
   };
   std::vector<std::uint32_t> order(triangles.size());

@@ -27,7 +27,7 @@ std::map<Edge, std::vector<std::uint32_t>> find_amid(const TriangleMesh& mesh) {
     ends.insert(ends.end(), {edge.low, edge.high});
   }
   std::ranges::sort(ends);
-  ends.erase(std::ranges::unique(ends).begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   std::map<Edge, std::vector<std::uint32_t>> amid;
   if (open.empty()) return amid;
   std::vector<Bounds> boxes(ends.size());

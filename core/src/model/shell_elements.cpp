@@ -66,7 +66,8 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
 }
 
 ShellElements::Measured ShellElements::measure(const Block& block, const Place& at) {
-  const auto& [place, normal] = at;
+  const Vec3f& place = at.point;
+  const Vec3f& normal = at.normal;
   const auto along_normal = [&](const std::array<F8, 3>& v) {
     return v[0] * normal.x + v[1] * normal.y + v[2] * normal.z;
   };

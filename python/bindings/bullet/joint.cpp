@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "voxshell/bullet/convert.h"
@@ -19,6 +20,36 @@ constexpr double kServoGain = 0.2;
 constexpr double kErrorReduction = 0.8;
 constexpr double kStill = 1e-6;  // m/s, rad/s
 
+/// Bullet's constraint pushes across the axis at the parent's frame on the parent and at the
+/// child's on the child. The farther they are apart, the larger the torque that comes from nowhere:
+/// two boxes that turn freely flew apart within a second. Here both act at the child's frame.
+class SliderConstraint : public btGeneric6DofSpring2Constraint {
+ public:
+  using btGeneric6DofSpring2Constraint::btGeneric6DofSpring2Constraint;
+
+  void getInfo1(btConstraintInfo1* info) override {
+    btGeneric6DofSpring2Constraint::getInfo1(info);
+    rows_ = info->m_numConstraintRows;
+  }
+
+  void getInfo2(btConstraintInfo2* info) override {
+    btGeneric6DofSpring2Constraint::getInfo2(info);
+    if (m_hasStaticBody) return;  // then Bullet leaves the torque out
+    const btVector3 lever = m_calculatedTransformB.getOrigin() - m_rbA.getCenterOfMassPosition();
+    for (int row = 0; row < rows_; ++row) {
+      const btScalar* axis = info->m_J1linearAxis + row * info->rowskip;
+      const btVector3 direction(axis[0], axis[1], axis[2]);
+      if (direction.fuzzyZero()) continue;  // a row of rotation
+      const btVector3 torque = lever.cross(direction);
+      btScalar* angular = info->m_J1angularAxis + row * info->rowskip;
+      for (int i = 0; i < 3; ++i) angular[i] = torque[i];
+    }
+  }
+
+ private:
+  int rows_ = 0;
+};
+
 }  // namespace
 
 Joint::Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& child,
@@ -33,8 +64,13 @@ Joint::Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& ch
         parent, child, parent_from_joint.getOrigin(), child_from_joint.getOrigin());
     constraint_->setParam(BT_CONSTRAINT_ERP, kErrorReduction);
   } else {
-    auto axes = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, parent_from_joint,
-                                                                 child_from_joint);
+    std::unique_ptr<btGeneric6DofSpring2Constraint> axes;
+    if (settings.kind == JointKind::kSlider) {
+      axes = std::make_unique<SliderConstraint>(parent, child, parent_from_joint, child_from_joint);
+    } else {
+      axes = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, parent_from_joint,
+                                                              child_from_joint);
+    }
     axes_ = axes.get();
     constexpr int kAxes = 6;
     for (int axis = 0; axis < kAxes; ++axis) {

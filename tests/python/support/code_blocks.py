@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 # Written by programs, which tests run anyhow.
-WRITTEN_BY_PROGRAMS = {"peers.md", "reproduction.md", "bullet-pairs.md"}
+WRITTEN_BY_PROGRAMS = {"peers.md", "reproduction.md", "bullet-pairs.md", "evidence.md"}
 
 
 @dataclass(frozen=True)

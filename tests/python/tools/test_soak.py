@@ -1,0 +1,240 @@
+"""`./dev soak`: what is found is counted, and what was counted is kept."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import fast_paths
+import numpy as np
+import pytest
+import toy_soak
+import voxshell as vx
+from soak import page, runner
+from soak.__main__ import main, parse
+from soak.ledger import Ledger, Record
+from soak.task import Totals
+from soak.tasks import TASKS, random_worlds, tree_poses, wrong_arguments
+from soak.worker import CaseError, Worker
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch: pytest.MonkeyPatch):
+    """By workers, as ./dev soak has it."""
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT}/tools:{ROOT}/tests/python/support")
+
+
+@pytest.fixture
+def ledger(tmp_path: Path) -> Ledger:
+    return Ledger(tmp_path)
+
+
+def run(ledger: Ledger, *names: str, seconds: float = 30.0, **changes: float) -> dict[str, Record]:
+    tasks = {name: replace(toy_soak.TASKS[name], **changes) for name in names}
+    runner.run("toy_soak", tasks, ledger, seconds, lambda *_: None)
+    return {name: ledger.load(name, task) for name, task in tasks.items()}
+
+
+def test_cases_are_counted_until_the_target_is_met(ledger: Ledger):
+    record = run(ledger, "sound")["sound"]
+    assert record.totals == Totals(10, {"sum": 0 + 1 + 2 + 3 + 4}, {"largest": 4})
+    assert record.next_case == 5
+    assert record.found == 0
+    assert re.fullmatch(r"[0-9a-f]{12}(-dirty)?", record.commit)
+
+
+def test_the_next_run_goes_on_where_the_last_one_ended(ledger: Ledger):
+    run(ledger, "sound")
+    record = run(ledger, "sound", target=20)["sound"]
+    assert record.totals.count == 20
+    assert record.totals.tallies["sum"] == sum(range(10))
+
+
+def test_a_changed_task_begins_again(ledger: Ledger):
+    record = run(ledger, "sound")["sound"]
+    ledger.save("sound", replace(record, check="of another source"))
+    assert ledger.load("sound", toy_soak.TASKS["sound"]).totals.count == 0
+
+
+def test_other_code_begins_again_and_keeps_the_figures(tmp_path: Path, monkeypatch):
+    run(Ledger(tmp_path), "sound")
+    with monkeypatch.context() as context:
+        context.setattr("soak.ledger.SOURCES", ("README.md",))
+        assert Ledger(tmp_path).load("sound", toy_soak.TASKS["sound"]).totals.count == 0
+    assert Ledger(tmp_path).load("sound", toy_soak.TASKS["sound"]).totals.count == 10
+
+
+@pytest.mark.parametrize(
+    ("name", "case", "text"),
+    [
+        ("wrong", 3, "case three is wrong"),
+        ("deadly", 1, "SIGSEGV"),
+        ("hanging", 0, "no answer within 2 s"),
+    ],
+)
+def test_a_planted_fault_is_found_with_its_case(ledger: Ledger, name: str, case: int, text: str):
+    record = run(ledger, name)[name]
+    assert record.found == 1
+    assert record.faults[0]["case"] == case
+    assert text in record.faults[0]["what"]
+    assert record.totals.count == 10, "the others run all the same"
+    assert text in page.render({name: toy_soak.TASKS[name]}, {name: record})
+
+
+def test_a_task_that_cannot_run_says_so_and_the_others_run(ledger: Ledger):
+    records = run(ledger, "missing", "sound")
+    assert records["missing"].unavailable == "no such tool"
+    assert records["sound"].totals.count == 10
+    tasks = {name: toy_soak.TASKS[name] for name in records}
+    rows = [line for line in page.render(tasks, records).splitlines() if " holds |" in line]
+    # Short ones first.
+    assert "0 cases **short** | 10 | 0 | not run: no such tool" in rows[0]
+    assert "10 cases | 10 | 0 | 10 cases" in rows[1]
+
+
+def test_a_run_that_is_killed_loses_at_most_a_turn(tmp_path: Path):
+    program = f"""
+import sys
+from pathlib import Path
+from dataclasses import replace
+import toy_soak
+from soak import runner
+from soak.ledger import Ledger
+tasks = {{"sound": replace(toy_soak.TASKS["sound"], target=1e9)}}
+report = lambda name, record: print(record.next_case, flush=True)
+runner.run("toy_soak", tasks, Ledger(Path({str(tmp_path)!r})), 2.0, report)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        cases = int(process.stdout.readline())
+        process.kill()
+    assert ledger_cases(tmp_path) >= cases > 0
+
+
+def ledger_cases(folder: Path) -> int:
+    return Ledger(folder).load("sound", toy_soak.TASKS["sound"]).next_case
+
+
+def test_an_interrupt_keeps_what_was_counted_and_ends_the_workers(tmp_path: Path):
+    program = f"""
+from pathlib import Path
+import soak.__main__ as program
+import toy_soak
+from dataclasses import replace
+from soak.ledger import Ledger
+program.TASKS = {{"sound": replace(toy_soak.TASKS["sound"], target=1e9)}}
+program.REGISTRY = "toy_soak"
+program.Ledger = lambda: Ledger(Path({str(tmp_path)!r}))
+raise SystemExit(program.main(["--minutes", "5"]))
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert "counting" in process.stdout.readline()
+        time.sleep(3.0)
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "rerun the command to resume" in said
+    assert ledger_cases(tmp_path) > 0
+    assert not (Path("/proc") / str(process.pid)).exists()
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_task_runs_a_case(name: str):
+    worker = Worker("soak.tasks", name, patience=120.0)
+    try:
+        outcome = worker.run(0)
+    except CaseError as error:
+        pytest.fail(str(error))
+    except Exception as lack:
+        pytest.skip(str(lack))
+    finally:
+        worker.close()
+    totals = Totals()
+    totals.add(outcome)
+    assert name == "memory" or totals.count > 0
+    assert TASKS[name].describe(totals) or name == "memory"
+
+
+# ---- the oracles find what is planted --------------------------------------------------------------
+
+
+def test_a_contact_that_a_query_misses_is_found(monkeypatch: pytest.MonkeyPatch):
+    real = vx.contacts
+    check = tree_poses.prepare()
+    check(10)
+    monkeypatch.setattr(
+        fast_paths.vx, "contacts", lambda *args, **more: real(*args, **{**more, "max_points": 1})
+    )
+    with pytest.raises(AssertionError):
+        check(10)
+
+
+def test_an_untyped_error_is_found():
+    def divide(number: object) -> float:
+        return 1.0 / (0.0 if isinstance(number, str) else 2.0)
+
+    call = wrong_arguments.Call(divide, {"number": 2.0})
+    texts: list[str] = []
+    for seed in range(20):
+        try:
+            wrong_arguments.run("divide", call, "0.5", np.random.default_rng(seed))
+        except AssertionError as error:
+            texts.append(str(error))
+    assert any("untyped ZeroDivisionError" in text for text in texts)
+    assert any(text.endswith("which is wrong: taken") for text in texts)
+
+
+def test_energy_out_of_nothing_is_found(monkeypatch: pytest.MonkeyPatch):
+    step = vx.World.step
+
+    def push(world: vx.World, steps: int = 1) -> None:
+        step(world, steps)
+        for body in world.bodies:
+            if body.motion == "dynamic":
+                body.linear_velocity = 3.0 * body.linear_velocity + 1.0
+
+    check = random_worlds.prepare()
+    monkeypatch.setattr(vx.World, "step", push)
+    gains = 0
+    for case in range(10):
+        try:
+            check(case)
+        except AssertionError as error:
+            gains += "gains" in str(error)
+    assert gains > 0
+
+
+# ---- the command line ------------------------------------------------------------------------------
+
+
+def test_help_names_every_task(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as ended:
+        main(["--help"])
+    assert ended.value.code == 0
+    said = capsys.readouterr().out
+    assert all(name in said for name in TASKS)
+
+
+def test_a_case_needs_one_task(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit):
+        parse(["--case", "3"])
+    assert "--only" in capsys.readouterr().err
+
+
+def test_the_page_has_a_row_for_every_task():
+    text = (ROOT / "docs/evidence.md").read_text()
+    for name, task in TASKS.items():
+        assert task.promise in text, name
+        assert f"| {name} |" in text

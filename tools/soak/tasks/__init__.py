@@ -1,0 +1,33 @@
+"""All tasks, by name, in the order of the page."""
+
+from __future__ import annotations
+
+from soak.task import Task
+from soak.tasks import (
+    cold_keys,
+    field_values,
+    fuzzing,
+    kills,
+    latency,
+    memory,
+    mutated_meshes,
+    random_worlds,
+    real_geometry,
+    tree_poses,
+    wrong_arguments,
+)
+
+TASKS: dict[str, Task] = {
+    "tree_poses": tree_poses.TASK,
+    "real_geometry": real_geometry.TASK,
+    "field_values": field_values.TASK,
+    "mutated_meshes": mutated_meshes.TASK,
+    "wrong_arguments": wrong_arguments.TASK,
+    "kills": kills.TASK,
+    "cold_keys": cold_keys.TASK,
+    "fuzz_parsing": fuzzing.PARSING,
+    "fuzz_queries": fuzzing.QUERIES,
+    "random_worlds": random_worlds.TASK,
+    "memory": memory.TASK,
+    "latency": latency.TASK,
+}
