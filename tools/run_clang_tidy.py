@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Runs clang-tidy on the libraries and the Python modules, on what changed since it last passed.
 
+A source that is compiled for several builds of Bullet is analysed once, as the first of them.
+
 usage: tools/run_clang_tidy.py CLANG_TIDY BUILD_DIR
 
 BUILD_DIR is a finished Ninja build: it knows the compile commands and which headers each source
@@ -50,20 +52,26 @@ def included_by_object(build: Path) -> dict[str, set[str]]:
     return files
 
 
-def keys_by_source(build: Path) -> dict[str, str]:
+def commands_by_source(build: Path) -> dict[str, dict[str, str]]:
+    """For each source, the first entry of the build's compile commands."""
+    commands: dict[str, dict[str, str]] = {}
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        if name := own_path(entry["file"], build):
+            commands.setdefault(name, entry)
+    return commands
+
+
+def keys_by_source(build: Path, commands: dict[str, dict[str, str]]) -> dict[str, str]:
     """For each source, a hash of all that decides what clang-tidy says about it."""
     included = included_by_object(build)
-    digests: dict[str, hashlib._Hash] = {}
-    for entry in json.loads((build / "compile_commands.json").read_text()):
-        name = own_path(entry["file"], build)
-        if name is None:
-            continue
-        digest = digests.setdefault(name, hashlib.sha256())
+    keys: dict[str, str] = {}
+    for name, entry in commands.items():
         command = shlex.split(entry["command"])
-        digest.update(entry["command"].encode())
+        digest = hashlib.sha256(entry["command"].encode())
         for file in sorted({*SETTINGS, name, *included[command[command.index("-o") + 1]]}):
             digest.update(file.encode() + b"\0" + (ROOT / file).read_bytes())
-    return {name: digest.hexdigest() for name, digest in digests.items()}
+        keys[name] = digest.hexdigest()
+    return keys
 
 
 def main(arguments: list[str]) -> int:
@@ -71,7 +79,12 @@ def main(arguments: list[str]) -> int:
     clang_tidy, build = arguments[0], (ROOT / arguments[1]).resolve()
     passed = build / "clang-tidy-passed"
     passed.mkdir(exist_ok=True)
-    keys = keys_by_source(build)
+    commands = commands_by_source(build)
+    keys = keys_by_source(build, commands)
+    # clang-tidy analyses a source once for each entry that it finds.
+    database = build / "clang-tidy"
+    database.mkdir(exist_ok=True)
+    (database / "compile_commands.json").write_text(json.dumps(list(commands.values())))
     if not keys:
         print(f"{build}/compile_commands.json names none of our sources")
         return 1
@@ -83,7 +96,7 @@ def main(arguments: list[str]) -> int:
         # The compile commands are the compiler's: clang need not know all of its warnings.
         result = subprocess.run(
             [
-                *(clang_tidy, "-p", str(build), "--quiet"),
+                *(clang_tidy, "-p", str(database), "--quiet"),
                 *("--extra-arg=-Wno-unknown-warning-option", str(ROOT / name)),
             ],
             capture_output=True,
