@@ -52,7 +52,7 @@ bool BallContacts::is_outside(const Ball& ball, const Vec3& direction) {
 void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair, double margin,
                           const TouchScale& scale, std::vector<Contact>& contacts,
                           std::vector<std::uint32_t>& exact) {
-  field_.emplace(pair.shell_side());
+  field_ = SmoothField(pair.shell_side());
   same_within_ = kSameOfRadius * scale.radius;
   balls_.clear();
   touches_.clear();
@@ -92,12 +92,12 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
 
 /// Where the model's surface faces a ball, from a direction on.
 std::optional<Facing> BallContacts::face(const Ball& ball, const Vec3& direction) {
-  const double within = field_->is_smooth() ? kSmoothSlideWithin : kSlideWithin;
+  const double within = field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
   return face_field(
       direction, {}, std::numeric_limits<double>::infinity(), within,
       [&](const Vec3& along) { return std::optional(ball.centre + ball.radius * along); },
       [&](const Vec3& position) {
-        const SmoothField::Value there = field_->at(position);
+        const SmoothField::Value there = field_.at(position);
         return Facing{position, there.outwards, there.distance};
       });
 }
@@ -115,7 +115,7 @@ void BallContacts::find_all(std::size_t ball, double margin) {
   const Ball& of = balls_[ball];
   const std::size_t first = touches_.size() - 1;
   for (const Vec3& start : kStarts) {
-    const SmoothField::Value there = field_->at(of.centre + of.radius * start);
+    const SmoothField::Value there = field_.at(of.centre + of.radius * start);
     if (there.distance - kBetweenStarts * of.radius > margin) continue;
     const auto facing = face(of, start);
     if (!facing || !(facing->distance < margin) || is_known(first, facing->position)) continue;

@@ -46,7 +46,7 @@ class BallContacts {
   bool is_known(std::size_t first, const Vec3& position) const;
   void find_all(std::size_t ball, double margin);
 
-  std::optional<SmoothField> field_;
+  SmoothField field_;
   double same_within_ = 0.0;  ///< metres
   std::vector<Ball> balls_;
   std::vector<Touch> touches_;

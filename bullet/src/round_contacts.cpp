@@ -48,7 +48,7 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
   if (surface_->lies_flat(contact.id, direction, -static_cast<double>(kAlignedCosine))) return true;
   const auto point = static_cast<Vec3>(contact.point);
   const SmoothSurface::Place start = surface_->nearest_on(triangle, point);
-  if (field_->is_smooth()) {
+  if (field_.is_smooth()) {
     const Facing there = feel(point);
     contact.depth = static_cast<float>(-there.distance);
     contact.normal = static_cast<Vec3f>(there.outwards);
@@ -112,8 +112,8 @@ std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurfac
     place = slide.place;
     return surface_->position(place);
   };
-  const double follows = field_->is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
-  const double within = field_->is_smooth() ? kSmoothSlideWithin : kSlideWithin;
+  const double follows = field_.is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
+  const double within = field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
   for (int i = 0; i < kMostStraight; ++i) {
     const auto facing = face_field(direction, wanted, follows, within, slide,
                                    [&](const Vec3& position) { return feel(position); });
@@ -151,7 +151,7 @@ std::optional<SmoothSurface::Place> RoundContacts::go_straight(const SmoothSurfa
 }
 
 Facing RoundContacts::feel(const Vec3& position) {
-  const SmoothField::Value there = field_->at(field_from_shell_.transform_point(position));
+  const SmoothField::Value there = field_.at(field_from_shell_.transform_point(position));
   return {position, shell_from_field_.rotate(there.outwards), there.distance};
 }
 
@@ -198,7 +198,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
       if (slide.is_at_rest && leads_to_rest(surface_->position(slide.place))) return true;
     }
-    if (!field_->is_smooth()) return false;
+    if (!field_.is_smooth()) return false;
     // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);

@@ -63,7 +63,7 @@ class RoundContacts {
   Facing feel(const Vec3& position);
 
   const SmoothSurface* surface_ = nullptr;
-  std::optional<SmoothField> field_;
+  SmoothField field_;
   Pose field_from_shell_;
   Pose shell_from_field_;
   double least_curvature_ = 0.0;  ///< 1/metres

@@ -12,8 +12,8 @@ SmoothField::SmoothField(const Side& side) : field_(side.participant().field) {
   const Model* const model = side.model();
   if (model == nullptr || !side.has_sharp_field()) return;
   round_ = RoundSide::of(side);
-  walk_within_ =
-      model->settings().tolerance + static_cast<double>(model->smooth_surface().most_lift());
+  tolerance_ = model->settings().tolerance;
+  walk_within_ = tolerance_ + static_cast<double>(model->smooth_surface().most_lift());
 }
 
 /// None beyond the end of a round part, whose edge is nearest.
@@ -22,8 +22,7 @@ std::optional<SmoothField::Value> SmoothField::value_at(const Vec3& place,
   const Vec3 apart = place - nearest.position;
   const double distance = dot(apart, nearest.normal);
   const double aside = length(apart - distance * nearest.normal);
-  const double tolerance = round_->model()->settings().tolerance;
-  if (aside > tolerance + kAsideOfDistance * std::abs(distance)) return std::nullopt;
+  if (aside > tolerance_ + kAsideOfDistance * std::abs(distance)) return std::nullopt;
   return Value{distance, nearest.normal};
 }
 

@@ -12,6 +12,8 @@ namespace voxshell::bullet {
 /// frame.
 class SmoothField {
  public:
+  /// Of nothing, to be assigned.
+  SmoothField() = default;
   /// The side outlives this, and so does the field.
   explicit SmoothField(const Side& side);
   /// As it is.
@@ -30,8 +32,9 @@ class SmoothField {
  private:
   std::optional<Value> value_at(const Vec3& place, const RoundSide::Place& nearest) const;
 
-  const Field* field_;
+  const Field* field_ = nullptr;
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
+  double tolerance_ = 0.0;          ///< of the model, metres
   double walk_within_ = 0.0;        ///< of the field's distance, that of the smooth surface, metres
   std::optional<RoundSide::Place> before_;
 };
