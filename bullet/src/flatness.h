@@ -35,10 +35,10 @@ double bend_of(const F& field, const Vec3& place, const Vec3& normal, double dis
                                                                     {-kHalf, -kHalf},
                                                                     {0, -1},
                                                                     {kHalf, -kHalf}}};
-  const auto [first, second] = tangents_of(normal);
+  const auto tangents = tangents_of(normal);
   const auto at = [&](std::size_t i) {
     const auto& [u, v] = kDirections[i];
-    return static_cast<Vec3f>(place + distance * (u * first + v * second));
+    return static_cast<Vec3f>(place + distance * (u * tangents[0] + v * tangents[1]));
   };
   float farthest = 0.0f;
   if constexpr (std::is_same_v<F, GridField>) {
