@@ -144,7 +144,7 @@ std::optional<SmoothSurface::Place> RoundContacts::go_straight(const SmoothSurfa
       same_within_, least_curvature_, kSlideWithin);
   if (!zero) return std::nullopt;
   const Vec3 wanted = facing.position + *zero * along;
-  const SmoothSurface::Place reached = surface_->nearest_from(place, wanted);
+  const SmoothSurface::Place reached = surface_->below(place, wanted);
   // Beyond its end, it is not under the field's surface.
   const double off = squared_length(surface_->position(reached) - wanted);
   return off <= same_within_ * same_within_ ? std::optional(reached) : std::nullopt;
@@ -202,7 +202,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);
-    const auto touch = find_touch(surface_->nearest_from(start, beside), -feel(beside).outwards);
+    const auto touch = find_touch(surface_->below(start, beside), -feel(beside).outwards);
     return touch && leads_to_rest(touch->facing.position);
   };
   std::erase_if(others, is_covered);

@@ -69,9 +69,9 @@ std::optional<Place> RoundSide::nearest(const Vec3& point, const Place* guess) c
 std::optional<Place> RoundSide::nearest_from(const Place& start, const Vec3& point) const {
   if (model_ == nullptr) return nearest(point);
   const SmoothSurface& surface = model_->smooth_surface();
-  const SmoothSurface::Place on = surface.nearest_from(start.on, point);
-  if (surface.is_flat(on.triangle)) return std::nullopt;
-  return Place{surface.position(on), surface.normal(on), on};
+  const auto on = surface.nearest_from(start.on, point);
+  if (!on || surface.is_flat(on->triangle)) return std::nullopt;
+  return Place{surface.position(*on), surface.normal(*on), *on};
 }
 
 std::optional<Place> RoundSide::slide(const Place& start, const Vec3& direction,

@@ -26,7 +26,7 @@ class RoundSide {
   /// or null, makes the search short.
   std::optional<Place> nearest(const Vec3& point, const Place* guess = nullptr) const;
 
-  /// The same by way of the surface: it may end at another part's edge.
+  /// The same by way of the surface, from a place near by; see SmoothSurface::nearest_from().
   std::optional<Place> nearest_from(const Place& start, const Vec3& point) const;
 
   /// The place that is farthest along a direction, by way of a surface that is convex by at least

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "voxshell/point_shell.h"
@@ -66,9 +67,9 @@ class SmoothSurface {
   Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
   /// The place of the flat triangles, by way of adjacent ones, that is nearest to a point.
   Place below(const Place& start, const Vec3& point) const;
-  /// The place of the surface, in the same way, that is nearest to a point: from afar it may be
-  /// another one.
-  Place nearest_from(const Place& start, const Vec3& point) const;
+  /// The place of the surface, in the same way, that is nearest to a point; none where it is more
+  /// than a few triangles away. It need not be the nearest of all.
+  std::optional<Place> nearest_from(const Place& start, const Vec3& point) const;
 
   /// Where a slide has led.
   struct Slide {
@@ -99,9 +100,9 @@ class SmoothSurface {
   Vec3 flat_position(const Place& place) const;
   Place across(const Place& place, std::size_t side) const;
   template <class F>
-  Place project(const Vec3& point, Place place, const F& find) const;
+  std::optional<Place> project(const Vec3& point, Place place, const F& find) const;
   template <class Objective>
-  Slide climb(Place place, const Objective& objective) const;
+  Slide climb(Place place, const Objective& objective, int most_triangles) const;
 
   const TriangleMesh* mesh_;
   std::vector<std::array<std::uint32_t, 3>> neighbors_;  ///< across from each corner, if smooth

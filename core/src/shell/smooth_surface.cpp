@@ -16,6 +16,8 @@ namespace {
 
 /// Most triangles that a slide leads through: half a turn of a fine mesh.
 constexpr int kMostTriangles = 256;
+/// Most triangles that a walk to a nearest place leads through: farther away, the tree is faster.
+constexpr int kMostWalked = 8;
 /// Triangles that a slide crosses without moving before it counts as at rest on a vertex.
 constexpr int kMostAround = 8;
 /// Corner normals within this of the face's leave a patch flat; radians.
@@ -431,10 +433,11 @@ SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side)
 
 /// Newton's steps from triangle to triangle, on whose patches the objective is quadratic.
 template <class Objective>
-SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objective) const {
+SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objective,
+                                          int most_triangles) const {
   std::uint32_t before = kNoTriangle;
   int standing = 0;
-  for (int i = 0; i < kMostTriangles; ++i) {
+  for (int i = 0; i < most_triangles; ++i) {
     const Chart chart = chart_of(place.triangle);
     if (!(chart.height > 0.0)) return {place, false};
     const std::optional<Planar> step = objective.step(objective(chart, place));
@@ -478,10 +481,13 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
 /// From the place of the flat triangles that is nearest to one, to that of their patches. `find`
 /// finds the former, from a place on.
 template <class F>
-SmoothSurface::Place SmoothSurface::project(const Vec3& point, Place place, const F& find) const {
+std::optional<SmoothSurface::Place> SmoothSurface::project(const Vec3& point, Place place,
+                                                           const F& find) const {
   Vec3 near = point;
   for (int i = 0; i < kMostProjections; ++i) {
-    place = find(near, place);
+    const Slide found = find(near, place);
+    if (!found.is_at_rest) return std::nullopt;
+    place = found.place;
     if (is_flat(place.triangle)) break;
     // Seen from afar, corners of facets are nearest.
     const Vec3 out = normal(place);
@@ -494,23 +500,26 @@ SmoothSurface::Place SmoothSurface::project(const Vec3& point, Place place, cons
 
 SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
   std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
-  return project(point, {guess, {}}, [&](const Vec3& near, const Place& place) {
-    return nearest_on(tree_->find_closest(near, place.triangle).triangle, near);
-  });
+  const auto find = [&](const Vec3& near, const Place& place) {
+    return Slide{nearest_on(tree_->find_closest(near, place.triangle).triangle, near), true};
+  };
+  return project(point, {guess, {}}, find).value_or(Place{guess, {}});
 }
 
 SmoothSurface::Place SmoothSurface::below(const Place& start, const Vec3& point) const {
-  return climb(start, Nearness{*this, point}).place;
+  return climb(start, Nearness{*this, point}, kMostTriangles).place;
 }
 
-SmoothSurface::Place SmoothSurface::nearest_from(const Place& start, const Vec3& point) const {
-  return project(point, start,
-                 [&](const Vec3& near, const Place& place) { return below(place, near); });
+std::optional<SmoothSurface::Place> SmoothSurface::nearest_from(const Place& start,
+                                                                const Vec3& point) const {
+  return project(point, start, [&](const Vec3& near, const Place& place) {
+    return climb(place, Nearness{*this, near}, kMostWalked);
+  });
 }
 
 SmoothSurface::Slide SmoothSurface::slide(const Place& start, const Vec3& direction,
                                           double least_curvature) const {
-  return climb(start, Height{*this, direction, least_curvature});
+  return climb(start, Height{*this, direction, least_curvature}, kMostTriangles);
 }
 
 }  // namespace voxshell

@@ -113,7 +113,7 @@ TEST(SmoothSurface, FindsTheNearestPlaceByWayOfItsTriangles) {
   for (std::uint32_t id = 0; id < shell.size(); ++id) {
     const auto point = static_cast<Vec3>(shell.points()[id]);
     if (dot(point, from) < 0.5) continue;
-    EXPECT_LT(length(surface.position(surface.nearest_from(start, point)) - point), 5e-3) << id;
+    EXPECT_LT(length(surface.position(surface.below(start, point)) - point), 5e-3) << id;
   }
 }
 
