@@ -213,6 +213,10 @@ inline constexpr double kAsideOfDistance = 0.1;
 inline constexpr double kFollowsOfTurn = 0.75;
 /// The same where both surfaces are smooth: a shaft in a bearing that is a tenth wider rolls in it.
 inline constexpr double kFollowsOfSmoothTurn = 0.97;
+/// Places that may come before a contact, once the body has turned, by at most this fraction of the
+/// smaller body's radius are none of its own. Smaller: facets of a ball that turns by half a radian
+/// in a step brake it. Larger: the body is deeper in the other for a step.
+inline constexpr double kLeadOfRadius = 0.005;
 /// Where a straight surface leans by less than this sine against a round one, it is where they face
 /// each other.
 inline constexpr double kStraightLean = 2e-3;

@@ -57,7 +57,8 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
   const auto leads = [&](const PlacesAtRest<Touch>::AtRest& known) {
     const double gap = std::max(-static_cast<double>(known.depth), 0.0);
     return turning.lead_over(surface_->position(start), surface_->normal(start), known.position,
-                             gap, -known.of.facing.outwards) > scale.margin;
+                             gap, -known.of.facing.outwards) >
+           std::max(scale.margin, kLeadOfRadius * scale.radius);
   };
   if (!at_rest_.empty()) {
     const auto& nearest = at_rest_.nearest(point);
