@@ -53,7 +53,8 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
                           const TouchScale& scale, std::vector<Contact>& contacts,
                           std::vector<std::uint32_t>& exact) {
   field_ = SmoothField(pair.shell_side());
-  same_within_ = kSameOfRadius * scale.radius;
+  const bool slides = scale.margin > 0.0;
+  same_within_ = kSameOfRadius * (slides ? scale.radius : features.front().radius);
   balls_.clear();
   touches_.clear();
   const GridField& grid = pair.shell_side().model()->grid();
@@ -61,26 +62,31 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
   for (std::size_t first = 0; first < features.size(); first += kBallIds) {
     const Feature ball = features[first];
     balls_.push_back({ball.place, ball.radius, normalized(ball.place - middle)});
-    const auto nearest = hold_ball(ball, middle, margin, grid);
-    if (!nearest) continue;
+    const double of_centre = grid.distance(static_cast<Vec3f>(ball.place));
+    // Far from the surface a grid's distances are rough: those of balls are found near it.
+    if (!(of_centre < margin + (1.0 + kBallSlack) * ball.radius)) continue;
     const std::size_t first_touch = touches_.size();
     const std::size_t index = balls_.size() - 1;
-    const auto outwards = static_cast<Vec3>(nearest->outwards);
-    std::optional<Facing> facing;
-    if (scale.margin > 0.0) facing = face(balls_.back(), -outwards);
-    const bool is_exact = facing && facing->distance <= nearest->distance + scale.margin;
-    if (!is_exact) facing = {ball.place - ball.radius * outwards, outwards, nearest->distance};
-    if (facing->distance < margin) touches_.push_back({index, *facing});
-    // What is about the centre of a ball that is in the model is no wall that it lies on.
-    const bool lies_on = is_exact && grid.distance(static_cast<Vec3f>(ball.place)) > 0.0f;
-    if (lies_on) find_all(index, margin);
+    const auto nearest = hold_ball(ball, middle, margin, grid);
+    bool is_exact = slides;
+    if (nearest) {
+      const auto outwards = static_cast<Vec3>(nearest->outwards);
+      std::optional<Facing> facing;
+      if (slides) facing = face(balls_.back(), -outwards);
+      is_exact = facing && facing->distance <= nearest->distance + scale.margin;
+      if (!is_exact) facing = {ball.place - ball.radius * outwards, outwards, nearest->distance};
+      if (facing->distance < margin) touches_.push_back({index, *facing});
+    }
+    // Between two walls, no way leads from the centre to either. What is about the centre of a ball
+    // that is in the model is no wall that it lies on.
+    if ((is_exact || !nearest) && of_centre > 0.0) find_all(index, first_touch, margin);
     std::array<bool, kBallIds> is_taken{};
     for (std::size_t i = first_touch; i < touches_.size(); ++i) {
       const Facing& of = touches_[i].facing;
       const std::size_t start = choose_start(-of.outwards, is_taken);
       is_taken[start] = true;
       Feature& feature = features[first + start];
-      if (i > first_touch) feature = {of.position, 0.0};
+      if (!nearest || i > first_touch) feature = {of.position, 0.0};
       const auto id = kFirstFeature + static_cast<std::uint32_t>(first + start);
       contacts.push_back(contact_of(feature, id, static_cast<Vec3f>(of.outwards), -of.distance));
       if (is_exact) exact.push_back(id);
@@ -110,10 +116,9 @@ bool BallContacts::is_known(std::size_t first, const Vec3& position) const {
                      });
 }
 
-/// Beside the nearest place, the last of touches_.
-void BallContacts::find_all(std::size_t ball, double margin) {
+/// But those of touches_ from the first one on.
+void BallContacts::find_all(std::size_t ball, std::size_t first, double margin) {
   const Ball& of = balls_[ball];
-  const std::size_t first = touches_.size() - 1;
   for (const Vec3& start : kStarts) {
     const SmoothField::Value there = field_.at(of.centre + of.radius * start);
     if (there.distance - kBetweenStarts * of.radius > margin) continue;

@@ -19,7 +19,8 @@ class BallContacts {
   ///
   /// @param features  Of find_features(); that of each contact is made what is to be followed: the
   /// ball where it is nearest to the model, and places of it elsewhere.
-  /// @param scale     By which contacts are one; with a margin of 0, only the deepest is appended.
+  /// @param scale     By which contacts are one; with a margin of 0, only the nearest is appended
+  /// where there is one.
   /// @param exact     To which the ids of those are added that face the model's surface.
   void append(std::vector<Feature>& features, const PosedPair& pair, double margin,
               const TouchScale& scale, std::vector<Contact>& contacts,
@@ -44,7 +45,7 @@ class BallContacts {
   static bool is_outside(const Ball& ball, const Vec3& direction);
   std::optional<Facing> face(const Ball& ball, const Vec3& direction);
   bool is_known(std::size_t first, const Vec3& position) const;
-  void find_all(std::size_t ball, double margin);
+  void find_all(std::size_t ball, std::size_t first, double margin);
 
   SmoothField field_;
   double same_within_ = 0.0;  ///< metres

@@ -132,6 +132,9 @@ inline constexpr int kBallSteps = 8;
 /// of the nearest by at most this. 0: where a groove lies between two directions, ids change with
 /// each rounding.
 inline constexpr double kNearlyAsNear = 0.02;
+/// Where a field's gradient is shorter than this, walls on two sides of a place are as near.
+/// Larger: so are single ones of coarse grids.
+inline constexpr double kOneWall = 0.95;
 /// The ball that ends a capsule is its surface from this sine behind the ball's equator on. 0: by
 /// rounding, a capsule that lies on its side touches nothing.
 inline constexpr double kCapRim = 0.01;

@@ -90,11 +90,8 @@ FeatureHold turn_inwards(const FeatureHold& hold, const Feature& feature, const 
 
 std::optional<FeatureHold> hold_ball(const Feature& ball, const Vec3& middle, double margin,
                                      const GridField& field) {
-  // Far from the surface a grid's distances are rough: those of balls are found near it.
-  const double slack = kBallSlack * ball.radius;
   const double distance =
       static_cast<double>(field.distance(static_cast<Vec3f>(ball.place))) - ball.radius;
-  if (!(distance < margin + slack)) return std::nullopt;
   const FeatureHold hold = turn_inwards(hold_nearest(ball, distance, field), ball, middle, field);
   if (!(hold.distance < margin) || hold.outwards == Vec3f{}) return std::nullopt;
   return hold;

@@ -107,15 +107,27 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& f
   return touching;
 }
 
+/// Whether the centre of a ball, where it touches, is as near to one wall as to another: the field
+/// has no normal of either there.
+bool is_between_walls(const GridField& field, const Feature& ball, const Contact& touch) {
+  const Vec3f centre = touch.point - static_cast<float>(ball.radius) * touch.normal;
+  return squared_length(field.gradient(centre)) < kOneWall * kOneWall;
+}
+
 }  // namespace
 
 std::optional<Contact> find_speculative(const PairStep& step, std::span<const Feature> features,
                                         const Contact& contact, double steps) {
-  if (contact.id >= kFirstFeature) {
-    return find_in_shell_body(step, features[contact.id - kFirstFeature], contact.id, steps,
-                              nullptr);
-  }
   const PosedPair& pair = *step.pair;
+  if (contact.id >= kFirstFeature) {
+    const Feature& feature = features[contact.id - kFirstFeature];
+    const auto touch = find_in_shell_body(step, feature, contact.id, steps, nullptr);
+    const bool is_ball = feature.radius > 0.0;
+    if (touch && is_ball && is_between_walls(pair.shell_side().model()->grid(), feature, *touch)) {
+      return contact;
+    }
+    return touch;
+  }
   if (contact.id >= kFirstOfSecond) {
     const Vec3 place = place_of_second(contact);
     const std::uint32_t id = contact.id - kFirstOfSecond;
