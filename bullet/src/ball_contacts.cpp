@@ -54,7 +54,9 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
                           std::vector<std::uint32_t>& exact) {
   field_ = SmoothField(pair.shell_side());
   const bool slides = scale.margin > 0.0;
-  same_within_ = kSameOfRadius * (slides ? scale.radius : features.front().radius);
+  const double radius = slides ? scale.radius : features.front().radius;
+  same_within_ = kSameOfRadius * radius;
+  followed_within_ = kFollowedOfRadius * radius;
   balls_.clear();
   touches_.clear();
   const GridField& grid = pair.shell_side().model()->grid();
@@ -130,13 +132,36 @@ void BallContacts::find_all(std::size_t ball, std::size_t first, double margin) 
   }
 }
 
-void BallContacts::drop_covered(std::vector<Contact>& contacts,
+void BallContacts::drop_covered(std::vector<Contact>& contacts, const PointShell& shell,
                                 const std::vector<std::uint32_t>& exact) {
   if (touches_.empty()) return;
+  const auto is_sample = [&](const Contact& contact) { return contact.id < kInnerContact; };
+  const auto is_exact = [&](const Contact& contact) {
+    return std::ranges::binary_search(exact, contact.id);
+  };
+  edges_.clear();
+  for (const Contact& contact : contacts) {
+    if (is_sample(contact) && is_exact(contact) && !shell.is_point(contact.id)) {
+      edges_.push_back(static_cast<Vec3>(contact.point));
+    }
+  }
+  const auto is_near = [&](const Vec3& a, const Vec3& b, double within) {
+    return squared_length(a - b) <= within * within;
+  };
   const auto is_covered = [&](const Contact& contact) {
-    if (contact.id >= kInnerContact) return false;
     const auto point = static_cast<Vec3>(contact.point);
-    if (std::ranges::binary_search(exact, contact.id)) return is_known(0, point);
+    if (!is_sample(contact)) {
+      // An edge knows better than a coarse grid where a ball touches it.
+      return std::ranges::any_of(
+          edges_, [&](const Vec3& edge) { return is_near(edge, point, followed_within_); });
+    }
+    if (is_exact(contact)) {
+      return shell.is_point(contact.id) && std::ranges::any_of(touches_, [&](const Touch& touch) {
+               const Facing& facing = touch.facing;
+               return is_near(facing.position - facing.distance * facing.outwards, point,
+                              same_within_);
+             });
+    }
     for (const Ball& ball : balls_) {
       const Vec3 arm = point - ball.centre;
       const double off = length(arm) - ball.radius;

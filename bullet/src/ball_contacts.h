@@ -26,9 +26,11 @@ class BallContacts {
               const TouchScale& scale, std::vector<Contact>& contacts,
               std::vector<std::uint32_t>& exact);
 
-  /// Drops the model's contacts from which a ball's surface leads to one of the contacts of the
-  /// last append(). Ids of `exact` are sorted.
-  void drop_covered(std::vector<Contact>& contacts, const std::vector<std::uint32_t>& exact);
+  /// Drops the contacts of the model's shell from which a ball's surface leads to one of the
+  /// contacts of the last append(), and those of these that are of an edge of the shell. Ids of
+  /// `exact` are sorted.
+  void drop_covered(std::vector<Contact>& contacts, const PointShell& shell,
+                    const std::vector<std::uint32_t>& exact);
 
  private:
   struct Ball {
@@ -48,9 +50,11 @@ class BallContacts {
   void find_all(std::size_t ball, std::size_t first, double margin);
 
   SmoothField field_;
-  double same_within_ = 0.0;  ///< metres
+  double same_within_ = 0.0;      ///< metres
+  double followed_within_ = 0.0;  ///< metres
   std::vector<Ball> balls_;
   std::vector<Touch> touches_;
+  std::vector<Vec3> edges_;  ///< places of contacts
 };
 
 }  // namespace voxshell::bullet

@@ -306,7 +306,7 @@ bool ModelAlgorithm::find_near(PosedPair& pair, double margin, const PairStep* s
   if (features_.empty()) return has_swapped_roles;
   if (features_.front().radius > 0.0) {
     balls_.append(features_, pair, reach, has_slid ? touch : TouchScale{}, contacts_, exact_);
-    if (has_slid) balls_.drop_covered(contacts_, exact_);
+    if (has_slid) balls_.drop_covered(contacts_, pair.shell(), exact_);
     return has_swapped_roles;
   }
   append_feature_contacts(features_, pair, reach, contacts_);
