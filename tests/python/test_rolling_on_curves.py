@@ -66,9 +66,10 @@ def trough():
 
 
 @cache
-def groove(degrees):
+def groove(degrees, length=0.5):
     high = 0.06 * math.tan(math.radians(degrees))
-    return extrude([(-0.06, high), (0.0, 0.0), (0.06, high), (0.06, -0.03), (-0.06, -0.03)], 0.5)
+    profile = [(-0.06, high), (0.0, 0.0), (0.06, high), (0.06, -0.03), (-0.06, -0.03)]
+    return extrude(profile, length)
 
 
 def roll_along(ground, ground_pose, shape, height, rate):
@@ -150,3 +151,29 @@ def test_round_bodies_lie_on_both_walls_of_a_groove(name, degrees, rate):
     body = world.add(shape, mass=0.3, pose=pose_of((0.0, 0.0, height + 0.002), ALONG_X))
     world.step(3 * rate // 2)
     assert np.abs(body.pose[:3, 3] - (0.0, 0.0, height)).max() < 2e-5
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("degrees", [30.0, 60.0])
+def test_a_ball_lies_in_a_groove_of_coarse_cells(degrees, rate):
+    """Between two walls a grid says nothing of either. From there, balls saw no wall at all, or hung
+    in the air on one that they had not reached."""
+    radius = 0.02
+    world = vx.World(gravity=(0.0, 0.0, -GRAVITY), time_step=1 / rate)
+    world.add(groove(degrees, 1.2), mass=0.0, pose=pose_of((0, 0, 0), PROFILE))
+    height = radius / math.cos(math.radians(degrees))
+    body = world.add(vx.Sphere(radius), mass=0.3, pose=pose_of((0.0, 0.0, height + 0.002)))
+    world.step(3 * rate // 2)
+    assert np.abs(body.pose[:3, 3] - (0.0, 0.0, height)).max() < 2e-5
+
+
+@pytest.mark.parametrize("speed", [0.4, 0.8])
+def test_a_ball_that_turns_far_in_a_step_rolls_on(speed):
+    """By 0.4 and 0.9 radians. Facets ahead of it were taken for the end of an egg, and braked it."""
+    world = vx.World(gravity=(0.0, 0.0, -GRAVITY), time_step=1 / 30)
+    world.add(vx.Plane(), mass=0.0, friction=1.0)
+    body = world.add(ball(0.03), mass=0.3, pose=pose_of((0.0, 0.0, 0.03)), friction=1.0)
+    body.linear_velocity = (speed, 0.0, 0.0)
+    body.angular_velocity = (0.0, speed / 0.03, 0.0)
+    world.step(30)
+    assert body.linear_velocity[0] == pytest.approx(speed, rel=0.02)
