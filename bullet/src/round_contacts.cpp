@@ -108,9 +108,9 @@ std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurfac
   SmoothSurface::Place place = start;
   Vec3 wanted = direction - surface_->normal(start);
   const auto slide = [&](const Vec3& along) -> std::optional<Vec3> {
-    const SmoothSurface::Slide slide = surface_->slide(place, along, least_curvature_);
-    if (!slide.is_at_rest) return std::nullopt;
-    place = slide.place;
+    const SmoothSurface::Slide slid = surface_->slide(place, along, least_curvature_);
+    if (!slid.is_at_rest) return std::nullopt;
+    place = slid.place;
     return surface_->position(place);
   };
   const double follows = field_.is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
