@@ -64,7 +64,7 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
   for (std::size_t first = 0; first < features.size(); first += kBallIds) {
     const Feature ball = features[first];
     balls_.push_back({ball.place, ball.radius, normalized(ball.place - middle)});
-    const double of_centre = grid.distance(static_cast<Vec3f>(ball.place));
+    const auto of_centre = static_cast<double>(grid.distance(static_cast<Vec3f>(ball.place)));
     // Far from the surface a grid's distances are rough: those of balls are found near it.
     if (!(of_centre < margin + (1.0 + kBallSlack) * ball.radius)) continue;
     const std::size_t first_touch = touches_.size();

@@ -111,7 +111,7 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& f
 /// has no normal of either there.
 bool is_between_walls(const GridField& field, const Feature& ball, const Contact& touch) {
   const Vec3f centre = touch.point - static_cast<float>(ball.radius) * touch.normal;
-  return squared_length(field.gradient(centre)) < kOneWall * kOneWall;
+  return length(static_cast<Vec3>(field.gradient(centre))) < kOneWall;
 }
 
 }  // namespace
