@@ -35,13 +35,12 @@ using TestWorldMt = WorldOf<DiscreteWorldMt, SolverPool, btCollisionDispatcherMt
 /// Debian builds it, there is the sequential one alone.
 class MultiThreadedWorld : public testing::TestWithParam<ContactMode> {
  protected:
-  MultiThreadedWorld() : own_(btCreateDefaultTaskScheduler()) {
-    btSetTaskScheduler(own_ ? own_.get() : btGetSequentialTaskScheduler());
+  MultiThreadedWorld() {
+    // Its threads look at its clock for a while after it has ended: it stays.
+    static btITaskScheduler* const own = btCreateDefaultTaskScheduler();
+    btSetTaskScheduler(own != nullptr ? own : btGetSequentialTaskScheduler());
   }
   ~MultiThreadedWorld() override { btSetTaskScheduler(nullptr); }
-
- private:
-  std::unique_ptr<btITaskScheduler> own_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, MultiThreadedWorld,
