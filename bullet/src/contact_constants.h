@@ -210,6 +210,10 @@ inline constexpr double kSmoothSlideWithin = 1e-4;
 /// normal by at most this fraction of its distance. Larger: what is beyond an edge feels the face
 /// that ends there.
 inline constexpr double kAsideOfDistance = 0.1;
+/// A field is smooth up to a depth of this many times what smoothing moves its surface by. Smaller:
+/// what sinks in for a step feels facets. Larger: at the middle of a wall, where the two sides are
+/// as near, contacts take one of them.
+inline constexpr double kSmoothOfLift = 10.0;
 /// Surfaces that follow each other, as a peg and its hole do, have no one deepest place: the
 /// field's normal turns by more than this fraction of what a slide was to turn by. Smaller: a ball
 /// in a bowl feels its samples. Larger: slides along such surfaces lead far.

@@ -14,6 +14,7 @@ SmoothField::SmoothField(const Side& side) : field_(side.participant().field) {
   round_ = RoundSide::of(side);
   tolerance_ = model->settings().tolerance;
   walk_within_ = tolerance_ + static_cast<double>(model->smooth_surface().most_lift());
+  deepest_ = kSmoothOfLift * walk_within_;
 }
 
 /// None beyond the end of a round part, whose edge is nearest.
@@ -34,7 +35,7 @@ SmoothField::Value SmoothField::at(const Vec3& place) {
                      normalized(static_cast<Vec3>(field.gradient(at)))};
       },
       *field_);
-  if (!round_) return value;
+  if (!round_ || value.distance < -deepest_) return value;
   // What is near on the way along the surface need not be what is nearest.
   const auto walk_from = [&](const RoundSide::Place& start) -> std::optional<Value> {
     const auto near = round_->nearest_from(start, place);

@@ -36,6 +36,7 @@ class SmoothField {
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
   double tolerance_ = 0.0;          ///< of the model, metres
   double walk_within_ = 0.0;        ///< of the field's distance, that of the smooth surface, metres
+  double deepest_ = 0.0;            ///< so far inside it is smooth, metres
   std::optional<RoundSide::Place> before_;
 };
 
