@@ -68,7 +68,6 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
     // Far from the surface a grid's distances are rough: those of balls are found near it.
     if (!(of_centre < margin + (1.0 + kBallSlack) * ball.radius)) continue;
     const std::size_t first_touch = touches_.size();
-    const std::size_t index = balls_.size() - 1;
     const auto nearest = hold_ball(ball, middle, margin, grid);
     bool is_exact = slides;
     if (nearest) {
@@ -77,14 +76,14 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
       if (slides) facing = face(balls_.back(), -outwards);
       is_exact = facing && facing->distance <= nearest->distance + scale.margin;
       if (!is_exact) facing = {ball.place - ball.radius * outwards, outwards, nearest->distance};
-      if (facing->distance < margin) touches_.push_back({index, *facing});
+      if (facing->distance < margin) touches_.push_back(*facing);
     }
     // Between two walls, no way leads from the centre to either. What is about the centre of a ball
     // that is in the model is no wall that it lies on.
-    if ((is_exact || !nearest) && of_centre > 0.0) find_all(index, first_touch, margin);
+    if ((is_exact || !nearest) && of_centre > 0.0) find_all(balls_.back(), first_touch, margin);
     std::array<bool, kBallIds> is_taken{};
     for (std::size_t i = first_touch; i < touches_.size(); ++i) {
-      const Facing& of = touches_[i].facing;
+      const Facing& of = touches_[i];
       const std::size_t start = choose_start(-of.outwards, is_taken);
       is_taken[start] = true;
       Feature& feature = features[first + start];
@@ -112,23 +111,22 @@ std::optional<Facing> BallContacts::face(const Ball& ball, const Vec3& direction
 
 bool BallContacts::is_known(std::size_t first, const Vec3& position) const {
   return std::any_of(touches_.begin() + static_cast<std::ptrdiff_t>(first), touches_.end(),
-                     [&](const Touch& touch) {
-                       return squared_length(touch.facing.position - position) <=
+                     [&](const Facing& touch) {
+                       return squared_length(touch.position - position) <=
                               same_within_ * same_within_;
                      });
 }
 
 /// But those of touches_ from the first one on.
-void BallContacts::find_all(std::size_t ball, std::size_t first, double margin) {
-  const Ball& of = balls_[ball];
+void BallContacts::find_all(const Ball& ball, std::size_t first, double margin) {
   for (const Vec3& start : kStarts) {
-    const SmoothField::Value there = field_.at(of.centre + of.radius * start);
-    if (there.distance - kBetweenStarts * of.radius > margin) continue;
-    const auto facing = face(of, start);
+    const SmoothField::Value there = field_.at(ball.centre + ball.radius * start);
+    if (there.distance - kBetweenStarts * ball.radius > margin) continue;
+    const auto facing = face(ball, start);
     if (!facing || !(facing->distance < margin) || is_known(first, facing->position)) continue;
     // Behind the centre, it is the back of a wall.
-    if (facing->distance <= -of.radius || !is_outside(of, -facing->outwards)) continue;
-    touches_.push_back({ball, *facing});
+    if (facing->distance <= -ball.radius || !is_outside(ball, -facing->outwards)) continue;
+    touches_.push_back(*facing);
   }
 }
 
@@ -156,8 +154,7 @@ void BallContacts::drop_covered(std::vector<Contact>& contacts, const PointShell
           edges_, [&](const Vec3& edge) { return is_near(edge, point, followed_within_); });
     }
     if (is_exact(contact)) {
-      return shell.is_point(contact.id) && std::ranges::any_of(touches_, [&](const Touch& touch) {
-               const Facing& facing = touch.facing;
+      return shell.is_point(contact.id) && std::ranges::any_of(touches_, [&](const Facing& facing) {
                return is_near(facing.position - facing.distance * facing.outwards, point,
                               same_within_);
              });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "face_field.h"
@@ -38,22 +39,18 @@ class BallContacts {
     double radius;  ///< metres
     Vec3 out;       ///< out of a capsule, unit length; zero of a whole ball
   };
-  struct Touch {
-    std::size_t ball;
-    Facing facing;
-  };
 
   /// Whether the ball's surface is its shape's there.
   static bool is_outside(const Ball& ball, const Vec3& direction);
   std::optional<Facing> face(const Ball& ball, const Vec3& direction);
   bool is_known(std::size_t first, const Vec3& position) const;
-  void find_all(std::size_t ball, std::size_t first, double margin);
+  void find_all(const Ball& ball, std::size_t first, double margin);
 
   SmoothField field_;
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
   std::vector<Ball> balls_;
-  std::vector<Touch> touches_;
+  std::vector<Facing> touches_;
   std::vector<Vec3> edges_;  ///< places of contacts
 };
 
