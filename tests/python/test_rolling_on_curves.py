@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 import voxshell as vx
+from poses import pose_of
 from scipy.spatial.transform import Rotation
 from shapely.geometry import Polygon
 from trimesh.creation import annulus, cylinder, extrude_polygon, icosphere
@@ -22,14 +23,6 @@ ALONG_X = Rotation.from_euler("y", 90.0, degrees=True)
 ALONG_Y = Rotation.from_euler("x", 90.0, degrees=True)
 # From a profile's plane to that across x, z up.
 PROFILE = Rotation.from_matrix([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-
-
-def pose_of(position, rotation=None):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    if rotation is not None:
-        pose[:3, :3] = rotation.as_matrix()
-    return pose
 
 
 def extrude(profile, length):

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 import voxshell as vx
+from poses import pose_of
 from scipy.spatial.transform import Rotation
 from trimesh.creation import box, cylinder, icosphere
 
@@ -61,14 +62,6 @@ def build(name):
 @cache
 def build_rail(length, width):
     return model_of(box((length, width, 0.04)))
-
-
-def pose_of(position, rotation=None):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    if rotation is not None:
-        pose[:3, :3] = rotation.as_matrix()
-    return pose
 
 
 def roll_down(name, length, *, rate, heading=0.0, rails_first=True):
