@@ -10,6 +10,7 @@ import numpy as np
 import parts
 import trimesh
 import voxshell as vx
+from voxshell.experiments.peers.protocol import load_library
 
 from soak.task import Check, Outcome, Task, Totals, UnavailableError
 
@@ -36,8 +37,7 @@ def turned_box() -> tuple[trimesh.Trimesh, Distance]:
 
 def by_libigl(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, Distance]:
     """Unsigned distance, negative where the winding number rounds to 1."""
-    import igl
-
+    igl = load_library("igl", "libigl")
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float64)
     faces = np.ascontiguousarray(mesh.faces, dtype=np.int64)
 
@@ -78,8 +78,8 @@ def model(name: str, setting: int) -> vx.Model:
 
 def prepare() -> Check:
     try:
-        import igl  # noqa: F401
-    except ImportError:
+        load_library("igl", "libigl")
+    except vx.MissingExtraError:
         raise UnavailableError("libigl is missing; ./dev soak installs it") from None
 
     def check(case: int) -> Outcome:
