@@ -7,11 +7,13 @@ Installs the wheel and pybullet into a new environment in a temporary folder, an
 meshes and simulates them: alone, beside pybullet, and beside the system's Bullet where that is installed,
 with all symbols of these in everybody's sight. Fails if the world does not end the same in each
 case, if the wheel brings or loads shared libraries of Bullet, if a module shows other symbols than the one
-that Python calls, or if the wheel is 6 MB or larger.
+that Python calls, if the wheel is 6 MB or larger, if its bill of materials or a licence of what is on it
+is missing, or if it brings packages whose licences ask something of programs that use them.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -22,6 +24,17 @@ import zipfile
 from pathlib import Path
 
 MOST_BYTES = 6_000_000
+# Of what `pip install voxshell` brings: what asks nothing of programs that use it.
+LICENCES = re.compile(
+    r"\b(MIT|0?BSD|Apache|ISC|PSF|Python Software Foundation|Zlib)\b", re.IGNORECASE
+)
+TELL_LICENCES = """
+from importlib.metadata import distributions
+for package in distributions():
+    told = [package.metadata["License-Expression"], package.metadata["License"]]
+    told += [c for c in package.metadata.get_all("Classifier", []) if c.startswith("License")]
+    print(package.name, "".join(" " + str(text).split("\\n")[0] for text in told if text))
+"""
 # What is in the process with the world: a script's argument each.
 COMPANY = ("nobody", "pybullet before", "pybullet after", "the system's")
 
@@ -113,6 +126,10 @@ def main(arguments: list[str]) -> int:
     if foreign:
         print(f"{wheel.name} holds what is no part of the package: {', '.join(foreign)}")
         return 1
+    lacking = _lacking_licences(wheel)
+    if lacking:
+        print(f"{wheel.name} says nothing of {', '.join(lacking)}")
+        return 1
     for name in modules:
         shown = _shown_symbols(wheel, name)
         if shown != {"PyInit_" + Path(name).name.partition(".")[0]}:
@@ -122,6 +139,13 @@ def main(arguments: list[str]) -> int:
         python = _make_environment(Path(folder).resolve() / "env", wheel, constraints)
         # Nothing of this checkout, and no settings that could bring another copy.
         environment = {"PATH": os.defpath, "HOME": folder, "LANG": "C.UTF-8"}
+        licences = subprocess.run(
+            [str(python), "-I", "-c", TELL_LICENCES], check=True, capture_output=True, text=True
+        ).stdout.splitlines()
+        unknown = [line for line in licences if not LICENCES.search(line)]
+        if unknown:
+            print("packages that come with it have other licences: " + "; ".join(unknown))
+            return 1
         results = set()
         for company in COMPANY:
             command = [str(python), "-I", "-c", SCRIPT, company]
@@ -143,6 +167,19 @@ def main(arguments: list[str]) -> int:
             return 1
     print(f"{wheel.name}: {size / 1e6:.2f} MB, works alone and beside other builds of Bullet")
     return 0
+
+
+def _lacking_licences(wheel: Path) -> list[str]:
+    """Parts that the bill of materials leaves out, leaves without a version, or whose licence is not in the wheel."""
+    with zipfile.ZipFile(wheel) as archive:
+        [bill] = [n for n in archive.namelist() if n.endswith("/sboms/voxshell.cdx.json")]
+        parts = {part["bom-ref"]: part for part in json.loads(archive.read(bill))["components"]}
+        licences = {Path(n).stem for n in archive.namelist() if "/licenses/licenses/" in n}
+    expected = {"bullet", "nanobind", "robin-map"}
+    versioned = {
+        name for name, part in parts.items() if re.fullmatch(r"\d+(\.\d+)+", part["version"])
+    }
+    return sorted(expected - versioned | versioned - licences | licences - expected)
 
 
 def _shown_symbols(wheel: Path, name: str) -> set[str]:

@@ -59,10 +59,17 @@ def test_licences_of_what_wheels_carry_are_there():
     assert "licenses/*.txt" in (ROOT / "pyproject.toml").read_text()
 
 
-@pytest.mark.parametrize("group", ["", "-wheel"])
-def test_tools_are_pinned(group):
+@pytest.mark.parametrize(
+    "file", sorted((ROOT / "tools").glob("requirements*.txt")), ids=lambda f: f.stem
+)
+def test_tools_are_pinned_with_digests(file):
+    group = file.stem.removeprefix("requirements").removeprefix("-") or "run"
+    locked = (ROOT / f"tools/locked/{group}.txt").read_text()
+    entries = re.findall(r"^([a-z0-9-]+)==(\S+)[^\n]*\\\n +--hash=sha256:", locked, re.MULTILINE)
+    assert len(entries) == len(re.findall(r"^[a-z]", locked, re.MULTILINE))
     constraints = (ROOT / "tools/constraints.txt").read_text().splitlines()
-    pinned = {line.partition("==")[0] for line in constraints if "==" in line}
-    for line in (ROOT / f"tools/requirements{group}.txt").read_text().splitlines():
+    versions = {line.partition(" ;")[0] for line in constraints if "==" in line}
+    assert {f"{name}=={version}" for name, version in entries} <= versions
+    for line in file.read_text().splitlines():
         if line and not line.startswith("#"):
-            assert line.partition(";")[0].strip() in pinned
+            assert line.partition(";")[0].strip() in {name for name, _ in entries}

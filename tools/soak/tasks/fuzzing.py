@@ -1,7 +1,7 @@
 """Executions of the fuzz targets, built with clang, AddressSanitizer and UndefinedBehaviorSanitizer.
 
-Each case is some seconds of libFuzzer. What it finds worth keeping stays in build/soak/corpus, and the
-next case starts from there.
+Each case is some seconds of libFuzzer. The first starts from fuzz/seeds; what is worth keeping stays in
+build/fuzz/corpus, where the next starts and where `./dev fuzz --keep` takes it.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def fuzz(target: str) -> Check:
     if not program.is_file():
         lacks = "" if shutil.which("clang++") else ": clang++ is missing"
         raise UnavailableError(f"{program.name} is not built{lacks}")
-    corpus, crashes = (ROOT / "build/soak" / kind / target for kind in ("corpus", "crashes"))
-    for folder in (corpus, crashes):
+    corpus, found = ROOT / "build/fuzz/corpus" / target, ROOT / "build/fuzz/found"
+    for folder in (corpus, found):
         folder.mkdir(parents=True, exist_ok=True)
 
     def check(case: int) -> Outcome:
@@ -32,7 +32,7 @@ def fuzz(target: str) -> Check:
             [
                 *(str(program), f"-seed={case + 1}", f"-max_len={LARGEST}", "-timeout=2"),
                 *(f"-max_total_time={SECONDS}", "-print_final_stats=1", "-rss_limit_mb=2048"),
-                *(f"-artifact_prefix={crashes}/", str(corpus)),
+                *(f"-artifact_prefix={found}/", str(corpus)),
             ],
             capture_output=True,
             text=True,

@@ -1,10 +1,14 @@
 #include "voxshell/contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -145,38 +149,58 @@ TEST(Contacts, AreNotMissedInLargeCellsThatAreMetFromSmallOnes) {
   }
 }
 
-TEST(Contacts, OfTheTreeAreThoseOfTheFlatLoopToTheBit) {
-  Random random(100);
+/// Of a pair: VOXSHELL_POSES in the environment, or few.
+int number_of_poses() {
+  const char* wanted = std::getenv("VOXSHELL_POSES");
+  return wanted == nullptr ? 120 : std::atoi(wanted);
+}
+
+/// A shell and a field of pairs.h.
+class ContactsOfPair : public testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {};
+
+TEST_P(ContactsOfPair, AreThoseOfTheFlatLoopToTheBit) {
+  const auto [shell_number, field_number] = GetParam();
+  const PointShell& shell = shells()[shell_number];
+  const Field& field = fields()[field_number];
+  Random random(100 + 10 * field_number + shell_number);
   QueryScratch scratch;
-  int poses = 0;
   int colliding = 0;
   int near = 0;
-  for (const PointShell& shell : shells()) {
-    for (const Field& field : fields()) {
-      for (int i = 0; i < 120; ++i) {
-        // A third far away, a third about to touch, a third inside.
-        const double clearance = i % 3 == 0   ? random.uniform(0.01, 0.5)
-                                 : i % 3 == 1 ? random.uniform(-0.01, 0.01)
-                                              : random.uniform(-0.2, -0.01);
-        const Pose pose = make_pose_at(field, shell, clearance, random);
-        for (const float margin : {0.0f, 0.02f, -0.01f, -0.1f}) {
-          expect_equal_to_flat(field, shell, pose, margin, scratch);
-          if (testing::Test::HasFatalFailure()) return;
-          expect_sound(find_contacts_flat(field, shell, pose, {.margin = margin}), shell, margin);
-          if (testing::Test::HasFatalFailure()) return;
-        }
-        ++poses;
-        const double smallest = smallest_distance(field, shell, pose);
-        colliding += smallest < 0.0;
-        near += std::abs(smallest) < 0.02;
-      }
+  const int poses = number_of_poses();
+  ASSERT_GE(poses, 120);
+  for (int i = 0; i < poses; ++i) {
+    // A third far away, a third about to touch, a third inside.
+    const double clearance = i % 3 == 0   ? random.uniform(0.01, 0.5)
+                             : i % 3 == 1 ? random.uniform(-0.01, 0.01)
+                                          : random.uniform(-0.2, -0.01);
+    const Pose pose = make_pose_at(field, shell, clearance, random);
+    for (const float margin : {0.0f, 0.02f, -0.01f, -0.1f}) {
+      expect_equal_to_flat(field, shell, pose, margin, scratch);
+      if (HasFatalFailure()) return;
+      expect_sound(find_contacts_flat(field, shell, pose, {.margin = margin}), shell, margin);
+      if (HasFatalFailure()) return;
     }
+    const double smallest = smallest_distance(field, shell, pose);
+    colliding += smallest < 0.0;
+    near += std::abs(smallest) < 0.02;
   }
-  EXPECT_GE(poses, 4'800);
   EXPECT_GT(colliding, 0.3 * poses);
   EXPECT_GT(near, 0.3 * poses);
   EXPECT_LT(colliding, 0.7 * poses);
 }
+
+std::string name_of_pair(const testing::TestParamInfo<ContactsOfPair::ParamType>& pair) {
+  static constexpr std::array kShells{"Torus", "L", "Blob", "Wedge"};
+  static constexpr std::array kFields{"TorusGrid", "LGrid",   "BlobGrid", "Plane", "Box",
+                                      "Sphere",    "Capsule", "Cylinder", "Cone",  "Convex"};
+  return std::string(kShells.at(std::get<0>(pair.param))) + "In" +
+         kFields.at(std::get<1>(pair.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, ContactsOfPair,
+                         testing::Combine(testing::Range<std::size_t>(0, 4),
+                                          testing::Range<std::size_t>(0, 10)),
+                         name_of_pair);
 
 TEST(Contacts, OnTheVeryEdgeOfTheMarginAgreeAsWell) {
   // The margin is a point's own distance or the next number: rounding in a bound that is meant to
