@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell._outputs import filling, make_folder, sweep
 from voxshell.errors import MissingExtraError
 from voxshell.experiments.files import write_json
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from voxshell.experiments.part import Outcome, Part, Tables
 
 MANIFEST = "manifest.json"
@@ -41,22 +41,20 @@ class Store:
         return (self.place(part) / MANIFEST).is_file()
 
     def put(self, part: Part, outcome: Outcome) -> None:
-        """Writes each table as Parquet, and the manifest."""
+        """Writes each table as Parquet, and the manifest.
+
+        Raises:
+            FileAccessError: The system does not let them be written.
+        """
         pyarrow, parquet = _import_pyarrow()
-        self.folder.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=self.folder, prefix=".unfinished-"))
-        try:
+        make_folder(self.folder)
+        with filling(self.place(part)) as folder:
             for name, columns in outcome.tables.items():
                 parquet.write_table(
                     pyarrow.table({key: pyarrow.array(v) for key, v in columns.items()}),
-                    temporary / f"{name}.parquet",
+                    folder / f"{name}.parquet",
                 )
-            write_json(temporary / MANIFEST, outcome.manifest)
-            temporary.chmod(0o755)
-            if not self.has(part):
-                temporary.rename(self.place(part))
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
+            write_json(folder / MANIFEST, outcome.manifest)
 
     def get(self, part: Part) -> Tables:
         """The part's tables.
@@ -78,9 +76,8 @@ class Store:
         return json.loads((self.place(part) / MANIFEST).read_text(encoding="utf-8"))
 
     def sweep(self) -> None:
-        """Removes what killed runs left unfinished. Nobody else may be writing."""
-        for path in self.folder.glob(".unfinished-*"):
-            shutil.rmtree(path, ignore_errors=True)
+        """Removes what killed runs left unfinished."""
+        sweep(self.folder)
 
 
 def _columns(table: Any) -> Any:
