@@ -111,6 +111,24 @@ def replacing(path: Path) -> Iterator[Path]:
         flush_folder(target.parent)
 
 
+def write_bytes(path: Path, content: bytes | memoryview) -> None:
+    """Writes a file, whole or not at all; where links lead.
+
+    Libraries that write to a path may lose what the system says of a full disk: let them write to memory.
+
+    Raises:
+        SettingsError: No file can be written there.
+        FileAccessError: The system does not let it be written.
+    """
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def write_text(path: Path, text: str) -> None:
+    """The same as UTF-8, with the newlines that the text has."""
+    write_bytes(path, text.encode())
+
+
 @contextmanager
 def filling(folder: Path) -> Iterator[Path]:
     """A temporary folder whose files appear in ``folder`` together if the block succeeds.

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell._outputs import filling, make_folder, sweep
-from voxshell.errors import MissingExtraError
-from voxshell.experiments.files import write_json
+from voxshell.experiments.files import import_pyarrow, write_json, write_parquet
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,14 +45,10 @@ class Store:
         Raises:
             FileAccessError: The system does not let them be written.
         """
-        pyarrow, parquet = _import_pyarrow()
         make_folder(self.folder)
         with filling(self.place(part)) as folder:
             for name, columns in outcome.tables.items():
-                parquet.write_table(
-                    pyarrow.table({key: pyarrow.array(v) for key, v in columns.items()}),
-                    folder / f"{name}.parquet",
-                )
+                write_parquet(folder / f"{name}.parquet", columns)
             write_json(folder / MANIFEST, outcome.manifest)
 
     def get(self, part: Part) -> Tables:
@@ -62,7 +57,7 @@ class Store:
         Raises:
             OSError: It is not done.
         """
-        _, parquet = _import_pyarrow()
+        _, parquet = import_pyarrow()
         return {
             path.stem: {
                 name: np.asarray(column.to_numpy())
@@ -82,17 +77,3 @@ class Store:
 
 def _columns(table: Any) -> Any:
     return zip(table.column_names, table.columns, strict=True)
-
-
-def _import_pyarrow() -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise MissingExtraError(
-            "experiments keep their data as Parquet: pip install voxshell[experiments]"
-        ) from error
-    # Threads of its own would run beside what is timed.
-    pyarrow.set_cpu_count(1)
-    pyarrow.set_io_thread_count(1)
-    return pyarrow, pyarrow.parquet
