@@ -25,7 +25,7 @@ from voxshell.errors import FileAccessError, SettingsError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-_OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
+OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 """What the system says of a file without its name; other errors without one are not of files."""
 
 _UNFINISHED = re.compile(r"\.unfinished-([0-9a-f]{8})-[0-9a-f]{16}(\.[^.]*)?")
@@ -391,7 +391,7 @@ def _telling(temporary: Path, asked: Path) -> Iterator[None]:
         raise
     except OSError as error:
         named = isinstance(error.filename, str)
-        if not (error.filename.startswith(str(temporary)) if named else error.errno in _OF_WRITING):
+        if not (error.filename.startswith(str(temporary)) if named else error.errno in OF_WRITING):
             raise
         path = str(error.filename or temporary).replace(str(temporary), str(asked))
         raise FileAccessError(f"cannot write {path}: {error.strerror or error}") from error

@@ -118,6 +118,7 @@ def list_writers() -> dict[str, Writer]:
     from voxshell.cache import ModelCache
     from voxshell.cli import main
     from voxshell.experiments import convex_parts
+    from voxshell.experiments.environment import describe_environment
     from voxshell.experiments.files import write_json
     from voxshell.experiments.part import Part, compute_part
     from voxshell.experiments.peers import report as peers_report
@@ -160,8 +161,11 @@ def list_writers() -> dict[str, Writer]:
     for part in study.parts:
         study.store.put(part, compute_part(part))
     finding = conclude(study)
+    machine = describe_environment()
     comparisons = [
-        Comparison(QUICK, (), {}, "", [PeerResult("coal", "coal", "skipped", str(n))], {})
+        Comparison(
+            QUICK, (), {}, "not asked", [PeerResult("coal", "coal", "skipped", str(n))], machine
+        )
         for n in sizes
     ]
 
@@ -303,11 +307,11 @@ def attempt(writer: Writer, folder: Path, variant: int, fault: Fault | None) -> 
         signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             os.close(reading)
-            errors = tempfile.TemporaryFile("w+")
-            os.dup2(errors.fileno(), 2)
+            errors, name = tempfile.mkstemp()
+            os.unlink(name)
+            os.dup2(errors, 2)
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            sys.stdout = open(1, "w", closefd=False)
-            sys.stderr = open(2, "w", closefd=False)
+            sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
             if fault is not None:
                 library.failing_calls_arm(
                     os.fsencode(folder),
@@ -333,8 +337,7 @@ def attempt(writer: Writer, folder: Path, variant: int, fault: Fault | None) -> 
             ending.failed = library.failing_calls_failed()
             ending.call = library.failing_calls_first().decode()
             sys.stderr.flush()
-            errors.seek(0)
-            ending.errors = errors.read()
+            ending.errors = os.pread(errors, 100_000, 0).decode()
             os.write(writing, json.dumps(asdict(ending)).encode())
         finally:
             os._exit(0)
@@ -379,6 +382,10 @@ def is_whole(path: Path) -> bool:
                 return content.rstrip().endswith((b"</html>", b"</body>"))
             case ".md":
                 return content.endswith(b"\n")
+            case ".png":
+                from PIL import Image
+
+                Image.open(path).load()
             case ".parquet":
                 from pyarrow import parquet
 
