@@ -12,7 +12,7 @@ from voxshell._outputs import write_bytes, write_text
 from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
 
@@ -30,7 +30,7 @@ def write_csv(path: Path, heading: Iterable[str], rows: Iterable[Iterable[object
     write_text(path, text.getvalue())
 
 
-def write_parquet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
+def write_parquet(path: Path, columns: Mapping[str, Any]) -> None:
     """Writes a table as Parquet.
 
     Raises:
