@@ -1,5 +1,7 @@
 #include <array>
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -77,6 +79,22 @@ std::shared_ptr<const Model> load(const nb::bytes& path) {
   }());
 }
 
+nb::bytes to_bytes(const Model& model) {
+  const auto content = [&] {
+    const nb::gil_scoped_release released;
+    return model_to_bytes(model);
+  }();
+  return nb::bytes(content.data(), content.size());
+}
+
+std::shared_ptr<const Model> from_bytes(const nb::bytes& content) {
+  const std::span bytes(reinterpret_cast<const std::byte*>(content.c_str()), content.size());
+  return unwrap([&] {
+    const nb::gil_scoped_release released;
+    return model_from_bytes(bytes);
+  }());
+}
+
 using Coordinates = std::array<double, 3>;
 
 Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -109,6 +127,8 @@ void bind_model(nb::module_& module) {
           "0 (padding: below 0) leaves a setting to the core.")
       .def("save", &save, nb::arg("path"), InOrdinaryFloats())
       .def_static("load", &load, nb::arg("path"), InOrdinaryFloats())
+      .def("to_bytes", &to_bytes, InOrdinaryFloats(), "As `save` writes them.")
+      .def_static("from_bytes", &from_bytes, nb::arg("content"), InOrdinaryFloats())
       .def_prop_ro("vertices",
                    [](const Model& m) { return view_rows<double, 3>(m.mesh().vertices()); })
       .def_prop_ro("faces",

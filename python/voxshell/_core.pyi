@@ -129,6 +129,12 @@ class Model:
     @staticmethod
     def load(path: bytes) -> Model: ...
 
+    def to_bytes(self) -> bytes:
+        """As `save` writes them."""
+
+    @staticmethod
+    def from_bytes(content: bytes) -> Model: ...
+
     @property
     def vertices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]: ...
 

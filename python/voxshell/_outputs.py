@@ -1,23 +1,45 @@
-"""Places to write to: checked before the work, and filled whole or not at all."""
+"""Places to write to: checked before the work, and filled whole or not at all.
+
+What is not complete yet has a name of its own, beside the place that it is for, and is locked as long as
+its writer lives. The next writer in the same folder removes what a killed one has left.
+"""
 
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
+import re
+import secrets
 import shutil
+import socket
 import stat
-import tempfile
-from contextlib import ExitStack, contextmanager
+import time
+from contextlib import ExitStack, contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from voxshell.errors import FileAccessError, SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
-_OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
+OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
 """What the system says of a file without its name; other errors without one are not of files."""
+
+_UNFINISHED = re.compile(r"\.unfinished-([0-9a-f]{8})-[0-9a-f]{16}(\.[^.]*)?")
+"""Names of what is not complete: the writer's machine, and a random number."""
+
+_MOST_TRIALS = 100
+
+STALE_SECONDS = 3600.0
+"""Age at which unfinished things are removed whose writer may be alive: it runs on another machine, or the
+disk knows no locks."""
+
+
+_WITHOUT_NAMELESS_FILES = (errno.EISDIR, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOENT)
+"""What disks say that know no files without a name."""
 
 
 def check_output_file(path: Path) -> None:
@@ -70,17 +92,41 @@ def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path that takes the place of ``path`` if the block succeeds; where links lead.
 
+    The block writes to the file that is there under the temporary path.
+
     Raises:
         SettingsError: No file can be written there.
         FileAccessError: The system does not let it be written.
     """
     check_output_file(path)
     target = _follow(path)
-    with _unfinished(target.parent, path) as folder:
-        temporary = folder / path.name
-        with _telling(temporary, path):
-            yield temporary
-            temporary.replace(target)
+    sweep(target.parent)
+    with (
+        _unfinished(target.parent, path, _create_file, path.suffix) as temporary,
+        _telling(temporary, path),
+    ):
+        yield temporary
+        flush(temporary)
+        temporary.replace(target)
+        flush_folder(target.parent)
+
+
+def write_bytes(path: Path, content: bytes | memoryview) -> None:
+    """Writes a file, whole or not at all; where links lead.
+
+    Libraries that write to a path may lose what the system says of a full disk: let them write to memory.
+
+    Raises:
+        SettingsError: No file can be written there.
+        FileAccessError: The system does not let it be written.
+    """
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def write_text(path: Path, text: str) -> None:
+    """The same as UTF-8, with the newlines that the text has."""
+    write_bytes(path, text.encode())
 
 
 @contextmanager
@@ -96,36 +142,143 @@ def filling(folder: Path) -> Iterator[Path]:
     """
     check_output_folder(folder)
     target = _follow(folder)
-    with ExitStack() as held, _unfinished(_find_nearest(target), folder) as outer:
-        is_new = not target.exists()
+    nearest = _find_nearest(target)
+    sweep(target.parent)
+    with ExitStack() as held:
+        is_new = nearest != target
         if not is_new:
             held.enter_context(_alone_in(target, folder))
-        temporary = outer / "files"
-        with _telling(temporary, folder):
-            temporary.mkdir()
+        outer = held.enter_context(unfinished_folder(nearest, folder))
+        # A new folder is renamed with those that it is in, so that a killed writer leaves none of them.
+        temporary = outer.joinpath(*target.relative_to(nearest).parts[1:])
+        with _telling(outer, folder), _telling(temporary, folder):
+            temporary.mkdir(parents=True, exist_ok=True)
             yield temporary
-            if is_new and _appear(temporary, target):
+            _flush_all(outer)
+            if is_new and _appear(outer, nearest / target.relative_to(nearest).parts[0]):
                 return
             if is_new:  # and made by somebody else meanwhile
+                make_folder(target)
                 held.enter_context(_alone_in(target, folder))
             names = sorted(path.name for path in temporary.iterdir())
             check_output_folder(folder, names)
             for name in names:
-                # Links may lead to another disk, where only what lies there already is whole at once.
-                with replacing(target / name) as place:
-                    shutil.move(temporary / name, place)
+                _move(temporary / name, _follow(target / name))
+            flush_folder(target)
+
+
+def make_folder(folder: Path) -> None:
+    """Makes a folder and those that it is in, where they are not there yet.
+
+    Raises:
+        FileAccessError: The system does not let it be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileAccessError(f"cannot write {folder}: {error.strerror}") from error
+
+
+@contextmanager
+def unfinished_folder(parent: Path, asked: Path) -> Iterator[Path]:
+    """A folder for what is not complete, on the disk that it will stay on; it may be renamed.
+
+    Args:
+        parent: Where it is.
+        asked: What errors name.
+
+    Raises:
+        FileAccessError: The system does not let it be made.
+    """
+    sweep(parent)
+    with _unfinished(parent, asked, _create_folder) as folder:
+        yield folder
+
+
+def sweep(folder: Path) -> None:
+    """Removes what killed writers have left unfinished in a folder."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if is_unfinished(entry.name):
+                remove_stale(Path(entry.path))
+
+
+def is_unfinished(name: str) -> bool:
+    """Whether a file or folder of this name is not complete."""
+    return _UNFINISHED.fullmatch(name) is not None
+
+
+def remove_stale(path: Path) -> None:
+    """Removes something unfinished unless its writer may be alive."""
+    import fcntl
+
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        try:
+            found = _UNFINISHED.fullmatch(path.name)
+            tells = found is not None and found[1] == _name_machine()
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return
+            except OSError:  # disks that know no locks
+                tells = False
+            if tells or os.fstat(descriptor).st_mtime < time.time() - STALE_SECONDS:
+                _remove(path)
+        finally:
+            os.close(descriptor)
+
+
+def flush(path: Path) -> None:
+    """Brings a file's content to the disk, so that no power cut leaves its new name without it.
+
+    Raises:
+        OSError: The system cannot; the error names the file.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def flush_folder(folder: Path) -> None:
+    """Brings new names to the disk. Where that cannot be done, files are whole under one name or another."""
+    with suppress(OSError):
+        flush(folder)
+
+
+def _flush_all(folder: Path) -> None:
+    for place, _, names in os.walk(folder):
+        for name in names:
+            flush(Path(place, name))
+        flush_folder(Path(place))
 
 
 def _appear(temporary: Path, target: Path) -> bool:
     """Whether a folder could take a place where there was none, or an empty one."""
-    target.parent.mkdir(parents=True, exist_ok=True)
     try:
         temporary.rename(target)
     except OSError as error:
         if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
             return False
         raise
+    flush_folder(target.parent)
     return True
+
+
+def _move(path: Path, target: Path) -> None:
+    """Lets a file take a place, whole at once; also where a link leads to another disk."""
+    try:
+        path.replace(target)
+    except OSError as error:
+        if error.errno != errno.EXDEV:
+            raise
+        with replacing(target) as temporary:
+            shutil.copyfile(path, temporary)
 
 
 @contextmanager
@@ -133,11 +286,14 @@ def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
     """Refuses a folder that another writer fills; the system forgets who has ended, or was killed."""
     import fcntl
 
-    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    except OSError as error:
+        raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        os.close(descriptor)
+        _close(descriptor)
         raise FileAccessError(
             f"cannot write {asked}: another program is writing into it; wait until it ends, or name "
             "another folder"
@@ -147,20 +303,80 @@ def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        os.close(descriptor)
+        _close(descriptor)
 
 
 @contextmanager
-def _unfinished(parent: Path, asked: Path) -> Iterator[Path]:
-    """A folder for what is not complete, on the disk that it will stay on."""
+def _unfinished(
+    parent: Path, asked: Path, create: Callable[[Path], int], suffix: str = ""
+) -> Iterator[Path]:
+    """Something that is locked until the block ends, and removed unless it has another name by then."""
+    for _ in range(_MOST_TRIALS):
+        temporary = parent / f".unfinished-{_name_machine()}-{secrets.token_hex(8)}{suffix}"
+        descriptor = None
+        try:
+            try:
+                descriptor = create(temporary)
+            except OSError as error:
+                raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+            # A program that sweeps may have found it before it was locked.
+            if _lock(descriptor) and _is_at(descriptor, temporary):
+                yield temporary
+                return
+        finally:
+            with suppress(OSError):
+                _remove(temporary)
+            if descriptor is not None:
+                _close(descriptor)
+    raise FileAccessError(f"cannot write {asked}: another program removes what is written there")
+
+
+def _create_file(path: Path) -> int:
+    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+
+
+def _create_folder(path: Path) -> int:
+    path.mkdir()
+    return os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+
+
+def _lock(descriptor: int) -> bool:
+    """Whether nobody else holds it; also where the disk knows no locks."""
+    import fcntl
+
     try:
-        folder = Path(tempfile.mkdtemp(dir=parent, prefix=".unfinished-"))
-    except OSError as error:
-        raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _is_at(descriptor: int, path: Path) -> bool:
     try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        return os.path.samestat(os.fstat(descriptor), os.stat(path))
+    except FileNotFoundError:
+        return False
+
+
+@cache
+def _name_machine() -> str:
+    """Locks may be unknown to other machines that have the same disk: what is theirs is left to them."""
+    return hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink()
+
+
+def _close(descriptor: int) -> None:
+    """Of what was only locked, or is on the disk already: there is nothing to lose."""
+    with suppress(OSError):
+        os.close(descriptor)
 
 
 @contextmanager
@@ -175,7 +391,7 @@ def _telling(temporary: Path, asked: Path) -> Iterator[None]:
         raise
     except OSError as error:
         named = isinstance(error.filename, str)
-        if not (error.filename.startswith(str(temporary)) if named else error.errno in _OF_WRITING):
+        if not (error.filename.startswith(str(temporary)) if named else error.errno in OF_WRITING):
             raise
         path = str(error.filename or temporary).replace(str(temporary), str(asked))
         raise FileAccessError(f"cannot write {path}: {error.strerror or error}") from error
@@ -183,11 +399,14 @@ def _telling(temporary: Path, asked: Path) -> Iterator[None]:
 
 def _try_folder(folder: Path, asked: Path) -> None:
     try:
-        # Has no name where the system knows such files.
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        descriptor = os.open(folder, os.O_TMPFILE | os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
-        raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+        if error.errno not in _WITHOUT_NAMELESS_FILES:
+            raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+        with _unfinished(folder, asked, _create_file):
+            pass
+    else:
+        _close(descriptor)
 
 
 def _find_mode(path: Path) -> int | None:

@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from voxshell import _core
+from voxshell._outputs import is_unfinished, remove_stale, unfinished_folder
 from voxshell.errors import (
     MemoryLimitError,
     ModelFileError,
@@ -49,11 +50,7 @@ MOST_IN_MEMORY = 16
 LONGEST_WAIT = 600.0
 """Seconds to wait for another process that builds the same model, before building it as well."""
 
-STALE_SECONDS = 600.0
-"""Unfinished files are removed at this age. To write one takes well below a second."""
-
 _SUFFIX, _LOCK_SUFFIX = ".vxs", ".lock"
-_UNFINISHED = re.compile(r"\.voxshell-\d+-\d+\.tmp")
 _MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})\.vxs")
 _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
 _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12}
@@ -131,7 +128,8 @@ class ModelCache:
             if problem is not None:
                 return self._build_for_memory(key, build, problem)
             # Somebody else may have built it in the meantime, or left a damaged file.
-            model = _recall(key) or self._load(key)
+            with suppress(OSError):  # of which storing tells
+                model = _recall(key) or self._load(key)
             if model is not None:
                 return model
             started = time.perf_counter()
@@ -166,13 +164,10 @@ class ModelCache:
 
     def sweep(self) -> None:
         """Removes what processes that were killed left behind."""
-        before = time.time() - STALE_SECONDS
-        for file, status in self._files():
-            if status.st_mtime > before:
-                continue
+        for file, _ in self._files():
             with suppress(OSError):
-                if _UNFINISHED.fullmatch(file.name):
-                    os.unlink(file.path)
+                if is_unfinished(file.name):
+                    remove_stale(Path(file.path))
                 elif _LOCK.fullmatch(file.name):
                     with _Lock(Path(file.path)) as lock:
                         lock.try_acquire()
@@ -187,7 +182,7 @@ class ModelCache:
         """None where there is none, or none that can be used."""
         if self.folder is None:
             raise FileNotFoundError("there is no home directory; set VOXSHELL_CACHE_DIR")
-        for path in self.folder.glob(f"{key}-*{_SUFFIX}"):
+        for path in self._find(key):
             try:
                 # A sound file of another model has another seal.
                 if path.name != _name(key, _read_seal(key, path)):
@@ -200,22 +195,34 @@ class ModelCache:
             return model
         return None
 
+    def _find(self, key: str) -> list[Path]:
+        """The files of a key; what killed processes left behind is removed on the way."""
+        assert self.folder is not None
+        names = []
+        try:
+            with os.scandir(self.folder) as files:
+                names = [file.name for file in files]
+        except (FileNotFoundError, NotADirectoryError):
+            pass
+        if not all(name.endswith(_SUFFIX) for name in names):
+            self.sweep()
+        found = [name for name in names if name.startswith(key)]
+        return [self.folder / name for name in found if _MODEL.fullmatch(name)]
+
     def _store(self, key: str, model: CoreModel) -> None:
         assert self.folder is not None
-        unnamed = self.folder / f".voxshell-{os.getpid()}-{threading.get_ident()}.tmp"
         try:
-            model.save(os.fsencode(unnamed))
-            for path in self.folder.glob(f"{key}-*{_SUFFIX}"):  # damaged ones
-                with suppress(FileNotFoundError):
-                    path.unlink()
-            unnamed.replace(self.folder / _name(key, _read_seal(key, unnamed)))
+            with unfinished_folder(self.folder, self.folder) as unfinished:
+                unnamed = unfinished / f"model{_SUFFIX}"
+                model.save(os.fsencode(unnamed))
+                for path in self.folder.glob(f"{key}-*{_SUFFIX}"):  # damaged ones
+                    with suppress(FileNotFoundError):
+                        path.unlink()
+                unnamed.replace(self.folder / _name(key, _read_seal(key, unnamed)))
             self._make_room()
         except OSError as error:
             self._warn(error)
             _remember(key, model)
-        finally:
-            with suppress(OSError):
-                unnamed.unlink()
 
     def _make_room(self) -> None:
         self.sweep()
@@ -365,7 +372,8 @@ class _Lock:
         if self._descriptor is not None:
             with suppress(OSError):
                 os.unlink(self._path)
-            os.close(self._descriptor)
+            with suppress(OSError):  # which holds no data
+                os.close(self._descriptor)
             self._descriptor = None
 
 

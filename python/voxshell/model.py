@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 import warnings
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -281,10 +279,7 @@ class Model:
 
     def __reduce__(self) -> tuple[Callable[[bytes], Model], tuple[bytes]]:
         """Pickles as the bytes of a model file."""
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "model.vxs")
-            self.save(path)
-            return _unpickle, (path.read_bytes(),)
+        return _unpickle, (self._core.to_bytes(),)
 
     @property
     def mesh(self) -> Mesh:
@@ -384,10 +379,7 @@ class Model:
 
 
 def _unpickle(content: bytes) -> Model:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "model.vxs")
-        path.write_bytes(content)
-        return Model.load(path)
+    return Model(CoreModel.from_bytes(content))
 
 
 def _as_sign(value: str) -> str:

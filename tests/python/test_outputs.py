@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import signal
 import stat
@@ -220,3 +221,70 @@ def test_a_folder_that_somebody_makes_meanwhile_is_filled(tmp_path):
         "one": "outer",
         "two": "inner",
     }
+
+
+def test_a_killed_writer_of_a_new_folder_leaves_nothing_once_it_is_run_again(tmp_path):
+    """Its temporary folder stayed for ever."""
+    code = """
+import os, signal, sys
+from pathlib import Path
+from voxshell._outputs import filling
+with filling(Path(sys.argv[1])) as folder:
+    (folder / "one").write_text("newer")
+    if sys.argv[2] == "killed":
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+    for how in ("killed", "ended"):
+        subprocess.run([sys.executable, "-c", code, tmp_path / "a" / "new", how])
+    assert [str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")] == [
+        "a",
+        "a/new",
+        "a/new/one",
+    ]
+
+
+def test_what_a_living_writer_has_not_finished_is_left_to_it(tmp_path):
+    with replacing(tmp_path / "a") as slow:
+        slow.write_text("a")
+        with replacing(tmp_path / "b") as quick:
+            quick.write_text("b")
+        with filling(tmp_path / "new") as folder:
+            (folder / "c").write_text("c")
+    texts = {path.name: path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
+    assert texts == {"a": "a", "b": "b", "c": "c"}
+
+
+def test_what_others_name_alike_is_not_swept(tmp_path):
+    names = [".unfinished-notes", ".unfinished-01234567-0123456789abcdef0", ".unfinished-x.txt"]
+    for name in names:
+        (tmp_path / name).mkdir()
+        os.utime(tmp_path / name, (0, 0))
+    with replacing(tmp_path / "a") as temporary:
+        temporary.write_text("a")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*names, "a"])
+
+
+WRITING = {"write_text", "write_bytes", "mkdir", "mkdtemp", "mkstemp", "rename", "replace", "savez"}
+ALLOWED = {
+    ("cache.py", "mkdir"),  # which warns
+    ("cache.py", "replace"),  # out of an unfinished folder
+}
+
+
+def test_nothing_else_writes_files():
+    """A writer of its own would leave torn files, or litter."""
+    package = Path(vx.__file__).parent
+    found = set()
+    for path in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+                continue
+            is_method_of_path = node.func.attr != "replace" or len(node.args) == 1
+            opens = node.func.attr == "open" and any(
+                isinstance(each, ast.Constant) and set(str(each.value)) & set("wxa+")
+                for each in node.args
+            )
+            if opens or (node.func.attr in WRITING and is_method_of_path):
+                found.add((str(path.relative_to(package)), node.func.attr))
+    found = {each for each in found if each[0] != "_outputs.py"}
+    assert found == ALLOWED

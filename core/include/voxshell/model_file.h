@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "voxshell/model.h"
 #include "voxshell/result.h"
@@ -23,5 +26,13 @@ Result<std::monostate> save_model(const Model& model, const std::string& path);
 Result<std::shared_ptr<const Model>> load_model(const std::string& path,
                                                 std::uint64_t memory_limit = std::uint64_t{4}
                                                                              << 30);
+
+/// The bytes of the file that save_model() writes.
+std::vector<std::byte> model_to_bytes(const Model& model);
+
+/// The same as load_model(), of bytes that are in memory already.
+Result<std::shared_ptr<const Model>> model_from_bytes(std::span<const std::byte> bytes,
+                                                      std::uint64_t memory_limit = std::uint64_t{4}
+                                                                                   << 30);
 
 }  // namespace voxshell

@@ -2,9 +2,11 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <ctime>
 #include <fcntl.h>
 #include <filesystem>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -64,32 +66,69 @@ Result<std::string> find_target(const std::string& path) {
   return access_error("write", path, std::generic_category().message(ELOOP));
 }
 
-/// Removes unfinished files of writers that were killed. Which of them still run cannot be told:
-/// they may be on other machines. But none leaves its file alone for so long, by the clock of the
-/// disk that both are on.
-void remove_stale_files(const std::string& folder, std::time_t now) {
-  const std::string prefix = OutputFile::kUnfinishedPrefix;
-  const std::string suffix = OutputFile::kUnfinishedSuffix;
-  std::error_code error;
-  std::filesystem::directory_iterator entry(folder, error);
-  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    struct stat status{};
-    if (name.starts_with(prefix) && name.ends_with(suffix) &&
-        name.find_first_not_of("0123456789-", prefix.size()) == name.size() - suffix.size() &&
-        ::lstat(entry->path().c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-        status.st_mtime < now - kStaleSeconds) {
-      ::unlink(entry->path().c_str());
-    }
-  }
-}
-
 /// Calls again where a signal came in between.
 template <class Call>
 auto retry(const Call& call) {
   while (true) {
     const auto result = call();
     if (result >= 0 || errno != EINTR) return result;
+  }
+}
+
+/// The beginning of the names of this machine's unfinished files, whose locks it knows.
+std::string unfinished_name() {
+  char host[256] = "";
+  ::gethostname(host, sizeof(host) - 1);
+  std::uint32_t hash = 2166136261u;  // FNV-1a
+  for (const char* letter = host; *letter != '\0'; ++letter) {
+    hash = (hash ^ static_cast<unsigned char>(*letter)) * 16777619u;
+  }
+  return OutputFile::kUnfinishedPrefix + std::to_string(hash) + "-";
+}
+
+enum class Lock { kHeld, kTaken, kUnknown };
+
+/// Locks an open file until it is closed, be it by the end of a killed process.
+Lock try_lock(int descriptor) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return Lock::kHeld;
+  return errno == EWOULDBLOCK ? Lock::kTaken : Lock::kUnknown;
+}
+
+bool is_at(int descriptor, const std::string& path) {
+  struct stat open{};
+  struct stat named{};
+  return ::fstat(descriptor, &open) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+}
+
+/// Removes an unfinished file unless its writer may be alive. A writer holds a lock. Those of other
+/// machines may be unknown here, and some disks know none; but no writer leaves its file alone for
+/// so long, by the clock of the disk.
+void remove_stale_file(const std::string& path, bool is_ours, std::time_t now) {
+  const int descriptor =
+      retry([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); });
+  if (descriptor < 0) return;
+  const Lock lock = try_lock(descriptor);
+  struct stat status{};
+  if (lock != Lock::kTaken && ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+      ((is_ours && lock == Lock::kHeld) || status.st_mtime < now - kStaleSeconds)) {
+    ::unlink(path.c_str());
+  }
+  ::close(descriptor);
+}
+
+void remove_stale_files(const std::string& folder, std::time_t now) {
+  const std::string prefix = OutputFile::kUnfinishedPrefix;
+  const std::string suffix = OutputFile::kUnfinishedSuffix;
+  const std::string ours = unfinished_name();
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(prefix) && name.ends_with(suffix) &&
+        name.find_first_not_of("0123456789-", prefix.size()) == name.size() - suffix.size()) {
+      remove_stale_file(entry->path().string(), name.starts_with(ours), now);
+    }
   }
 }
 
@@ -154,11 +193,17 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   constexpr int kMostTrials = 10'000;
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    std::string unfinished = folder + "/" + kUnfinishedPrefix + std::to_string(::getpid()) + "-" +
+    std::string unfinished = folder + "/" + unfinished_name() + std::to_string(::getpid()) + "-" +
                              std::to_string(counter.fetch_add(1)) + kUnfinishedSuffix;
     const int descriptor = retry(
         [&] { return ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
     if (descriptor >= 0) {
+      // Whoever sweeps may have found it before it was locked.
+      if (try_lock(descriptor) == Lock::kTaken || !is_at(descriptor, unfinished)) {
+        ::close(descriptor);
+        ::unlink(unfinished.c_str());
+        continue;
+      }
       struct stat status{};
       if (::fstat(descriptor, &status) == 0) remove_stale_files(folder, status.st_mtime);
       return OutputFile(descriptor, std::move(unfinished), *std::move(target));

@@ -11,6 +11,7 @@ from cyclopts import CycloptsError, UnusedCliTokensError
 from rich.console import Console
 from rich.markup import escape
 
+from voxshell._outputs import OF_WRITING
 from voxshell.cache import CacheWarning
 from voxshell.cli.interrupts import raising_interrupts
 from voxshell.errors import FileAccessError, MissingExtraError, VoxshellError
@@ -59,7 +60,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return FAILURE
         except OSError as error:
-            _say("error", str(error))
+            _say("error", _describe_system_error(error))
             return FAILURE
         except MemoryError:
             _say("error", "out of memory; give fewer or simpler meshes, or larger sizes")
@@ -87,6 +88,13 @@ def _describe(error: CycloptsError) -> str:
     if isinstance(error, UnusedCliTokensError) and error.unused_tokens:
         return f"too many arguments: {' '.join(error.unused_tokens)}"
     return str(error).strip().rstrip(".")
+
+
+def _describe_system_error(error: OSError) -> str:
+    """Of files, errors have a name; without one they come of what is printed."""
+    if error.filename is None and error.errno in OF_WRITING:
+        return f"cannot write to standard output: {error.strerror}"
+    return str(error)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:

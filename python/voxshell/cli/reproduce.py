@@ -11,7 +11,7 @@ from cyclopts import App, Parameter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from voxshell._outputs import check_output_folder
+from voxshell._outputs import check_output_folder, make_folder
 from voxshell.cli.verdict_table import make_table
 from voxshell.errors import SettingsError
 from voxshell.experiments.files import finite
@@ -78,7 +78,7 @@ def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
         known=[*(each.name for each in EXPERIMENTS), *OTHER_TABLES],
     )
     check_output_folder(options.out)
-    options.out.mkdir(parents=True, exist_ok=True)
+    make_folder(options.out)
     progress_console = Console(quiet=options.json_only, stderr=True)
     _run_missing(studies, options, progress_console)
     findings = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from voxshell._outputs import filling
 from voxshell.errors import MissingExtraError
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import write_json
+from voxshell.experiments.files import write_csv, write_figure, write_json, write_parquet
 from voxshell.scenes.scene_run import make_recording, tabulate_contacts, tabulate_poses
 
 if TYPE_CHECKING:
@@ -161,17 +160,11 @@ def _write_all(
 
 def _write_table(path: Path, columns: Mapping[str, NDArray[np.generic]]) -> None:
     if path.suffix == ".csv":
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(columns)
-            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
-        return
-    import pyarrow
-    from pyarrow import parquet
-
-    parquet.write_table(
-        pyarrow.table({name: pyarrow.array(column) for name, column in columns.items()}), path
-    )
+        write_csv(
+            path, columns, zip(*(column.tolist() for column in columns.values()), strict=True)
+        )
+    else:
+        write_parquet(path, columns)
 
 
 def _draw(path: Path, scene: Scene, run: SceneRun) -> None:
@@ -202,4 +195,4 @@ def _draw(path: Path, scene: Scene, run: SceneRun) -> None:
     if heights.lines:
         heights.legend(loc="upper right", frameon=False)
     figure.suptitle(scene.title, x=0.01, ha="left", fontsize=13)
-    figure.savefig(path)
+    write_figure(path, figure)

@@ -5,17 +5,19 @@ from __future__ import annotations
 import hashlib
 import os
 import time
+import warnings
 from dataclasses import dataclass
 from importlib import import_module, metadata
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 from zipfile import BadZipFile
 
 import numpy as np
 
-from voxshell._outputs import replacing
-from voxshell.cache import find_folder, read_capacity
+from voxshell._outputs import make_folder, write_bytes
+from voxshell.cache import CacheWarning, find_folder, read_capacity
 from voxshell.errors import MeshError, MissingExtraError
 from voxshell.meshes import Mesh
 from voxshell.scenes.solids import simplify
@@ -128,7 +130,7 @@ def split(mesh: Mesh, recipe: Recipe) -> Parts:
         return kept
     made = make_parts(mesh, recipe)
     if path is not None:
-        store_parts(path, made)
+        keep_parts(path, made)
     return made
 
 
@@ -217,14 +219,20 @@ def load_parts(path: Path) -> Parts | None:
         return None
 
 
-def store_parts(path: Path, parts: Parts) -> None:
-    """Keeps parts where :func:`load_parts` finds them."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        np.savez_compressed(
-            temporary,
-            points=np.concatenate(parts.hulls),
-            ends=np.cumsum([len(hull) for hull in parts.hulls]),
-            seconds=parts.seconds,
-            version=parts.version,
+def keep_parts(path: Path, parts: Parts) -> None:
+    """Keeps parts where :func:`load_parts` finds them; warns where the system does not let it."""
+    content = BytesIO()
+    np.savez_compressed(
+        content,
+        points=np.concatenate(parts.hulls),
+        ends=np.cumsum([len(hull) for hull in parts.hulls]),
+        seconds=parts.seconds,
+        version=parts.version,
+    )
+    try:
+        make_folder(path.parent)
+        write_bytes(path, content.getbuffer())
+    except OSError as error:
+        warnings.warn(
+            f"convex parts are not kept for the next run: {error}", CacheWarning, stacklevel=2
         )

@@ -10,7 +10,7 @@ import numpy as np
 from voxshell.errors import MissingExtraError
 from voxshell.experiments.drop import FULL_OPERATION, REST_STEPS
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import write_json
+from voxshell.experiments.files import write_figure, write_json
 from voxshell.experiments.units import format_time
 from voxshell.scenes.drop import BULLET_MARGIN, GROUND_HALF_EXTENTS
 
@@ -141,7 +141,7 @@ def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
     )
     figure.suptitle(title, x=0.01, ha="left", fontsize=13)
     figure.legend(loc="outside right center", frameon=False)
-    figure.savefig(path)
+    write_figure(path, figure)
 
 
 def save_page(path: Path, title: str, runs: list[DropRun], summaries: list[DropSummary]) -> None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import replacing
 from voxshell.errors import SettingsError
 from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import write_json
+from voxshell.experiments.files import write_csv, write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.running import run_parts
 from voxshell.experiments.settings import override
@@ -133,25 +131,14 @@ def describe_rows(study: Study, rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def _write_table(path: Path, rows: list[Row]) -> None:
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(
+    write_csv(
+        path,
+        ("quantity", "published", "here", "unit", "reproduced", "bar", "holds", "verdict", "note"),
+        (
             [
-                "quantity",
-                "published",
-                "here",
-                "unit",
-                "reproduced",
-                "bar",
-                "holds",
-                "verdict",
-                "note",
+                *(row.quantity, row.published, row.here, row.unit),
+                *(row.reproduced, row.bar, row.holds, row.verdict, row.note),
             ]
-        )
-        for row in rows:
-            writer.writerow(
-                [
-                    *(row.quantity, row.published, row.here, row.unit),
-                    *(row.reproduced, row.bar, row.holds, row.verdict, row.note),
-                ]
-            )
+            for row in rows
+        ),
+    )

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.errors import MissingExtraError
-from voxshell.experiments.files import write_json
+from voxshell._outputs import filling, make_folder, sweep
+from voxshell.experiments.files import import_pyarrow, write_json, write_parquet
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from voxshell.experiments.part import Outcome, Part, Tables
 
 MANIFEST = "manifest.json"
@@ -41,22 +40,16 @@ class Store:
         return (self.place(part) / MANIFEST).is_file()
 
     def put(self, part: Part, outcome: Outcome) -> None:
-        """Writes each table as Parquet, and the manifest."""
-        pyarrow, parquet = _import_pyarrow()
-        self.folder.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=self.folder, prefix=".unfinished-"))
-        try:
+        """Writes each table as Parquet, and the manifest.
+
+        Raises:
+            FileAccessError: The system does not let them be written.
+        """
+        make_folder(self.folder)
+        with filling(self.place(part)) as folder:
             for name, columns in outcome.tables.items():
-                parquet.write_table(
-                    pyarrow.table({key: pyarrow.array(v) for key, v in columns.items()}),
-                    temporary / f"{name}.parquet",
-                )
-            write_json(temporary / MANIFEST, outcome.manifest)
-            temporary.chmod(0o755)
-            if not self.has(part):
-                temporary.rename(self.place(part))
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
+                write_parquet(folder / f"{name}.parquet", columns)
+            write_json(folder / MANIFEST, outcome.manifest)
 
     def get(self, part: Part) -> Tables:
         """The part's tables.
@@ -64,7 +57,7 @@ class Store:
         Raises:
             OSError: It is not done.
         """
-        _, parquet = _import_pyarrow()
+        _, parquet = import_pyarrow()
         return {
             path.stem: {
                 name: np.asarray(column.to_numpy())
@@ -78,24 +71,9 @@ class Store:
         return json.loads((self.place(part) / MANIFEST).read_text(encoding="utf-8"))
 
     def sweep(self) -> None:
-        """Removes what killed runs left unfinished. Nobody else may be writing."""
-        for path in self.folder.glob(".unfinished-*"):
-            shutil.rmtree(path, ignore_errors=True)
+        """Removes what killed runs left unfinished."""
+        sweep(self.folder)
 
 
 def _columns(table: Any) -> Any:
     return zip(table.column_names, table.columns, strict=True)
-
-
-def _import_pyarrow() -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise MissingExtraError(
-            "experiments keep their data as Parquet: pip install voxshell[experiments]"
-        ) from error
-    # Threads of its own would run beside what is timed.
-    pyarrow.set_cpu_count(1)
-    pyarrow.set_io_thread_count(1)
-    return pyarrow, pyarrow.parquet

@@ -7,7 +7,7 @@ from html import escape
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import replacing
+from voxshell._outputs import write_text
 from voxshell.errors import RecordingError
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT
@@ -106,6 +106,5 @@ def metric(length: float) -> str:
 
 def write_whole(path: Path, text: str) -> Path:
     """Writes a file so that readers see the old one or the new one, never a part."""
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
     return path

@@ -32,6 +32,16 @@ def test_files_that_libraries_leave_are_beside_the_log(run, tmp_path):
     assert (tmp_path / "LIBRARY_LOG.TXT").is_file()
 
 
+def test_log_that_cannot_be_written_is_an_ending_that_names_it(run, tmp_path, capfd):
+    """A traceback went to standard error, and the ending named nothing."""
+    (tmp_path / "work.log").mkdir()
+    received, ending = run(toy_peers.count_up, count=5)
+    assert received == []
+    assert ending.how == "failed"
+    assert ending.reason.endswith(f"Is a directory: '{tmp_path}/work.log'")
+    assert capfd.readouterr().err == ""
+
+
 def test_crash_is_an_ending_that_names_the_signal(run):
     received, ending = run(toy_peers.abort)
     assert received == ["before"]

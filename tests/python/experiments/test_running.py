@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toy_parts
+from voxshell._outputs import filling
 from voxshell.experiments import part as part_module
 from voxshell.experiments.part import Part, compute_part
 from voxshell.experiments.running import RunError, run_each, run_parts
@@ -149,7 +150,13 @@ def test_error_of_a_process_is_the_callers(tmp_path):
 
 def test_what_a_killed_run_left_is_swept(tmp_path):
     store = Store(tmp_path)
-    (tmp_path / ".unfinished-x").mkdir()
-    (tmp_path / ".unfinished-x" / "numbers.parquet").write_bytes(b"torn")
-    store.sweep()
-    assert list(tmp_path.iterdir()) == []
+    child = os.fork()
+    if child == 0:
+        with filling(store.place(SQUARES)):
+            os._exit(0)
+    os.waitpid(child, 0)
+    assert len(list(tmp_path.iterdir())) == 1
+    with filling(tmp_path / "of a living writer"):
+        store.sweep()
+        assert len(list(tmp_path.iterdir())) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["of a living writer"]

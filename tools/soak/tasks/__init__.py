@@ -7,6 +7,7 @@ from soak.tasks import (
     cold_keys,
     field_values,
     fuzzing,
+    killed_commands,
     kills,
     latency,
     memory,
@@ -14,6 +15,7 @@ from soak.tasks import (
     random_worlds,
     real_geometry,
     tree_poses,
+    write_faults,
     wrong_arguments,
 )
 
@@ -24,6 +26,8 @@ TASKS: dict[str, Task] = {
     "mutated_meshes": mutated_meshes.TASK,
     "wrong_arguments": wrong_arguments.TASK,
     "kills": kills.TASK,
+    "write_faults": write_faults.TASK,
+    "killed_commands": killed_commands.TASK,
     "cold_keys": cold_keys.TASK,
     "fuzz_parsing": fuzzing.PARSING,
     "fuzz_queries": fuzzing.QUERIES,

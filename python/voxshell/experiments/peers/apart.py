@@ -97,14 +97,14 @@ def _run(
     log: Path,
 ) -> None:
     begin_worker()
-    # Libraries write to the descriptors, past Python's streams.
-    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
-    os.dup2(descriptor, 1)
-    os.dup2(descriptor, 2)
-    faulthandler.enable(sys.stderr)
-    # Some libraries leave files wherever they run.
-    os.chdir(log.parent)
     try:
+        # Libraries write to the descriptors, past Python's streams.
+        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        os.dup2(descriptor, 1)
+        os.dup2(descriptor, 2)
+        faulthandler.enable(sys.stderr)
+        # Some libraries leave files wherever they run.
+        os.chdir(log.parent)
         for message in work(**arguments):
             sender.send(message)
         sender.send(Ending("done"))

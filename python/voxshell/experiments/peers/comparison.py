@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from voxshell._outputs import make_folder
 from voxshell.experiments.convex_parts import CONCAVITY, Parts
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import write_json
@@ -75,10 +76,10 @@ def compare(
 
     Raises:
         MeshError: The bunny is not installed.
-        OSError: The folder cannot be written.
+        FileAccessError: The folder cannot be written.
     """
     logs = out / "logs"
-    logs.mkdir(parents=True, exist_ok=True)
+    make_folder(logs)
     job = make_job(settings)
     parts, parts_ending = None, None
     if any(peer.needs_parts for peer in peers):
@@ -159,7 +160,7 @@ def _measure_or_recall(
         }
     # What was missing or failed may be there the next time.
     if row.status == "measured":
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         write_json(path, asdict(row))
     return row
 

@@ -8,9 +8,9 @@ from voxshell.experiments.convex_parts import (
     RECIPES,
     Parts,
     find_place,
+    keep_parts,
     load_parts,
     make_parts,
-    store_parts,
 )
 from voxshell.experiments.peers.apart import Ending, run_apart
 
@@ -45,7 +45,7 @@ def fetch_parts(
     made: list[Parts] = []
     ending = run_apart(decompose, {"mesh": mesh}, made.append, limit=limit, log=log)
     if made and path is not None:
-        store_parts(path, made[0])
+        keep_parts(path, made[0])
     return (made[0] if made else None), ending
 
 

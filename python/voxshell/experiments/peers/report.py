@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import replacing
-from voxshell.experiments.files import write_json
+from voxshell._outputs import make_folder, write_text
+from voxshell.experiments.files import write_csv, write_json
 from voxshell.experiments.part import plain
 from voxshell.experiments.peers.cases import (
     BOX_HALF_EXTENTS,
@@ -34,12 +33,11 @@ GROUNDS = ("plane", "box")
 
 def write_results(out: Path, comparison: Comparison, command: str) -> None:
     """Writes ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     write_json(out / "peers.json", describe(comparison) | {"command": command})
     _write_csv(out / "cases.csv", list_cases(comparison))
     _write_csv(out / "drops.csv", list_drops(comparison))
-    with replacing(out / "peers.md") as temporary:
-        temporary.write_text(write_markdown(comparison, command), encoding="utf-8")
+    write_text(out / "peers.md", write_markdown(comparison, command))
 
 
 def describe(comparison: Comparison) -> dict[str, object]:
@@ -389,8 +387,7 @@ def _table(headings: list[str], rows: Iterable[list[str]]) -> list[str]:
 
 
 def _write_csv(path: Path, rows: list[dict[str, object]]) -> None:
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        if rows:
-            writer = csv.DictWriter(file, list(rows[0]))
-            writer.writeheader()
-            writer.writerows(rows)
+    if rows:
+        write_csv(path, rows[0], (row.values() for row in rows))
+    else:
+        write_text(path, "")

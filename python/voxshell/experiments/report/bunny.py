@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import replacing
+from voxshell._outputs import make_folder
 from voxshell.comparison_shapes import ConvexDecomposition
 from voxshell.experiments import bunny
 from voxshell.experiments.bunny import BunnyFallSettings
@@ -24,6 +24,7 @@ from voxshell.experiments.report.paint import (
     Solid,
     join_row,
     make_hue,
+    save_picture,
     save_row,
     thin_out,
 )
@@ -369,7 +370,7 @@ def _rows_of_rest(results: Results, methods: Sequence[Method]) -> list[Row]:
 
 def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Picture]:
     """Curves, frames, hulls, segments, an animation and a replay."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     tables = results["orientation-0"]
     mesh = bunny.read_scaled(bunny.find_mesh(settings), settings.size)
     runs = _read_runs(settings, tables, thin_out(mesh, settings.size / 60))
@@ -504,16 +505,15 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
             pictures.append(last[key][1])
         frames.append(join_row(pictures))
     milliseconds = round(4 * 1000 * ANIMATION_EVERY / settings.rate)
-    with replacing(path) as temporary:
-        frames[0].save(
-            temporary,
-            format="GIF",
-            save_all=True,
-            append_images=frames[1:],
-            duration=milliseconds,
-            loop=0,
-            optimize=True,
-        )
+    save_picture(
+        frames[0],
+        path,
+        save_all=True,
+        append_images=frames[1:],
+        duration=milliseconds,
+        loop=0,
+        optimize=True,
+    )
 
 
 def _samples(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell._outputs import replacing
+from voxshell._outputs import make_folder, write_text
 from voxshell.experiments import everyday
 from voxshell.experiments.everyday import EverydaySettings, name_part
 from voxshell.experiments.experiment import Experiment, Picture
@@ -149,9 +149,8 @@ def _make_row(line: Line) -> Row:
 def draw(settings: EverydaySettings, results: Results, folder: Path) -> list[Picture]:
     """Errors over bars by rate and engine, the tables for documents, and replays."""
     lines = make_lines(settings, results)
-    folder.mkdir(parents=True, exist_ok=True)
-    with replacing(folder / TABLE) as temporary:
-        temporary.write_text(write_table(lines), encoding="utf-8")
+    make_folder(folder)
+    write_text(folder / TABLE, write_table(lines))
     pictures = []
     if lines:
         _draw_errors(lines, folder / "errors.png")

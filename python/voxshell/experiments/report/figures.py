@@ -5,8 +5,9 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import replacing
+from voxshell._outputs import make_folder
 from voxshell.errors import MissingExtraError
+from voxshell.experiments.files import write_figure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,10 +36,8 @@ def open_figure(path: Path, *, width: float = 10.0, height: float = 5.0) -> Iter
     for axes in figure.axes:
         axes.grid(visible=True, which="major", color="#dddddd", lw=0.6)
         axes.spines[["top", "right"]].set_visible(False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        # Without the version, the same data gives the same bytes everywhere.
-        figure.savefig(temporary, metadata={"Software": None})
+    make_folder(path.parent)
+    write_figure(path, figure)
 
 
 def as_rgb(color: str) -> tuple[int, int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import replacing
+from voxshell._outputs import write_text
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.verdict import format_value
 
@@ -37,8 +37,7 @@ def write_markdown(path: Path, findings: list[Finding], *, command: str) -> None
             f"{experiment.question} {experiment.describe(finding.study.settings)}",
             *_make_tables(finding.rows),
         ]
-    with replacing(path) as temporary:
-        temporary.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    write_text(path, "\n\n".join(parts) + "\n")
 
 
 def _make_tables(rows: list[Row]) -> list[str]:

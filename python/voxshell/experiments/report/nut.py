@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import replacing
 from voxshell.experiments import nut
 from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.motion import read_poses, restore
 from voxshell.experiments.report.figures import OURS, OURS_PLANE, as_rgb, open_figure
-from voxshell.experiments.report.paint import Camera, Canvas, Solid
+from voxshell.experiments.report.paint import Camera, Canvas, Solid, save_picture
 from voxshell.experiments.verdict import Row, at_least, at_most
 from voxshell.scenes.bolt import BoltSettings
 
@@ -168,8 +167,7 @@ def _draw_places(settings: BoltSettings, results: Results, path: Path) -> None:
     row = Image.new("RGB", (900, 320), "white")
     for number, picture in enumerate(pictures):
         row.paste(picture, (300 * number, 0))
-    with replacing(path) as temporary:
-        row.save(temporary, format="PNG")
+    save_picture(row, path)
 
 
 def _save_replay(settings: BoltSettings, results: Results, path: Path) -> None:

@@ -7,7 +7,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import replacing
+from voxshell._outputs import write_text
 from voxshell.experiments.environment import describe_environment
 from voxshell.experiments.files import write_json
 from voxshell.experiments.part import plain
@@ -89,8 +89,7 @@ def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
         sections="\n".join(sections),
         made=_tell_environment(environment),
     )
-    with replacing(out / PAGE) as temporary:
-        temporary.write_text(html, encoding="utf-8")
+    write_text(out / PAGE, html)
 
 
 _PAGE = """<!doctype html>

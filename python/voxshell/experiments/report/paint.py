@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import colorsys
 from dataclasses import dataclass
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import replacing
+from voxshell._outputs import write_bytes
 from voxshell.errors import MissingExtraError
 from voxshell.meshes import Mesh
 
@@ -194,8 +195,20 @@ def join_row(pictures: Sequence[Any], columns: int | None = None) -> Any:
 
 def save_row(pictures: Sequence[Any], path: Path, columns: int | None = None) -> None:
     """Writes what :func:`join_row` makes."""
-    with replacing(path) as temporary:
-        join_row(pictures, columns).save(temporary, format="PNG")
+    save_picture(join_row(pictures, columns), path)
+
+
+def save_picture(picture: Any, path: Path, **options: Any) -> None:
+    """Writes a picture of Pillow's, whole or not at all.
+
+    Args:
+        picture: What to write.
+        path: Where; its ending names the format.
+        **options: Of the format.
+    """
+    content = BytesIO()
+    picture.save(content, format=path.suffix[1:].upper(), **options)
+    write_bytes(path, content.getbuffer())
 
 
 def make_hue(number: int) -> tuple[int, int, int]:

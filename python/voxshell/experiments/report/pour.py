@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell._outputs import replacing
 from voxshell.experiments import pour
 from voxshell.experiments.experiment import Experiment, Picture
 from voxshell.experiments.motion import read_poses, restore
@@ -19,7 +18,7 @@ from voxshell.experiments.report.figures import (
     as_rgb,
     open_figure,
 )
-from voxshell.experiments.report.paint import Camera, Canvas, Solid
+from voxshell.experiments.report.paint import Camera, Canvas, Solid, save_picture
 from voxshell.experiments.verdict import Row
 from voxshell.meshes import Mesh
 from voxshell.scenes.pour import METHODS, PourSettings
@@ -164,8 +163,7 @@ def _draw_heap(settings: PourSettings, results: Results, mesh: Mesh, path: Path)
             for pose, color in zip(last, _shades(settings.count), strict=True)
         ]
     )
-    with replacing(path) as temporary:
-        canvas.finish().save(temporary, format="PNG")
+    save_picture(canvas.finish(), path)
 
 
 def _save_replay(settings: PourSettings, results: Results, mesh: Mesh, path: Path) -> None:

@@ -11,6 +11,7 @@
 #include <string>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
 
@@ -167,6 +168,26 @@ TEST_F(File, SweepsWhatKilledWritersLeft) {
   ASSERT_TRUE(file && file->commit());
   EXPECT_FALSE(std::filesystem::exists(path(".voxshell-1-2.tmp")));
   EXPECT_EQ(file_count(), 4) << "young, or somebody else's";
+}
+
+TEST_F(File, SweepsAtOnceWhatAWriterOfThisMachineLeft) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    auto file = OutputFile::create(path("a"));
+    ::_exit(file && file->append(bytes_of("torn")) ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  ASSERT_EQ(file_count(), 1) << "the writer left nothing";
+  auto living = OutputFile::create(path("b"));
+  ASSERT_TRUE(living);
+  EXPECT_EQ(file_count(), 1);
+  auto other = OutputFile::create(path("c"));
+  ASSERT_TRUE(other && other->commit());
+  ASSERT_TRUE(living->append(bytes_of("b")) && living->commit()) << "swept while it was alive";
+  EXPECT_EQ(content("b"), "b");
+  EXPECT_EQ(file_count(), 2);
 }
 
 TEST_F(File, IsReadFromAnyPlace) {

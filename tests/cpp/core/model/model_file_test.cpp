@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -214,6 +216,20 @@ TEST_F(ModelFile, ReplacesTheOneBefore) {
   const auto loaded = load_model(path("model"));
   ASSERT_TRUE(loaded);
   expect_equal(small_model(), **loaded);
+}
+
+TEST_F(ModelFile, IsReadFromItsBytesInMemory) {
+  ASSERT_TRUE(save_model(small_model(), path("a")));
+  std::ifstream file(path("a"), std::ios::binary);
+  const std::string saved{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<std::byte> bytes = model_to_bytes(small_model());
+  expect_equal(std::as_bytes(std::span(saved)), std::span<const std::byte>(bytes));
+  const auto model = model_from_bytes(bytes);
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_EQ(model_to_bytes(**model), bytes);
+  const auto half = model_from_bytes(std::span(bytes).first(bytes.size() / 2));
+  ASSERT_FALSE(half);
+  EXPECT_EQ(half.error().code, ErrorCode::kInvalidFile);
 }
 
 TEST_F(ModelFile, NamesThePathInErrors) {

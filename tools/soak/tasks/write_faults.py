@@ -1,0 +1,58 @@
+"""Writers whose system calls fail, or which are killed between two calls."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from soak.task import Check, Outcome, Task, Totals, UnavailableError
+
+STRIDE = 7  # of commands, which take long; other cases meet the calls in between
+
+
+def prepare() -> Check:
+    from write_faults import ERRORS, SIGNALS, Fault, Host
+
+    try:
+        host = Host(Path(tempfile.mkdtemp(prefix="voxshell-soak-")))
+    except FileNotFoundError as lack:
+        raise UnavailableError(str(lack)) from lack
+
+    def check(case: int) -> Outcome:
+        rng = np.random.default_rng([case, 11])
+        writer = host.writers[case % len(host.writers)]
+        error = str(rng.choice([*ERRORS, *SIGNALS]))
+        lasts = error not in SIGNALS and bool(rng.integers(2))
+        takes_half, over = bool(rng.integers(2)), bool(rng.integers(2))
+        tallies = {writer: 0.0, error: 0.0}
+        stride = STRIDE if writer.startswith("voxshell ") else 1
+        number = int(rng.integers(1, stride + 1))
+        while host.run(writer, Fault(number, error, lasts, takes_half), over=over):
+            tallies[writer] += 1
+            tallies[error] += 1
+            number += stride
+        return Outcome(tallies[writer], tallies)
+
+    return check
+
+
+def describe(totals: Totals) -> str:
+    from write_faults import ERRORS, SIGNALS
+
+    def list_tallies(names: tuple[str, ...]) -> str:
+        return ", ".join(f"{name} {totals.tallies.get(name, 0):,.0f}" for name in names)
+
+    writers = sorted({*totals.tallies} - {*ERRORS, *SIGNALS})
+    return f"{list_tallies((*ERRORS, *SIGNALS))}; {list_tallies(tuple(writers))}"
+
+
+TASK = Task(
+    promise="A writer whose system calls fail, or that is killed, leaves nothing torn and says why",
+    oracle="the files before and after, the one error, and the same run again without a fault",
+    unit="points of failure",
+    target=1_000,
+    prepare=prepare,
+    describe=describe,
+)
