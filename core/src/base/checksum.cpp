@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "base/little_endian.h"
+
 namespace voxshell {
 namespace {
 
@@ -21,13 +23,14 @@ std::uint64_t mix(std::uint64_t lane, std::uint64_t word) {
 
 void Checksum::add(std::span<const std::byte> bytes) {
   assert(bytes.size() % kStripe == 0);
-  static_assert(std::endian::native == std::endian::little);
   // On the stack the lanes stay in registers.
   std::array<std::uint64_t, 4> lanes = lanes_;
   for (std::size_t at = 0; at + kStripe <= bytes.size(); at += kStripe) {
     std::array<std::uint64_t, 4> words;
     std::memcpy(words.data(), bytes.data() + at, kStripe);
-    for (std::size_t i = 0; i < words.size(); ++i) lanes[i] = mix(lanes[i], words[i]);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      lanes[i] = mix(lanes[i], little_endian(words[i]));
+    }
   }
   lanes_ = lanes;
   size_ += bytes.size();

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "base/portable_math.h"
 #include "mesh/angle_normals.h"
 #include "simd/exact_view.h"
 
@@ -18,10 +19,8 @@ Vec3 unit_normal(const TriangleMesh& mesh, std::size_t triangle) {
   return normalized(cross(b - a, c - a));
 }
 
-/// The angle between two directions, without the last bits of trigonometric functions, which differ
-/// by machine, in what is stored: only weights depend on it.
 double angle_between(const Vec3& u, const Vec3& v) {
-  return std::atan2(length(cross(u, v)), dot(u, v));
+  return portable_atan2(length(cross(u, v)), dot(u, v));
 }
 
 /// The outward normal of a side of a piece, between two corners. What meets the piece there may

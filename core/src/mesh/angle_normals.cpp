@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/portable_math.h"
+
 namespace voxshell {
 namespace {
 
@@ -21,7 +23,7 @@ double measure_angle(const std::array<Vec3, 3>& corners, const Vec3& normal, con
     if (squared_length(place - corners[i]) > rounding * rounding) continue;
     const Vec3 u = corners[next(i)] - corners[i];
     const Vec3 v = corners[next(next(i))] - corners[i];
-    return std::atan2(length(cross(u, v)), dot(u, v));
+    return portable_atan2(length(cross(u, v)), dot(u, v));
   }
   double angle = 2.0 * std::numbers::pi;
   for (std::size_t i = 0; i < kCorners; ++i) {

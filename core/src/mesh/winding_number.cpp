@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/portable_math.h"
 #include "voxshell/bounds.h"
 
 namespace voxshell {
@@ -24,7 +25,7 @@ double solid_angle(const std::array<Vec3, 3>& corners, const Vec3& p) {
   const double la = length(a);
   const double lb = length(b);
   const double lc = length(c);
-  return 2.0 * std::atan2(dot(a, cross(b, c)),
+  return 2.0 * portable_atan2(dot(a, cross(b, c)),
                           la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
+#include "base/little_endian.h"
 #include "voxshell/point_sphere_tree.h"
 #include "voxshell/triangle_mesh.h"
 #include "voxshell/vector.h"
@@ -15,7 +15,8 @@ namespace voxshell::model_format {
 // A model file: a header, a table of its sections, and the sections one after the other, each
 // filled up with zeros to a multiple of kAlignment. Their kinds, order and item sizes are those of
 // visit_sections(), so that the counts decide every other number of the table, which are there for
-// other readers and as a check. Any change of what is written needs another kVersion.
+// other readers and as a check. All numbers are little-endian. Any change of what is written needs
+// another kVersion.
 
 /// The first byte is no letter, and the line ends show whether the file went through something
 /// that changes them.
@@ -39,6 +40,15 @@ struct Header {
 static_assert(sizeof(Header) == kAlignment);
 inline constexpr std::size_t kChecksumFrom = offsetof(Header, version);
 
+/// From this machine's order of bytes to the file's, and back.
+inline Header little_endian(Header header) {
+  header.checksum = voxshell::little_endian(header.checksum);
+  header.version = voxshell::little_endian(header.version);
+  header.section_count = voxshell::little_endian(header.section_count);
+  header.file_size = voxshell::little_endian(header.file_size);
+  return header;
+}
+
 struct TableEntry {
   std::uint32_t kind;
   std::uint32_t item_size;  ///< bytes
@@ -49,6 +59,12 @@ struct TableEntry {
   friend bool operator==(const TableEntry&, const TableEntry&) = default;
 };
 static_assert(sizeof(TableEntry) == 32);
+
+inline TableEntry little_endian(const TableEntry& entry) {
+  return {voxshell::little_endian(entry.kind), voxshell::little_endian(entry.item_size),
+          voxshell::little_endian(entry.offset), voxshell::little_endian(entry.count),
+          voxshell::little_endian(entry.zero)};
+}
 
 /// What is not an array. Metres.
 struct Record {
@@ -155,8 +171,21 @@ bool visit_sections(AnySections& s, const Visit& visit) {
 inline constexpr std::uint64_t kTableEnd =
     align(sizeof(Header) + kSectionCount * sizeof(TableEntry));
 
-// Arrays are written and read as they are.
-static_assert(std::endian::native == std::endian::little);
+/// Bytes of each of the numbers that an item consists of, which lie in memory as in the file, but
+/// for their order of bytes on big-endian machines.
+template <class Item>
+inline constexpr std::size_t kWordSize = sizeof(Item);
+template <>
+inline constexpr std::size_t kWordSize<Record> = 8;
+template <>
+inline constexpr std::size_t kWordSize<Vec3> = 8;
+template <>
+inline constexpr std::size_t kWordSize<Vec3f> = 4;
+template <>
+inline constexpr std::size_t kWordSize<Triangle> = 4;
+template <>
+inline constexpr std::size_t kWordSize<Sphere> = 4;
+
 static_assert(sizeof(Vec3) == 24 && sizeof(Vec3f) == 12 && sizeof(Triangle) == 12 &&
               sizeof(Sphere) == 16);
 static_assert(std::is_trivially_copyable_v<Record> && std::is_trivially_copyable_v<Vec3> &&

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/checksum.h"
+#include "base/little_endian.h"
 #include "base/text.h"
 #include "field/grid_field_check.h"
 #include "model/model_format.h"
@@ -53,6 +54,7 @@ class Reader {
           !done) {
         error = done.error();
       }
+      turn_little_endian(std::as_writable_bytes(std::span(array)), kWordSize<T>);
       return !error;
     });
     if (error) return *error;
@@ -72,6 +74,7 @@ class Reader {
     std::array<std::byte, sizeof header_> bytes{};
     if (auto done = read_at_(0, bytes); !done) return done;
     std::memcpy(&header_, bytes.data(), sizeof header_);
+    header_ = little_endian(header_);
     if (header_.magic != kMagic) {
       return invalid("it is no model file: it does not begin as one");
     }
@@ -106,6 +109,7 @@ class Reader {
     if (auto done = read_at_(sizeof(Header), bytes); !done) return done;
     checksum_.add(bytes);
     std::memcpy(table_.data(), bytes.data(), sizeof table_);
+    for (TableEntry& entry : table_) entry = little_endian(entry);
     if (!is_zero(std::span(bytes).subspan(sizeof table_))) {
       return invalid("its table has bits set where there should be none");
     }

@@ -1,11 +1,14 @@
 #include "model/write_model.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
 #include "base/checksum.h"
+#include "base/little_endian.h"
 #include "model/model_format.h"
 
 namespace voxshell {
@@ -119,14 +122,33 @@ std::vector<std::byte> make_front(const Sections<View>& sections) {
                 .more_zeros = {}};
   std::vector<TableEntry> table;
   visit_sections(sections, [&]<class T>(std::uint32_t kind, const char*, View<T> array) {
-    table.push_back({kind, sizeof(T), header.file_size, array.size(), 0});
+    table.push_back(little_endian(TableEntry{kind, sizeof(T), header.file_size, array.size(), 0}));
     header.file_size += align(array.size_bytes());
     return true;
   });
   std::vector<std::byte> front(kTableEnd);
+  header = little_endian(header);
   std::memcpy(front.data(), &header, sizeof header);
   std::memcpy(front.data() + sizeof header, table.data(), table.size() * sizeof(TableEntry));
   return front;
+}
+
+/// Whole lines of kAlignment bytes, as they are on little-endian machines.
+Result<std::monostate> append_lines(std::span<const std::byte> bytes, std::size_t word_size,
+                                    const Append& append) {
+  if constexpr (std::endian::native == std::endian::little) {
+    return append(bytes);
+  } else {
+    std::array<std::byte, 256 * kAlignment> part;
+    while (!bytes.empty()) {
+      const auto turned = std::span(part).first(std::min(part.size(), bytes.size()));
+      std::ranges::copy(bytes.first(turned.size()), turned.begin());
+      turn_little_endian(turned, word_size);
+      if (auto done = append(turned); !done) return done;
+      bytes = bytes.subspan(turned.size());
+    }
+    return std::monostate{};
+  }
 }
 
 /// Every call of `append` gets a multiple of kAlignment bytes.
@@ -135,11 +157,11 @@ Result<std::monostate> append_sections(const Sections<View>& sections, const App
   visit_sections(sections, [&]<class T>(std::uint32_t, const char*, View<T> array) {
     const auto bytes = std::as_bytes(array);
     const std::size_t whole = bytes.size() / kAlignment * kAlignment;
-    result = append(bytes.first(whole));
+    result = append_lines(bytes.first(whole), kWordSize<T>, append);
     if (result && whole < bytes.size()) {
       std::array<std::byte, kAlignment> end{};
       std::memcpy(end.data(), bytes.data() + whole, bytes.size() - whole);
-      result = append(end);
+      result = append_lines(end, kWordSize<T>, append);
     }
     return result.has_value();
   });
@@ -164,7 +186,7 @@ Result<std::monostate> write_model(const Model& model, const Append& append) {
     return std::monostate{};
   });
   if (!summed) return summed;
-  const std::uint64_t value = checksum.value();
+  const std::uint64_t value = little_endian(checksum.value());
   std::memcpy(front.data() + offsetof(Header, checksum), &value, sizeof value);
 
   if (auto written = append(front); !written) return written;

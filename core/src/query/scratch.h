@@ -36,7 +36,7 @@ class ListMemory {
   }
   template <class T>
   T* list(std::size_t index) const {
-    return reinterpret_cast<T*>(memory_.get() + index * stride_);
+    return static_cast<T*>(static_cast<void*>(memory_.get() + index * stride_));
   }
 
  private:

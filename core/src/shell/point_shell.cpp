@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "base/stage.h"
 #include "base/text.h"
 #include "mesh/creases.h"
@@ -166,19 +167,19 @@ class TargetSearch {
       return;
     }
     ++trials_;
-    (ratio > 1.0 ? too_fine_ : too_coarse_) = {grid_.spacing, std::log(ratio)};
+    (ratio > 1.0 ? too_fine_ : too_coarse_) = {grid_.spacing, portable_log(ratio)};
     if (too_fine_.spacing == 0.0 || too_coarse_.spacing == 0.0) {
       // Beyond what is expected, if that fell short: to have it between two spacings soon.
       const double beyond = trials_ == 1 ? 0.0 : ratio > 1.0 ? 0.01 : -0.01;
       grid_.spacing *= std::max(0.5, std::sqrt(ratio)) * (1.0 + beyond);
       return;
     }
-    const double apart = std::log(too_coarse_.spacing / too_fine_.spacing);
+    const double apart = portable_log(too_coarse_.spacing / too_fine_.spacing);
     // By a straight line in logarithms, and by halves where that does not get there.
     const double share = trials_ % 2 == 0
                              ? too_fine_.log_ratio / (too_fine_.log_ratio - too_coarse_.log_ratio)
                              : 0.5;
-    grid_.spacing = too_fine_.spacing * std::exp(share * apart);
+    grid_.spacing = too_fine_.spacing * portable_exp(share * apart);
     constexpr double kStepWidth = 1e-4;
     constexpr int kManyTrials = 10;
     if (apart < kStepWidth || trials_ >= kManyTrials) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/portable_math.h"
 #include "mesh/box_finder.h"
 #include "mesh/closest_point.h"
 #include "mesh/disjoint_sets.h"
@@ -13,6 +14,10 @@
 
 namespace voxshell {
 namespace {
+
+/// The cosine of kMostBend.
+constexpr double kLeastCosine = 0.9781350224158666;
+static_assert(SmoothSurface::kMostBend == 0.2095);
 
 /// Most triangles that a slide leads through: half a turn of a fine mesh.
 constexpr int kMostTriangles = 256;
@@ -201,12 +206,11 @@ void SmoothSurface::connect() {
     }
     return corner;
   };
-  const double least_cosine = std::cos(kMostBend);
   for (const MeshEdge& edge : find_edges(*mesh_)) {
     if (edge.second == kNoTriangle) continue;
     const double cosine =
         dot(face_normal(mesh_->corners(edge.first)), face_normal(mesh_->corners(edge.second)));
-    if (!(cosine >= least_cosine)) continue;
+    if (!(cosine >= kLeastCosine)) continue;
     neighbors_[edge.first][across_from(edge.first, edge)] = edge.second;
     neighbors_[edge.second][across_from(edge.second, edge)] = edge.first;
   }
@@ -263,7 +267,7 @@ void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
         const Vec3 u = corners[next(at)] - corners[at];
         const Vec3 v = corners[after_next(at)] - corners[at];
         const double area = face_areas[triangle];
-        sum += std::atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normal(corners);
+        sum += portable_atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normal(corners);
         for (const std::size_t side : {next(at), after_next(at)}) {
           if (neighbors_[triangle][side] != kNoTriangle)
             waiting.push_back(neighbors_[triangle][side]);
@@ -277,7 +281,7 @@ void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
 
 /// At the tip of a cone, where the mean is far from each of its faces, these keep their own.
 void SmoothSurface::sharpen_tips() {
-  const auto least_cosine = static_cast<float>(std::cos(kMostBend));
+  const auto least_cosine = static_cast<float>(kLeastCosine);
   for (std::uint32_t triangle = 0; triangle < corner_normals_.size(); ++triangle) {
     const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
     for (std::uint32_t& normal : corner_normals_[triangle]) {

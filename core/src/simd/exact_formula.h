@@ -37,7 +37,7 @@ VOXSHELL_INLINE NearestOnTriangle<F> find_on_triangle(const Triple<F>& p, const 
     return dot(cross_product(normal, edge), from) >= zero;
   };
   const Triple<F> ca{zero - ac.x, zero - ac.y, zero - ac.z};
-  const auto is_above = is_inside(ab, p) & is_inside(bc, bp) & is_inside(ca, p);
+  const auto is_above = both(both(is_inside(ab, p), is_inside(bc, bp)), is_inside(ca, p));
   const F height = dot(normal, p);
 
   NearestOnTriangle<F> nearest;

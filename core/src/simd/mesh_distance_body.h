@@ -261,7 +261,7 @@ inline void measure_packet(const Triangles& triangles, const NodeRange& nodes, f
   const auto place = [&](int axis) {
     const F8 first = F8{} + (origin + static_cast<float>(nodes.first[axis]));
     const F8 last = F8{} + (origin + static_cast<float>(nodes.last[axis]));
-    return select((lane & (1 << axis)) != 0, last, first);
+    return select((lane & static_cast<int32_t>(1 << axis)) != 0, last, first);
   };
   const F8 x = place(0);
   const F8 y = place(1);

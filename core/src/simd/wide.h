@@ -181,6 +181,9 @@ VOXSHELL_INLINE unsigned bits(I8 mask) {
   return result;
 #endif
 }
+/// Without a branch.
+VOXSHELL_INLINE bool both(bool a, bool b) { return (bits(a) & bits(b)) != 0; }
+VOXSHELL_INLINE I8 both(I8 a, I8 b) { return a & b; }
 template <class Mask>
 VOXSHELL_INLINE bool any(Mask mask) {
   return bits(mask) != 0;

@@ -2,6 +2,7 @@
 
 #include <cfenv>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,10 +14,8 @@ namespace {
 
 /// Read anew at each use: not worked out by the compiler.
 volatile float third_of = 1.0f;
-volatile float smallest_normal = 1.17549435e-38f;
 
 float third() { return third_of / 3.0f; }
-float half_of_smallest_normal() { return smallest_normal * 0.5f; }
 
 TEST(OrdinaryFloats, RoundToNearestAndLeaveTheModeAsFound) {
   const float to_nearest = third();
@@ -38,21 +37,52 @@ TEST(OrdinaryFloats, LeaveFlagsAsFound) {
     EXPECT_GT(third(), 0.0f);
   }
   EXPECT_EQ(std::fetestexcept(FE_INEXACT), 0);
+
+  std::feraiseexcept(FE_DIVBYZERO);
+  std::fesetround(FE_UPWARD);
+  {
+    const OrdinaryFloats floats;
+    EXPECT_GT(third(), 0.0f);
+  }
+  std::fesetround(FE_TONEAREST);
+  EXPECT_EQ(std::fetestexcept(FE_INEXACT | FE_DIVBYZERO), FE_DIVBYZERO);
+  std::feclearexcept(FE_ALL_EXCEPT);
 }
 
+#if defined(__x86_64__) || defined(__aarch64__)
 #if defined(__x86_64__)
+constexpr std::uint64_t kFlush = 0x8040;  // of MXCSR: results and operands
+
+std::uint64_t read_control() { return __builtin_ia32_stmxcsr(); }
+void write_control(std::uint64_t control) {
+  __builtin_ia32_ldmxcsr(static_cast<unsigned>(control));
+}
+#else
+constexpr std::uint64_t kFlush = 1u << 24;  // of FPCR
+
+std::uint64_t read_control() {
+  std::uint64_t control = 0;
+  asm volatile("mrs %0, fpcr" : "=r"(control) : : "memory");
+  return control;
+}
+void write_control(std::uint64_t control) {
+  asm volatile("msr fpcr, %0" : : "r"(control) : "memory");
+}
+#endif
+
+volatile float smallest_normal = 1.17549435e-38f;
+float half_of_smallest_normal() { return smallest_normal * 0.5f; }
+
 TEST(OrdinaryFloats, KeepDenormalNumbersAndLeaveFlushToZeroAsFound) {
-  constexpr unsigned kFlushToZero = 0x8000;
-  constexpr unsigned kDenormalsAreZero = 0x0040;
-  const unsigned before = __builtin_ia32_stmxcsr();
-  __builtin_ia32_ldmxcsr(before | kFlushToZero | kDenormalsAreZero);
+  const std::uint64_t before = read_control();
+  write_control(before | kFlush);
   EXPECT_EQ(half_of_smallest_normal(), 0.0f);
   {
     const OrdinaryFloats floats;
     EXPECT_GT(half_of_smallest_normal(), 0.0f);
   }
   EXPECT_EQ(half_of_smallest_normal(), 0.0f);
-  __builtin_ia32_ldmxcsr(before);
+  write_control(before);
 }
 #endif
 

@@ -43,11 +43,12 @@ template <class T>
 T read_at(const FileBytes& bytes, std::size_t offset) {
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
+  return little_endian(value);
 }
 
 template <class T>
-void write_at(FileBytes& bytes, std::size_t offset, const T& value) {
+void write_at(FileBytes& bytes, std::size_t offset, T value) {
+  value = little_endian(value);
   std::memcpy(bytes.data() + offset, &value, sizeof value);
 }
 

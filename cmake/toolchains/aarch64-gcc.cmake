@@ -1,0 +1,2 @@
+set(processor aarch64)
+include("${CMAKE_CURRENT_LIST_DIR}/gcc.cmake")

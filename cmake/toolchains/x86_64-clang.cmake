@@ -1,0 +1,2 @@
+set(CMAKE_CXX_COMPILER clang++)
+set(CMAKE_C_COMPILER clang)

@@ -1,0 +1,2 @@
+set(CMAKE_CXX_COMPILER g++)
+set(CMAKE_C_COMPILER gcc)
