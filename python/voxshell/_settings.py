@@ -169,7 +169,7 @@ def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict
     values = {}
     for key, value in table.items():
         if key not in known:
-            raise SettingsError(f"{name}.{key} is no setting; there are: {', '.join(known)}")
+            raise SettingsError(f"{name}.{key[:80]} is no setting; there are: {', '.join(known)}")
         values[key] = _convert(value, types[key], f"{name}.{key}")
     return values
 

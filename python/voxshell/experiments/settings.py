@@ -29,6 +29,7 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
     for name, table in tables.items():
         if not isinstance(table, dict):
             raise SettingsError(
-                f"{path}: {name} = {table!r} stands outside a table; begin with [ball], [bunny], ..."
+                f"{path}: {name[:80]} = {str(table)[:80]} stands outside a table; begin with "
+                "[ball], [bunny], ..."
             )
     return tables

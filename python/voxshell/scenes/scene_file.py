@@ -86,7 +86,9 @@ def _for_meshes(path: Path) -> str:
 def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     for name, table in tables.items():
         if name not in _TABLES:
-            raise SettingsError(f"{name} is no table of a scene; there are: {', '.join(_TABLES)}")
+            raise SettingsError(
+                f"{name[:80]} is no table of a scene; there are: {', '.join(_TABLES)}"
+            )
         if not isinstance(table, dict):
             raise SettingsError(f"{name} must be a table, [{name}]")
     scene = Scene(

@@ -10,6 +10,7 @@ from xml.parsers import expat
 
 import numpy as np
 
+from voxshell._arguments import as_path
 from voxshell._input_files import read_small_file
 from voxshell.errors import FileAccessError, MissingExtraError, RobotError, SettingsError
 from voxshell.mass_properties import MassProperties
@@ -39,6 +40,9 @@ _NUMBERS = {
     "mimic": ("multiplier", "offset"),
 }
 """Attributes of elements that must be numbers."""
+
+_COUNTS = {"xyz": (3,), "rpy": (3,), "size": (3,), "scale": (1, 3)}
+"""Of numbers in an attribute; in others one."""
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "floating")
 
@@ -119,7 +123,7 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
         RobotError: The file does not describe a robot that can be simulated; the message names the
             file, the link or joint, and what to do.
     """
-    name = os.fspath(path)
+    name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):
         raise FileAccessError(f"cannot read robot {name}: there is no such file")
     try:
@@ -162,9 +166,11 @@ def _check_xml(path: str, data: bytes) -> None:
         for name in _NUMBERS.get(element, ()):
             if name in attributes and not _are_numbers(attributes[name], name):
                 raise RobotError(
-                    f'{path}: {where[0]} has <{element} {name}="{attributes[name][:60]}">; give finite '
-                    "numbers"
+                    f'{path}: {where[0]} has <{element} {name}="{attributes[name][:60]}">; give '
+                    f"{' or '.join(map(str, _COUNTS.get(name, (1,))))} finite numbers"
                 )
+        if element == "inertia" and not {"ixx", "iyy", "izz"} <= attributes.keys():
+            raise RobotError(f"{path}: {where[0]} has an <inertia> without ixx, iyy or izz; add it")
 
     parser.StartElementHandler = start
     parser.EntityDeclHandler = refuse_entity
@@ -179,7 +185,7 @@ def _are_numbers(text: str, name: str) -> bool:
         numbers = [float(word) for word in text.split()]
     except ValueError:
         return False
-    if "_" in text or not numbers:
+    if "_" in text or len(numbers) not in _COUNTS.get(name, (1,)):
         return False
     if name in ("effort", "velocity"):  # infinity means that there is no bound
         return not any(map(math.isnan, numbers))

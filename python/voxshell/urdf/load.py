@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
 
-from voxshell._arguments import as_floats
+from voxshell._arguments import as_floats, as_integer, as_positive
 from voxshell.comparison_shapes import ConvexHull
 from voxshell.compound import Compound, Part
 from voxshell.errors import (
@@ -89,7 +89,7 @@ def load_urdf(
         SettingsError: A setting is out of range.
         PoseError: ``pose`` is not a rigid transform.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is no world.
+        InputTypeError: ``world`` is no world, or ``path`` no path.
 
     Where it raises, the world has none of the robot's bodies.
 
@@ -126,6 +126,10 @@ def load_urdf(
     """
     if mesh_as not in ("model", "hull"):
         raise SettingsError(f"mesh_as must be 'model' or 'hull', not {mesh_as!r}")
+    if voxel_size is not None:
+        as_positive(voxel_size, "voxel_size")
+    if resolution is not None:
+        as_integer(resolution, "resolution", 2, 2**31 - 1)
     if voxel_size is None and resolution is None:
         resolution = _DEFAULT_RESOLUTION
     world_from_root = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
