@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 
 from . import (
+    assumptions,
     found_files,
     gltf_files,
     model_files,
@@ -21,7 +22,7 @@ from .case import Case
 
 SOURCES = (
     *(stl_files, text_meshes, ply_files, gltf_files, xml_meshes, model_files),
-    *(scene_files, urdf_files, pose_files, places, found_files),
+    *(scene_files, urdf_files, pose_files, places, assumptions, found_files),
 )
 
 

@@ -24,7 +24,11 @@ def open_model(path: Path) -> None:
 
 def open_robot(path: Path) -> None:
     world = vx.World()
-    robot = vx.load_urdf(world, path, resolution=RESOLUTION)
+    try:
+        robot = vx.load_urdf(world, path, resolution=RESOLUTION)
+    except vx.VoxshellError:
+        assert not world.bodies, "a part of the robot is left in the world"
+        raise
     world.step(2)
     for name, link in robot.links.items():
         assert np.isfinite(link.pose).all(), f"link {name} is nowhere: {link.pose}"
