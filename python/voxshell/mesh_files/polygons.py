@@ -120,13 +120,13 @@ def merge_solids(data: bytes) -> bytes:
     is_text = data[:80].lstrip()[:5].lower() == b"solid"
     if not is_text or len(data) == _STL_HEADER + _STL_TRIANGLE * _count_triangles(data):
         return data
-    begun = len(re.findall(rb"(?i)\bouter\s+loop\b", data))
-    ended = len(re.findall(rb"(?i)\bendloop\b", data))
+    facets = re.sub(rb"(?mi)^[ \t]*(?:end)?solid\b[^\n]*", b"", data)
+    words = facets.lower()
+    begun, ended = words.count(b"outer"), words.count(b"endloop")
     if begun != ended:
         raise MeshError(
             f"it begins {begun} facets and ends {ended}; it is cut or damaged: export it again"
         )
-    facets = re.sub(rb"(?mi)^[ \t]*(?:end)?solid\b[^\n]*", b"", data)
     return b"solid\n" + facets + b"\nendsolid\n"
 
 
