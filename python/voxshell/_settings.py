@@ -7,10 +7,12 @@ from dataclasses import MISSING, fields, replace
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from voxshell._input_files import read_small_file
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
 Settings = TypeVar("Settings")
 
@@ -33,7 +35,27 @@ TOML_TOKEN = re.compile(
 )
 """Texts, comments, brackets and ends of lines of a TOML text: what its statements are told apart by."""
 
-_DOTTED = re.compile(rf"(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
+_MOST_NESTED = 100
+"""Brackets in each other; the parser takes time that grows as their square, 10 s for 100,000."""
+
+_DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
+
+
+def read_text(path: Path, what: str) -> str:
+    """A file with a text that may be TOML.
+
+    Args:
+        path: Of the file.
+        what: It is, for errors.
+
+    Raises:
+        SettingsError: There is none, it is no regular file, or it is too large; it names the file.
+        FileAccessError: The system does not let it be read.
+        UnicodeDecodeError: It is no UTF-8.
+    """
+    # A character takes four bytes at most.
+    text = read_small_file(path, 4 * _MOST_CHARACTERS, what).decode("utf-8")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -52,15 +74,11 @@ def parse_toml(text: str) -> dict[str, Any]:
             "read"
         )
     _check_keys(text)
+    _check_depth(text)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"no TOML: {error}") from error
-    except RecursionError:
-        line = _find_deepest(text)
-        raise SettingsError(
-            f"no TOML that is read: brackets are nested too deeply (at line {line})"
-        ) from None
     except ValueError as error:  # of Python's own limit of the digits of an integer
         number = re.search(r"\d{4000,}", text)
         line = 1 if number is None else _count_lines(text, number.start())
@@ -78,16 +96,17 @@ def _check_keys(text: str) -> None:
         )
 
 
-def _find_deepest(text: str) -> int:
-    """The line at which most brackets are open."""
-    depth = deepest = 0
-    line = found = 1
+def _check_depth(text: str) -> None:
+    """Refuses brackets that are nested deeply."""
+    depth = 0
+    line = 1
     for token in TOML_TOKEN.finditer(text):
         line += token[0].count("\n")
         depth += (token[0] in "[{") - (token[0] in "]}")
-        if depth > deepest:
-            deepest, found = depth, line
-    return found
+        if depth > _MOST_NESTED:
+            raise SettingsError(
+                f"no TOML that is read: brackets are nested too deeply (at line {line})"
+            )
 
 
 def _count_lines(text: str, end: int) -> int:
@@ -150,7 +169,7 @@ def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict
     values = {}
     for key, value in table.items():
         if key not in known:
-            raise SettingsError(f"{name}.{key} is no setting; there are: {', '.join(known)}")
+            raise SettingsError(f"{name}.{key[:80]} is no setting; there are: {', '.join(known)}")
         values[key] = _convert(value, types[key], f"{name}.{key}")
     return values
 

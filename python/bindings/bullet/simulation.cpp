@@ -245,26 +245,31 @@ bool Simulation::may_meet(const btCollisionObject& a, const btCollisionObject& b
 
 /// After a change of who may meet the body.
 void Simulation::update_pairs(const Body& body) {
+  for (const auto& [number, other] : bodies_) {
+    if (other.get() != &body) update_pair(body, *other);
+  }
+}
+
+/// After a change of whether two bodies may meet.
+void Simulation::update_pair(const Body& body, const Body& other) {
   btBroadphaseProxy* const proxy =
       const_cast<btBroadphaseProxy*>(body.rigid_body.getBroadphaseHandle());
-  if (proxy == nullptr) return;
+  btBroadphaseProxy* const met =
+      const_cast<btBroadphaseProxy*>(other.rigid_body.getBroadphaseHandle());
+  if (proxy == nullptr || met == nullptr) return;
   btOverlappingPairCache& pairs = *broadphase_->getOverlappingPairCache();
-  for (const auto& [number, other] : bodies_) {
-    if (other.get() == &body) continue;
-    btBroadphaseProxy* const met = other->rigid_body.getBroadphaseHandle();
-    if (met == nullptr) continue;
-    if (!may_meet(body.rigid_body, other->rigid_body)) {
-      pairs.removeOverlappingPair(proxy, met, dispatcher_.get());
-    } else if (pairs.findPair(proxy, met) == nullptr &&
-               TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, met->m_aabbMin,
-                                    met->m_aabbMax)) {
-      pairs.addOverlappingPair(proxy, met);
-    }
+  if (!may_meet(body.rigid_body, other.rigid_body)) {
+    pairs.removeOverlappingPair(proxy, met, dispatcher_.get());
+  } else if (pairs.findPair(proxy, met) == nullptr &&
+             TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, met->m_aabbMin,
+                                  met->m_aabbMax)) {
+    pairs.addOverlappingPair(proxy, met);
   }
 }
 
 void Simulation::set_collision(std::size_t a, std::size_t b, bool collides) {
   const Body& first = bodies_[a];
+  const Body& second = bodies_[b];
   wake(a);
   wake(b);
   const auto pair = ascending(static_cast<int>(a), static_cast<int>(b));
@@ -273,7 +278,7 @@ void Simulation::set_collision(std::size_t a, std::size_t b, bool collides) {
   } else {
     apart_.insert(pair);
   }
-  update_pairs(first);
+  update_pair(first, second);
 }
 
 void Simulation::step() {

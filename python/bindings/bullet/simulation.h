@@ -209,6 +209,7 @@ class Simulation {
   void drop_world();
   void enter(Body& body);
   void update_pairs(const Body& body);
+  void update_pair(const Body& body, const Body& other);
   void rebuild(const SimulationState& state);
   void warm_up(const SimulationState& state);
   bool may_meet(const btCollisionObject& a, const btCollisionObject& b) const;

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import io
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell._input_files import read_small_file
 from voxshell.errors import PoseError, SettingsError
 
 if TYPE_CHECKING:
@@ -18,6 +20,11 @@ FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, 
 """How many numbers make a pose."""
 
 _UNIT_TOLERANCE = 1e-3
+
+_WHAT = "file of poses"
+
+_MOST_BYTES = 500_000_000
+"""Of a file of poses: four million matrices of text."""
 
 
 def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
@@ -69,40 +76,48 @@ def read_poses(path: Path) -> NDArray[np.float64]:
         SettingsError: The file cannot be read, or is neither of these; says which line is wrong.
         PoseError: A row is no pose.
     """
-    try:
-        rows = _read_array(path) if path.suffix.lower() == ".npy" else _read_table(path)
-    except (FileNotFoundError, IsADirectoryError):
-        raise SettingsError(f"there is no file of poses {path}") from None
+    rows = _read_array(path) if path.suffix.lower() == ".npy" else _read_table(path)
     if not rows:
         raise SettingsError(f"{path} holds no poses")
     return np.array([make_pose(numbers, where) for where, numbers in rows])
 
 
 def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
+    data = read_small_file(path, _MOST_BYTES, _WHAT)
     try:
-        array = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise SettingsError(f"{path} is no array of numpy: {error}") from None
+        array = np.load(io.BytesIO(data), allow_pickle=False)
+    except MemoryError:
+        raise SettingsError(f"{path} is no array of numpy: it is larger than its file") from None
+    except Exception as error:  # of which damaged headers raise every kind
+        why = str(error).partition("\n")[0] or type(error).__name__
+        raise SettingsError(f"{path} is no array of numpy: {why}") from None
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu" or array.ndim < 2:
         raise SettingsError(f"{path} must hold an array of numbers, (n, 4, 4) or rows of {FORMS}")
+    if array.size == 0:
+        return []
     rows = array.reshape(len(array), -1)
     return [(f"{path}: pose {index}", row) for index, row in enumerate(rows)]
 
 
 def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
+    data = read_small_file(path, _MOST_BYTES, _WHAT)
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            lines = list(csv.reader(file, skipinitialspace=True))
+        text = data.decode("utf-8-sig")
+        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
     except (UnicodeDecodeError, csv.Error) as error:
         raise SettingsError(f"{path} is no CSV file: {error}") from None
     rows: list[tuple[str, ArrayLike]] = []
     for number, words in enumerate(lines, start=1):
         try:
+            if any("_" in word for word in words):
+                raise ValueError
             values = [float(word) for word in words]
         except ValueError:
             if number == 1:
                 continue
-            raise SettingsError(f"{path}:{number}: not all of it is numbers: {words}") from None
+            raise SettingsError(
+                f"{path}:{number}: not all of it is numbers: {str(words)[:80]}"
+            ) from None
         if values:
             rows.append((f"{path}:{number}", values))
     return rows

@@ -70,13 +70,19 @@ def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
 
     if options.jobs is not None and options.jobs < 1:
         raise SettingsError(f"jobs must be at least 1, not {options.jobs}")
-    studies = plan_studies(
-        experiments,
-        options.out,
-        quick=options.quick,
-        overrides={} if options.settings is None else read_settings_file(options.settings),
-        known=[*(each.name for each in EXPERIMENTS), *OTHER_TABLES],
-    )
+    overrides = {} if options.settings is None else read_settings_file(options.settings)
+    try:
+        studies = plan_studies(
+            experiments,
+            options.out,
+            quick=options.quick,
+            overrides=overrides,
+            known=[*(each.name for each in EXPERIMENTS), *OTHER_TABLES],
+        )
+    except SettingsError as error:
+        if options.settings is None:
+            raise
+        raise SettingsError(f"{options.settings}: {error}") from error
     check_output_folder(options.out)
     make_folder(options.out)
     progress_console = Console(quiet=options.json_only, stderr=True)

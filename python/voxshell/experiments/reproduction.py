@@ -79,7 +79,7 @@ def plan_studies(
     for table in overrides:
         if table not in names:
             raise SettingsError(
-                f"[{table}] is no experiment; there are: {', '.join(sorted(names))}"
+                f"[{table[:80]}] is no experiment; there are: {', '.join(sorted(names))}"
             )
     studies = []
     for each in experiments:

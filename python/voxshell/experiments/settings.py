@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from voxshell._settings import override, parse_toml
+from voxshell._settings import override, parse_toml, read_text
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -18,17 +18,18 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
 
     Raises:
         SettingsError: It is not there, is no TOML, or holds something other than tables.
-        OSError: It cannot be read.
+        FileAccessError: The system does not let it be read.
     """
     try:
-        tables = parse_toml(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, IsADirectoryError):
-        raise SettingsError(f"there is no settings file {path}") from None
+        tables = parse_toml(read_text(path, "settings file"))
     except (SettingsError, UnicodeDecodeError) as error:
+        if str(path) in str(error):
+            raise
         raise SettingsError(f"{path}: {error}") from error
     for name, table in tables.items():
         if not isinstance(table, dict):
             raise SettingsError(
-                f"{path}: {name} = {table!r} stands outside a table; begin with [ball], [bunny], ..."
+                f"{path}: {name[:80]} = {str(table)[:80]} stands outside a table; begin with "
+                "[ball], [bunny], ..."
             )
     return tables

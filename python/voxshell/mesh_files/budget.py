@@ -78,6 +78,18 @@ def check_corners(corners: int) -> None:
         )
 
 
+def check_parts(count: int, most: int) -> None:
+    """Refuses a file of very many parts, which are made one by one, placed or not.
+
+    Raises:
+        MeshError: It has more.
+    """
+    if count > most:
+        raise MeshError(
+            f"it has {count} parts, and at most {most} are read; merge them into one mesh"
+        )
+
+
 def check_placed(
     children: Mapping[Hashable, Sequence[Hashable]],
     roots: Sequence[Hashable],

@@ -62,7 +62,9 @@ class Neighbors:
                 self._read[path] = read_regular(path)
                 check_size(self.size)
             except (MeshError, OSError) as error:
-                raise MeshError(f"it refers to {name!r}, which cannot be read: {error}") from None
+                raise MeshError(
+                    f"it refers to {str(name)[:200]!r}, which cannot be read: {str(error)[:300]}"
+                ) from None
         return self._read[path]
 
     __getitem__ = get

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections import defaultdict
 from typing import TYPE_CHECKING
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 _MOST_LEVELS = 200
 """Of elements in each other; readers follow them by recursion."""
+
+_NO_INDEX = re.compile(r"-|\d{10}")
+"""Below 0 or beyond 32 bits: pycollada would count from the end, or cut it off."""
 
 _MOST_PLACED_3MF = 3500
 """Objects; trimesh takes time that grows as their square: 1.5 s."""
@@ -140,9 +144,11 @@ class _Nodes(_Scan):
         self._inside: list[str] = []
         self._offsets = 1
         self._numbers: list[str] = []
+        self._text_before = ""
 
     def start(self, name: str, attributes: dict[str, str], at: int) -> None:
         self._inside.append(name)
+        self._text_before = ""
         target = attributes.get("url", "")[1:]
         if name == "node":
             self._count += 1
@@ -169,15 +175,27 @@ class _Nodes(_Scan):
             self._nodes.pop()
         elif name == "geometry":
             self.sizes["geometry", self._geometry] = at - self._began
-        elif name in ("vcount", "p") and self._numbers:
+        elif name in ("vcount", "p", "matrix") and self._numbers:
             numbers = "".join(self._numbers)
             self._numbers = []
-            if name == "p":
+            if name == "matrix":
+                if len(numbers.split()) != 16:
+                    raise MeshError(
+                        f"a <matrix> has {len(numbers.split())} numbers, not 16; export the mesh again"
+                    )
+            elif name == "p":
                 check_corners(len(numbers.split()) // self._offsets)
             else:
                 check_corners(int(np.array(numbers.split() or [0], dtype=np.int64).max()))
 
     def text(self, text: str) -> None:
         inside = self._inside[-1] if self._inside else ""
-        if inside == "vcount" or (inside == "p" and "polygons" in self._inside):
+        if inside == "p":
+            # Texts come in parts, which may end within a number.
+            if _NO_INDEX.search(self._text_before + text):
+                raise MeshError(
+                    "a face has an index below 0 or of ten digits; export the mesh again"
+                )
+            self._text_before = text[-9:]
+        if inside in ("vcount", "matrix") or (inside == "p" and "polygons" in self._inside):
             self._numbers.append(text)

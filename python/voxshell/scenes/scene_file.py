@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import stat
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from voxshell._settings import make, parse_toml
+from voxshell._settings import make, parse_toml, read_text
 from voxshell.errors import SettingsError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings
@@ -60,17 +59,15 @@ def read_scene(path: Path) -> Scene:
             line and key.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
-            raise SettingsError("not a regular file")
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path, "scene file")
         tables = parse_toml(text)
-    except (FileNotFoundError, IsADirectoryError):
-        raise SettingsError(f"there is no scene file {path}") from None
     except UnicodeDecodeError:
         raise SettingsError(
             f"{path} is no scene file, which is a text (TOML); {_for_meshes(path)}"
         ) from None
     except SettingsError as error:
+        if str(path) in str(error):
+            raise
         line = re.search(r"at line (\d+)", str(error))
         hint = "" if path.suffix.lower() == ".toml" else f"; {_for_meshes(path)}"
         raise SettingsError(f"{path}{f':{line[1]}' if line else ''}: {error}{hint}") from None
@@ -89,7 +86,9 @@ def _for_meshes(path: Path) -> str:
 def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     for name, table in tables.items():
         if name not in _TABLES:
-            raise SettingsError(f"{name} is no table of a scene; there are: {', '.join(_TABLES)}")
+            raise SettingsError(
+                f"{name[:80]} is no table of a scene; there are: {', '.join(_TABLES)}"
+            )
         if not isinstance(table, dict):
             raise SettingsError(f"{name} must be a table, [{name}]")
     scene = Scene(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.body_shapes import mesh_of
+from voxshell.errors import SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.world_tables import CONTACT_DTYPE
 
@@ -49,6 +50,9 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
         scene: The scene.
         world: Of the scene, as it was built.
         progress: Called now and then with the share that is done, 0 to 1.
+
+    Raises:
+        SettingsError: Gravity and the time step are more than can be followed; names file and line.
     """
     steps, every = scene.world.steps, scene.outputs.every
     poses, linear, angular, contacts = [], [], [], []
@@ -61,7 +65,10 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
 
     take()
     for step in range(1, steps + 1):
-        world.step()
+        try:
+            world.step()
+        except SettingsError as error:
+            raise scene.describe_error(("scene",), str(error)) from error
         if step % every == 0:
             take()
         if step % 16 == 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from voxshell.comparison_shapes import ConvexHull, GImpact
-from voxshell.errors import MemoryLimitError, MeshError, SettingsError
+from voxshell.errors import MemoryLimitError, MeshError, PoseError, SettingsError
 from voxshell.meshes import Mesh, read_mesh
 from voxshell.model import Model
 from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
@@ -30,7 +30,8 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
         progress: Called with what is being built and the share that is done, 0 to 1.
 
     Raises:
-        SettingsError: A mesh cannot be read or built; names file, line and key.
+        SettingsError: A mesh cannot be read or built, or a body or joint not be added; names file,
+            line and key.
     """
     meshes: dict[str, Shape] = {}
     for index, (name, settings) in enumerate(scene.meshes.items()):
@@ -43,17 +44,20 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
         except (MeshError, MemoryLimitError, SettingsError) as error:
             raise scene.describe_error(("meshes", name, "file"), str(error)) from error
     settings = scene.world
-    world = World(
-        gravity=settings.gravity,
-        time_step=1.0 / settings.rate,
-        contact=settings.contact,
-        shell=settings.shell,
-        level=settings.level,
-        solver=settings.solver,
-        iterations=settings.iterations,
-        sleeping=settings.sleeping,
-        ccd_motion_threshold=settings.ccd_motion_threshold,
-    )
+    try:
+        world = World(
+            gravity=settings.gravity,
+            time_step=1.0 / settings.rate,
+            contact=settings.contact,
+            shell=settings.shell,
+            level=settings.level,
+            solver=settings.solver,
+            iterations=settings.iterations,
+            sleeping=settings.sleeping,
+            ccd_motion_threshold=settings.ccd_motion_threshold,
+        )
+    except SettingsError as error:
+        raise scene.describe_error(("scene",), str(error)) from error
     for name, body in scene.bodies.items():
         try:
             added = world.add(
@@ -70,7 +74,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
             if body.kilograms > 0.0:
                 added.linear_velocity = body.linear_velocity
                 added.angular_velocity = body.angular_velocity
-        except (MeshError, SettingsError) as error:
+        except (MeshError, PoseError, SettingsError) as error:
             raise scene.describe_error(("bodies", name), str(error)) from error
     bodies = {body.name: body for body in world.bodies}
     for name, joint in scene.joints.items():
@@ -83,13 +87,13 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 collide=joint.collide,
                 name=name,
             )
-        except SettingsError as error:
+            if joint.max_force is not None:
+                if joint.target_velocity is not None:
+                    added.set_target_velocity(joint.target_velocity, max_force=joint.max_force)
+                elif joint.target_position is not None:
+                    added.set_target_position(joint.target_position, max_force=joint.max_force)
+        except (PoseError, SettingsError) as error:
             raise scene.describe_error(("joints", name), str(error)) from error
-        if joint.max_force is not None:
-            if joint.target_velocity is not None:
-                added.set_target_velocity(joint.target_velocity, max_force=joint.max_force)
-            elif joint.target_position is not None:
-                added.set_target_position(joint.target_position, max_force=joint.max_force)
     return world
 
 

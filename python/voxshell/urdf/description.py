@@ -2,20 +2,47 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeAlias
-from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 
-from voxshell.errors import FileAccessError, MissingExtraError, RobotError
+from voxshell._arguments import as_path
+from voxshell._input_files import read_small_file
+from voxshell.errors import FileAccessError, MissingExtraError, RobotError, SettingsError
 from voxshell.mass_properties import MassProperties
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 JointType: TypeAlias = Literal["fixed", "revolute", "continuous", "prismatic", "floating"]
+
+_MOST_BYTES = 100_000_000
+"""Of a file, without the meshes that it names."""
+
+MOST_LINKS = 1000
+"""Of a robot; each two of them are kept apart, which takes time that grows as their square."""
+
+_NUMBERS = {
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "box": ("size",),
+    "mesh": ("scale",),
+    "limit": ("lower", "upper", "effort", "velocity"),
+    "dynamics": ("damping", "friction"),
+    "mimic": ("multiplier", "offset"),
+}
+"""Attributes of elements that must be numbers."""
+
+_COUNTS = {"xyz": (3,), "rpy": (3,), "size": (3,), "scale": (1, 3)}
+"""Of numbers in an attribute; in others one."""
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "floating")
 
@@ -96,9 +123,13 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
         RobotError: The file does not describe a robot that can be simulated; the message names the
             file, the link or joint, and what to do.
     """
-    name = os.fspath(path)
+    name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):
         raise FileAccessError(f"cannot read robot {name}: there is no such file")
+    try:
+        data = read_small_file(name, _MOST_BYTES, "robot")
+    except SettingsError as error:
+        raise RobotError(f"cannot read robot {name}: {error}") from None
     try:
         import yourdfpy
     except ImportError as error:
@@ -106,13 +137,7 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
             f"robots need yourdfpy, which cannot be imported ({error}); "
             "run: pip install 'voxshell[urdf]'"
         ) from error
-    try:
-        ElementTree.parse(name)  # yourdfpy reads on beyond what is broken
-    except ElementTree.ParseError as error:
-        if "unbound prefix" not in str(error):  # left behind by xacro, and harmless
-            raise RobotError(f"{name}: it is no XML: {error}") from None
-    except OSError as error:
-        raise FileAccessError(f"cannot read robot {name}: {error}") from error
+    _check_xml(name, data)
     try:
         raw = yourdfpy.URDF.load(name, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # of which files with something missing raise every kind
@@ -122,10 +147,57 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
     return _describe(name, raw)
 
 
+def _check_xml(path: str, data: bytes) -> None:
+    """Refuses what yourdfpy reads on beyond: text that is no XML, entities, and no numbers.
+
+    Raises:
+        RobotError: It has them.
+    """
+    parser = expat.ParserCreate(namespace_separator=None)
+
+    def refuse_entity(*_: object) -> None:
+        raise RobotError(f"{path}: it declares XML entities, which no robot needs; write them out")
+
+    where = ["robot"]
+
+    def start(element: str, attributes: dict[str, str]) -> None:
+        if element in ("link", "joint"):
+            where[0] = f"{element} {attributes.get('name', '')[:60]!r}"
+        for name in _NUMBERS.get(element, ()):
+            if name in attributes and not _are_numbers(attributes[name], name):
+                raise RobotError(
+                    f'{path}: {where[0]} has <{element} {name}="{attributes[name][:60]}">; give '
+                    f"{' or '.join(map(str, _COUNTS.get(name, (1,))))} finite numbers"
+                )
+        if element == "inertia" and not {"ixx", "iyy", "izz"} <= attributes.keys():
+            raise RobotError(f"{path}: {where[0]} has an <inertia> without ixx, iyy or izz; add it")
+
+    parser.StartElementHandler = start
+    parser.EntityDeclHandler = refuse_entity
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise RobotError(f"{path}: it is no XML: {error}") from None
+
+
+def _are_numbers(text: str, name: str) -> bool:
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        return False
+    if "_" in text or len(numbers) not in _COUNTS.get(name, (1,)):
+        return False
+    if name in ("effort", "velocity"):  # infinity means that there is no bound
+        return not any(map(math.isnan, numbers))
+    return all(map(math.isfinite, numbers))
+
+
 def _describe(path: str, raw: Any) -> RobotDescription:
     robot = RobotDescription(path, str(raw.name), "", {})
     if not raw.links:
         robot.refuse("it has no <link>")
+    if len(raw.links) > MOST_LINKS:
+        robot.refuse(f"it has {len(raw.links)} links, and at most {MOST_LINKS} are read")
     links = {}
     for link in raw.links:
         if link.name in links:
@@ -150,6 +222,7 @@ def _describe(path: str, raw: Any) -> RobotDescription:
                 robot.refuse(
                     f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is no joint that moves"
                 )
+    _check_mimics(robot, joints)
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
         robot.refuse(
@@ -169,6 +242,19 @@ def _describe(path: str, raw: Any) -> RobotDescription:
         lost = sorted(set(links) - set(reached))
         robot.refuse(f"links {', '.join(map(repr, lost))} hang on each other in a circle")
     return RobotDescription(path, robot.name, roots[0], links, ordered)
+
+
+def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) -> None:
+    checked: set[str] = set()
+    for name in joints:
+        followed: dict[str, None] = {}
+        at = name
+        while at not in checked and (mimic := joints[at].mimic) is not None:
+            if at in followed:
+                robot.refuse(f"joints mimic each other in a circle, {at!r} among them")
+            followed[at] = None
+            at = mimic[0]
+        checked.update(followed)
 
 
 def _describe_link(robot: RobotDescription, raw: Any) -> LinkDescription:
@@ -197,12 +283,17 @@ def _describe_collision(robot: RobotDescription, where: str, raw: Any) -> Collis
     if geometry.mesh is not None:
         path = _find(robot, where, geometry.mesh.filename)
         scale = geometry.mesh.scale
-        scales = np.broadcast_to(1.0 if scale is None else np.asarray(scale, float), 3)
+        scales = np.ravel(1.0 if scale is None else np.asarray(scale, float))
+        if len(scales) not in (1, 3):
+            robot.refuse(f"{where} has a mesh with {len(scales)} scales; give one number or three")
+        scales = np.broadcast_to(scales, 3)
         if not (np.isfinite(scales).all() and scales.all()):
             robot.refuse(f"{where} has a mesh with a scale of {scales.tolist()}; it must not be 0")
         return Collision(MeshFile(path, tuple(scales.tolist())), place)
     if geometry.box is not None:
-        primitive = Primitive("box", tuple(float(it) for it in geometry.box.size))
+        primitive = Primitive("box", tuple(float(it) for it in np.ravel(geometry.box.size)))
+        if len(primitive.sizes) != 3:
+            robot.refuse(f"{where} has a box of {len(primitive.sizes)} sizes; give three")
     elif geometry.sphere is not None:
         primitive = Primitive("sphere", (float(geometry.sphere.radius),))
     else:
@@ -219,10 +310,13 @@ def _describe_collision(robot: RobotDescription, where: str, raw: Any) -> Collis
 def _find(robot: RobotDescription, where: str, name: str) -> str:
     from yourdfpy import filename_handler_magic
 
-    path = filename_handler_magic(name, dir=os.path.dirname(robot.path))
+    try:
+        path = filename_handler_magic(name, dir=os.path.dirname(robot.path))
+    except Exception:  # of any kind, where nothing is left of a name without its scheme
+        path = ""
     if not os.path.isfile(path):
         robot.refuse(
-            f"{where} has a mesh {name!r} that is not to be found; put it where the path points, "
+            f"{where} has a mesh {name[:200]!r} that is not to be found; put it where the path points, "
             "seen from the file's folder or, for package://, from one above it"
         )
     return path

@@ -7,15 +7,28 @@ from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
 
-from voxshell._arguments import as_floats
+from voxshell._arguments import as_floats, as_integer, as_positive
 from voxshell.comparison_shapes import ConvexHull
 from voxshell.compound import Compound, Part
-from voxshell.errors import MeshError, PoseError, RobotError, SettingsError
+from voxshell.errors import (
+    InputTypeError,
+    MemoryLimitError,
+    MeshError,
+    PoseError,
+    RobotError,
+    SettingsError,
+)
 from voxshell.joints import HingeJoint, Joint, SliderJoint
 from voxshell.meshes import read_mesh
 from voxshell.model import Model
 from voxshell.shapes import Box, Cylinder, Sphere
-from voxshell.urdf.description import Collision, MeshFile, RobotDescription, read_urdf
+from voxshell.urdf.description import (
+    Collision,
+    MeshFile,
+    Primitive,
+    RobotDescription,
+    read_urdf,
+)
 from voxshell.urdf.lumps import Lump, find_lumps
 from voxshell.urdf.robot import Link, Robot, Strength
 
@@ -75,6 +88,10 @@ def load_urdf(
             file, the link or joint, and what to do.
         SettingsError: A setting is out of range.
         PoseError: ``pose`` is not a rigid transform.
+        MemoryLimitError: A model would be too large.
+        InputTypeError: ``world`` is no world, or ``path`` no path.
+
+    Where it raises, the world has none of the robot's bodies.
 
     Example:
         >>> import pathlib, tempfile
@@ -109,9 +126,19 @@ def load_urdf(
     """
     if mesh_as not in ("model", "hull"):
         raise SettingsError(f"mesh_as must be 'model' or 'hull', not {mesh_as!r}")
+    if voxel_size is not None:
+        as_positive(voxel_size, "voxel_size")
+    if resolution is not None:
+        as_integer(resolution, "resolution", 2, 2**31 - 1)
     if voxel_size is None and resolution is None:
         resolution = _DEFAULT_RESOLUTION
     world_from_root = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
+    from voxshell.world import World  # which imports robots
+
+    if not isinstance(world, World):
+        raise InputTypeError(f"world must be a World, not {type(world).__name__}")
+    # Says what is wrong with the arguments before anything is blamed on the file.
+    World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_root, friction=friction)
     robot = read_urdf(path)
     lumps = find_lumps(robot)
     _check_masses(robot, lumps, fixed_base)
@@ -122,6 +149,32 @@ def load_urdf(
     places = {robot.root: world_from_root}
     for joint in robot.joints:
         places[joint.child] = places[joint.parent] @ joint.parent_from_joint
+    added: list[Body] = []
+    try:
+        return _add(
+            world, robot, lumps, shapes, places, fixed_base, friction, self_collision, added
+        )
+    except BaseException as error:
+        for each in added:
+            world.remove(each)
+        # What is wrong with the arguments has been said before.
+        if isinstance(error, (PoseError, SettingsError)):
+            raise RobotError(f"{robot.path}: {error}") from error
+        raise
+
+
+def _add(
+    world: World,
+    robot: RobotDescription,
+    lumps: dict[str, Lump],
+    shapes: dict[Lump, Part | Compound | None],
+    places: dict[str, NDArray[np.float64]],
+    fixed_base: bool,
+    friction: float,
+    self_collision: bool,
+    added: list[Body],
+) -> Robot:
+    """Adds bodies and joints, the bodies to ``added`` as well."""
     bodies: dict[Lump, Body | None] = {}
     for lump, shape in shapes.items():
         is_base = lump is lumps[robot.root] and fixed_base
@@ -129,7 +182,7 @@ def load_urdf(
         if is_base and shape is None:
             bodies[lump] = None
             continue
-        bodies[lump] = world.add(
+        body = bodies[lump] = world.add(
             Sphere(_MARKER_RADIUS) if shape is None else shape,
             mass=0.0 if matter is None else matter.mass,
             inertia="solid" if matter is None else matter,
@@ -138,6 +191,7 @@ def load_urdf(
             name=f"{robot.name}/{lump.first}",
             group=1 if shape is not None else 0,
         )
+        added.append(body)
     links = {}
     for name, lump in lumps.items():
         body = bodies[lump]
@@ -234,6 +288,7 @@ class _Shaper:
         self._voxel_size = voxel_size
         self._resolution = resolution
         self._mesh_as = mesh_as
+        self._made: dict[tuple[MeshFile, bytes], Part] = {}
 
     def shape_of(self, lump: Lump) -> Part | Compound | None:
         """In the lump's frame; None where no link has a surface."""
@@ -253,14 +308,24 @@ class _Shaper:
     ) -> tuple[Part, NDArray[np.float64]]:
         geometry = collision.geometry
         if isinstance(geometry, MeshFile):
-            return self._make_mesh(link, geometry, place), np.eye(4)
+            key = geometry, place.tobytes()
+            if key not in self._made:
+                self._made[key] = self._make_mesh(link, geometry, place)
+            return self._made[key], np.eye(4)
+        try:
+            return self._make_primitive(geometry), place
+        except SettingsError as error:
+            raise RobotError(f"{self._robot.path}: link {link!r}: {error}") from error
+
+    @staticmethod
+    def _make_primitive(geometry: Primitive) -> Part:
         match geometry.kind:
             case "box":
-                return Box(np.array(geometry.sizes) / 2.0), place
+                return Box(np.array(geometry.sizes) / 2.0)
             case "sphere":
-                return Sphere(geometry.sizes[0]), place
+                return Sphere(geometry.sizes[0])
             case "cylinder":
-                return Cylinder(*geometry.sizes), place
+                return Cylinder(*geometry.sizes)
 
     def _make_mesh(self, link: str, file: MeshFile, place: NDArray[np.float64]) -> Part:
         try:
@@ -279,6 +344,8 @@ class _Shaper:
             )
         except MeshError as error:
             self._refuse(link, file, error)
+        except MemoryLimitError as error:
+            raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
 
     def _refuse(self, link: str, file: MeshFile, error: MeshError) -> NoReturn:
         what = str(error) if file.path in str(error) else f"{file.path}: {error}"

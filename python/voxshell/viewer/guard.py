@@ -7,6 +7,7 @@ Any page that is open in the user's browser can send requests to this machine: t
 from __future__ import annotations
 
 import http
+import logging
 import secrets
 import threading
 from contextlib import contextmanager
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     Process = Callable[[ServerConnection, Request], Response | None]
 
 _patching = threading.Lock()
+
+_SILENT = logging.getLogger("voxshell.viewer.guard")
+_SILENT.addHandler(logging.NullHandler())
+_SILENT.propagate = False
 
 
 def make_token() -> str:
@@ -73,6 +78,8 @@ def guarding(token: str) -> Iterator[Callable[[], bool]]:
             return serve(*args, process_request=process_request, **kwargs)
         assert process_request is not None
         started.set()
+        # Strangers' requests are damaged; nobody wants to read in a terminal how.
+        kwargs.setdefault("logger", _SILENT)
         return serve(*args, process_request=_guard(process_request, token), **kwargs)
 
     with _patching, patch.object(websockets, "serve", serve_guarded):

@@ -6,9 +6,11 @@ refused with a typed error. An odd value, which may make sense, must do one of t
 
 from __future__ import annotations
 
+import tempfile
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,11 @@ from voxshell import _core
 from soak.task import Check, Outcome, Task, Totals
 
 CALLS = 100  # a case
+
+WITHOUT_ANSWER = ("load",)  # of a file that is not there
+
+ROBOT = """<robot name="robot"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry>
+</collision></link></robot>"""
 
 
 @dataclass(frozen=True)
@@ -48,13 +55,17 @@ def list_calls() -> dict[str, Call]:
     pair = {"a": ball, "b": ball, "a_pose": pose, "b_pose": np.eye(4)}
     poses = np.tile(pose, (3, 1, 1))
     points = np.random.default_rng(0).uniform(-0.2, 0.2, (5, 3))
+    urdf = Path(tempfile.mkdtemp(prefix="voxshell-soak-"), "robot.urdf")
+    urdf.write_text(ROBOT)
 
     def build(vertices: Any, faces: Any, **settings: Any) -> Any:
         return vx.Model.from_mesh((vertices, faces), cache=False, threads=1, **settings)
 
-    def simulate(world: dict[str, Any] | None = None, steps: Any = 2, **body: Any) -> Any:
+    def simulate(
+        world: dict[str, Any] | None = None, steps: Any = 2, shape: Any = ball, **body: Any
+    ) -> Any:
         made = vx.World(**(world or {}))
-        ball_in_world = made.add(ball, **body)
+        ball_in_world = made.add(shape, **body)
         made.step(steps)
         return ball_in_world.pose
 
@@ -75,6 +86,48 @@ def list_calls() -> dict[str, Call]:
         body.apply_force(**force)
         world.step(1)
         return body.pose
+
+    def hinge(
+        kind: Any = vx.HingeJoint, drive: dict[str, Any] | None = None, **settings: Any
+    ) -> Any:
+        world = vx.World()
+        names = ("parent_from_joint", "child_from_joint")
+        places = {name: settings.pop(name) for name in names if name in settings}
+        joint = world.add_joint(kind(**settings), None, world.add(vx.Sphere(0.1)), **places)
+        if drive:
+            joint.set_target_velocity(**drive)
+        world.step(2)
+        return world.bodies[0].pose
+
+    def slide(**settings: Any) -> Any:
+        return hinge(vx.SliderJoint, **settings)
+
+    def turn(**drive: Any) -> Any:
+        return hinge(drive=drive)
+
+    def meet(a: Any = None, b: Any = None, margin: Any = 0.0, every: Any = 1) -> Any:
+        world = vx.World()
+        first, second = world.add(ball), world.add(ball, pose=pose)
+        recorder = world.record(every=every)
+        world.step(1)
+        assert recorder.recording().frame_count > 0
+        pair = first if a is None else a, second if b is None else b
+        return world.overlaps(*pair), world.query_contacts(*pair, margin=margin).tobytes()
+
+    def load(**arguments: Any) -> Any:
+        return vx.load_urdf(**{"world": vx.World(), **arguments}).links["base"].pose
+
+    def compound(place: Any, half_extents: Any) -> Any:
+        return simulate(shape=vx.Compound([(vx.Box(half_extents), place), (ball, np.eye(4))]))
+
+    def hulls(points: Any, margin: Any) -> Any:
+        return simulate(shape=vx.ConvexHull(points, margin=margin))
+
+    def triangles(vertices: Any, faces: Any, margin: Any) -> Any:
+        return simulate(shape=vx.GImpact((vertices, faces), margin=margin))
+
+    def polyhedron(vertices: Any, faces: Any) -> Any:
+        return vx.ConvexPolyhedron((vertices, faces)).sample(points)
 
     def cast(**rays: Any) -> Any:
         world = vx.World()
@@ -134,6 +187,32 @@ def list_calls() -> dict[str, Call]:
             {"pose": pose, "linear_velocity": np.ones(3), "angular_velocity": np.ones(3)},
         ),
         "apply_force": Call(push, {"force": np.ones(3), "at": np.zeros(3)}),
+        "Sphere": Call(vx.Sphere, {"radius": 0.1}),
+        "Cylinder": Call(vx.Cylinder, {"radius": 0.1, "length": 0.2}),
+        "ConvexPolyhedron": Call(polyhedron, {"vertices": vertices, "faces": faces}),
+        "Compound": Call(compound, {"place": pose, "half_extents": np.full(3, 0.1)}),
+        "ConvexHull": Call(hulls, {"points": vertices, "margin": 0.001}),
+        "GImpact": Call(triangles, {"vertices": vertices, "faces": faces, "margin": 0.001}),
+        "contact_bounds": Call(vx.contact_bounds, {"a": ball, "b": ball, "shell": "auto"}),
+        "contacts_flat": Call(vx.testing.contacts_flat, {**pair, "margin": 0.01, "level": 2}),
+        "mass_properties": Call(ball.mass_properties, {"mass": 2.0, "kind": "solid"}),
+        "HingeJoint": Call(
+            hinge,
+            {
+                **{"axis": np.array([0.0, 1.0, 0.0]), "friction": 0.1, "damping": 0.1},
+                **{"parent_from_joint": pose, "child_from_joint": np.eye(4)},
+            },
+        ),
+        "SliderJoint": Call(slide, {"axis": np.array([0.0, 1.0, 0.0]), "limits": (-1.0, 1.0)}),
+        "set_target_velocity": Call(turn, {"velocity": 1.0, "max_force": 10.0}),
+        "pairs in a world": Call(meet, {"margin": 0.01, "every": 1}),
+        "load_urdf": Call(
+            load,
+            {
+                **{"path": urdf, "pose": pose, "voxel_size": 0.01, "friction": 0.5},
+                **{"mesh_as": "model"},
+            },
+        ),
         "ray_cast": Call(cast, {"starts": points, "ends": points + 1.0}),
         "core: contacts": Call(
             _core.contacts,
@@ -294,7 +373,7 @@ def prepare() -> Check:
     calls = list_calls()
     wants: dict[str, object] = {}
     for name, call in calls.items():
-        if name != "load":
+        if name not in WITHOUT_ANSWER:
             wants[name] = digest(call.function(**call.arguments))
 
     def check(case: int) -> Outcome:
