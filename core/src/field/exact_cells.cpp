@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "base/comes_before.h"
 #include "field/brick_plan.h"
 #include "mesh/closest_point.h"
 #include "simd/exact_formula.h"
@@ -532,7 +533,7 @@ ExactCells ExactCellFinder::assemble(std::span<const Brick> bricks) const {
   ExactCells exact;
   if (bricks.empty()) return exact;
   exact.bricks.resize(grid_.count());
-  std::map<std::vector<std::uint32_t>, std::uint32_t> known;
+  std::map<std::vector<std::uint32_t>, std::uint32_t, ComesBefore> known;
   std::uint32_t number = 0;
   for (const Brick& brick : bricks) {
     exact.bricks[brick.index] = ++number;
