@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "base/comes_before.h"
 #include "field/brick_plan.h"
 #include "mesh/closest_point.h"
 #include "simd/exact_formula.h"
@@ -51,6 +50,13 @@ constexpr float kRounding = 0.004f;  // of places and distances, voxels
 constexpr float kOneWay = 1.0f;
 /// Those of the two sides of a wall.
 constexpr float kFolded = 1.9f;
+
+/// Operator < of libstdc++ 12 looks at a quarter of the bytes of such lists on big-endian machines.
+struct ComesBefore {
+  bool operator()(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) const {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  }
+};
 
 /// Of a place in a cube with so many to a side, x fastest.
 std::size_t index_of(int x, int y, int z, int side) {

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/comes_before.h"
 #include "mesh/edges.h"
 #include "mesh/t_vertices.h"
 
@@ -30,7 +29,7 @@ std::vector<Triangle> drop_copies(std::span<const Triangle> triangles) {
   keys.reserve(triangles.size());
   for (const Triangle& t : triangles) keys.push_back(rotated(t));
   std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
-    return keys[a] != keys[b] ? ComesBefore{}(keys[a], keys[b]) : a < b;
+    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
   });
   std::vector<bool> is_copy(triangles.size(), false);
   for (std::size_t i = 1; i < order.size(); ++i) {
