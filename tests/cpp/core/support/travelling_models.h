@@ -61,7 +61,7 @@ inline const std::vector<TravellingModel>& travelling_models() {
     add("lump_by_tolerance", make_lump(0.25, 3), {.tolerance = 2e-3});
     add("uniform_lump", make_lump(0.25, 3), {.resolution = 24, .target_points = 1500});
     add("open_lump", opened(make_lump(0.25, 3), 0.1), {.resolution = 20, .open = OpenMesh::kSolid});
-    add("sheet", opened(make_lump(0.25, 2), 0.0), {.open = OpenMesh::kSheet});
+    add("sheet", opened(make_lump(0.25, 2), 0.0), {.resolution = 24, .open = OpenMesh::kSheet});
     add("l_shape", make_l_shape(0.2), {.tolerance = 2e-3});
     add("overlapping_boxes", scaled(make_two_boxes().soup(), 3.0), {.resolution = 24});
     return models;
