@@ -187,7 +187,7 @@ class Measurement {
       *chord = angle_of_chord(*chord);
     }
     accuracy.coverage = summarize(heights_);
-    accuracy.gap = *std::ranges::max_element(gaps_);
+    accuracy.gap = static_cast<double>(*std::ranges::max_element(gaps_));
     accuracy.is_sharp = is_sharp_;
     accuracy.curvature = curvature_;
     return accuracy;
@@ -457,7 +457,7 @@ class Measurement {
     };
     const double median = rank(0.5);
     const double p99 = rank(0.99);
-    return {median, p99, *std::ranges::max_element(values)};
+    return {median, p99, static_cast<double>(*std::ranges::max_element(values))};
   }
 
   /// Pushes; what lies farther from a place is not among the nearest.
