@@ -26,7 +26,7 @@ double solid_angle(const std::array<Vec3, 3>& corners, const Vec3& p) {
   const double lb = length(b);
   const double lc = length(c);
   return 2.0 * portable_atan2(dot(a, cross(b, c)),
-                          la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+                              la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
 }  // namespace
