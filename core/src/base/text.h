@@ -7,13 +7,17 @@
 
 namespace voxshell {
 
-/// printf into a string, for error messages.
+/// printf into a string, for error messages. Without arguments the format is the text.
 template <class... Args>
 std::string format_text(const char* format, Args... args) {
-  const int size = std::snprintf(nullptr, 0, format, args...);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::snprintf(text.data(), text.size() + 1, format, args...);
-  return text;
+  if constexpr (sizeof...(args) == 0) {
+    return format;
+  } else {
+    const int size = std::snprintf(nullptr, 0, format, args...);
+    std::string text(static_cast<std::size_t>(size), '\0');
+    std::snprintf(text.data(), text.size() + 1, format, args...);
+    return text;
+  }
 }
 
 inline std::string format_point(const Vec3& p) {

@@ -270,10 +270,11 @@ TEST(SolidsOfRevolution, AgreeWithTheirProfilesInFloat64) {
     return distance_to_polygon(p, {{-0.3, -0.45}, {0.3, -0.45}, {0.3, 0.45}, {-0.3, 0.45}});
   });
   for (const auto& [radius, height] : {std::pair{0.3, 0.9}, std::pair{0.9, 0.3}}) {
-    expect_solid_of_revolution(ConeField{radius, height}, [&](const Point2& p) {
-      return distance_to_polygon(p,
-                                 {{-radius, -height / 2}, {radius, -height / 2}, {0, height / 2}});
-    });
+    expect_solid_of_revolution(
+        ConeField{radius, height}, [radius = radius, height = height](const Point2& p) {
+          return distance_to_polygon(
+              p, {{-radius, -height / 2}, {radius, -height / 2}, {0, height / 2}});
+        });
   }
 }
 

@@ -60,16 +60,18 @@ TEST(GridField, NodesHoldTheSignedDistance) {
     const std::size_t bricks = field.data().entries.size();
     for (std::size_t brick = 0; brick < bricks; ++brick) {
       const double rounding = std::ldexp(voxel_size / 512, entry_of(field, brick).exponent);
-      visit_nodes(field, brick, [&](const Vec3& p, double value) {
-        if (random.below(bricks / 8) != 0) return;
-        const double expected = signed_distance_to_mesh(p, mesh);
-        inside += expected < 0.0;
-        // On the surface itself either sign will do.
-        ASSERT_NEAR(value, expected, rounding + 1e-3 * voxel_size) << name;
-        if (cell_size_of(field, brick) == 1.0 && !is_on_brick_face(field, p)) {
-          ASSERT_NEAR(distance_at(field, p), expected, rounding + 1e-3 * voxel_size) << name;
-        }
-      });
+      visit_nodes(
+          field, brick,
+          [&, &name = name, &mesh = mesh, voxel_size = voxel_size](const Vec3& p, double value) {
+            if (random.below(bricks / 8) != 0) return;
+            const double expected = signed_distance_to_mesh(p, mesh);
+            inside += expected < 0.0;
+            // On the surface itself either sign will do.
+            ASSERT_NEAR(value, expected, rounding + 1e-3 * voxel_size) << name;
+            if (cell_size_of(field, brick) == 1.0 && !is_on_brick_face(field, p)) {
+              ASSERT_NEAR(distance_at(field, p), expected, rounding + 1e-3 * voxel_size) << name;
+            }
+          });
     }
     EXPECT_GT(inside, 5) << name;
   }

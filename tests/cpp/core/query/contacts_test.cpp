@@ -84,7 +84,7 @@ GridField make_peak(double voxel_size, int top, int cells) {
   data.surface_bounds = {{0.0, 0.0, 0.0},
                          {2 * kEdge * voxel_size, kEdge * voxel_size, kEdge * voxel_size}};
   data.node_error = voxel_size / (2 * data.quanta_per_voxel);
-  data.coarse_floors.fill(simd::kNoCoarseFloor);
+  data.coarse_floors.fill(static_cast<double>(simd::kNoCoarseFloor));
   for (int i = 0; cells < kEdge >> i; ++i) {
     data.coarse_floors[static_cast<std::size_t>(i)] = 3.0 * voxel_size;
   }

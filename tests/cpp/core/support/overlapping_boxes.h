@@ -102,7 +102,7 @@ struct BoxUnion {
       }
     }
     std::ranges::sort(at);
-    at.erase(std::ranges::unique(at).begin(), at.end());
+    at.erase(std::unique(at.begin(), at.end()), at.end());
     return at;
   }
 };
