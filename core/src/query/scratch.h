@@ -36,7 +36,9 @@ class ListMemory {
   }
   template <class T>
   T* list(std::size_t index) const {
-    return static_cast<T*>(static_cast<void*>(memory_.get() + index * stride_));
+    // Compilers for processors that load aligned words alone warn of a direct cast.
+    void* const begin = memory_.get() + index * stride_;
+    return static_cast<T*>(begin);
   }
 
  private:
