@@ -123,5 +123,5 @@ def test_robots_are_held_to_the_bounds(tmp_path: Path):
         '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
         '<collision><geometry><sphere radius="1"/></geometry></collision></link></robot>'
     )
-    with pytest.raises(vx.SettingsError, match=r"mass of 'r/l' is 1e\+20 kg"):
+    with pytest.raises(vx.RobotError, match=r"robot.urdf: mass of 'r/l' is 1e\+20 kg"):
         vx.load_urdf(vx.World(), path, fixed_base=False)

@@ -436,7 +436,7 @@ def test_ctrl_c_stops_a_long_run():
 
 
 def test_ctrl_c_stops_heavy_steps_within_about_one_of_them():
-    world = vx.World(solver="sequential_impulse", iterations=300_000, sleeping=False)
+    world = vx.World(solver="sequential_impulse", iterations=600_000, sleeping=False)
     world.add(vx.Plane(), mass=0)
     world.add(vx.Box((0.1, 0.1, 0.1)), pose=at(z=0.1))
     world.step(2)

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -54,6 +56,23 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     }
   };
 
+  // A thread allocates what it needs to throw when it first asks for it, and without memory glibc
+  // ends the process: let all of them ask, with memory set aside, before any task may use it up.
+  static_cast<void>(std::uncaught_exceptions());
+  constexpr std::size_t kReserve = std::size_t{1} << 16;
+  auto reserve = std::make_unique<std::byte[]>(kReserve);
+  std::atomic<bool> may_ask{false};
+  std::atomic<std::size_t> ready{0};
+  std::atomic<bool> all_ready{false};
+  const auto help = [&] {
+    may_ask.wait(false);
+    static_cast<void>(std::uncaught_exceptions());
+    ++ready;
+    ready.notify_one();
+    all_ready.wait(false);
+    work(false);
+  };
+
   {
     // The calling thread works, too: one task needs no helper.
     const std::size_t helper_count =
@@ -63,7 +82,7 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     // Where the system has no more threads, or memory for them, the work is done by fewer.
     const auto start_helper = [&] {
       try {
-        helpers.emplace_back(work, false);
+        helpers.emplace_back(help);
         return true;
       } catch (const std::exception&) {
         return false;
@@ -71,6 +90,12 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     };
     while (helpers.size() < helper_count && start_helper()) {
     }
+    reserve.reset();
+    may_ask = true;
+    may_ask.notify_all();
+    for (std::size_t i = ready; i < helpers.size(); i = ready) ready.wait(i);
+    all_ready = true;
+    all_ready.notify_all();
     work(true);
   }
   if (failure != nullptr) std::rethrow_exception(failure);
