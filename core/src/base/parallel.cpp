@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstddef>
 #include <exception>
-#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -57,16 +56,12 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   };
 
   // A thread allocates what it needs to throw when it first asks for it, and without memory glibc
-  // ends the process: let all of them ask, with memory set aside, before any task may use it up.
-  static_cast<void>(std::uncaught_exceptions());
-  constexpr std::size_t kReserve = std::size_t{1} << 16;
-  auto reserve = std::make_unique<std::byte[]>(kReserve);
-  std::atomic<bool> may_ask{false};
+  // ends the process: let all of them ask before any task may use the memory up.
+  static_cast<void>(std::current_exception());
   std::atomic<std::size_t> ready{0};
   std::atomic<bool> all_ready{false};
   const auto help = [&] {
-    may_ask.wait(false);
-    static_cast<void>(std::uncaught_exceptions());
+    static_cast<void>(std::current_exception());
     ++ready;
     ready.notify_one();
     all_ready.wait(false);
@@ -90,9 +85,6 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     };
     while (helpers.size() < helper_count && start_helper()) {
     }
-    reserve.reset();
-    may_ask = true;
-    may_ask.notify_all();
     for (std::size_t i = ready; i < helpers.size(); i = ready) ready.wait(i);
     all_ready = true;
     all_ready.notify_all();
