@@ -21,10 +21,12 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
         FileAccessError: The system does not let it be read.
     """
     try:
-        tables = parse_toml(read_text(path, "settings file"))
-    except (SettingsError, UnicodeDecodeError) as error:
-        if str(path) in str(error):
-            raise
+        text = read_text(path, "settings file")
+    except UnicodeDecodeError as error:
+        raise SettingsError(f"{path}: {error}") from error
+    try:
+        tables = parse_toml(text)
+    except SettingsError as error:
         raise SettingsError(f"{path}: {error}") from error
     for name, table in tables.items():
         if not isinstance(table, dict):

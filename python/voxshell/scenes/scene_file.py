@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell._settings import make, parse_toml, read_text
-from voxshell.errors import SettingsError
+from voxshell.errors import MeshError, PoseError, SettingsError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings
 from voxshell.scenes.scene_settings import MeshSettings, OutputSettings, WorldSettings
 from voxshell.scenes.toml_lines import find_line
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -50,6 +52,18 @@ class Scene:
         """An error that names file, line and key."""
         return _locate(self.path, self.text, keys, f"{'.'.join(keys)}: {message}")
 
+    @contextmanager
+    def naming(self, *keys: str) -> Iterator[None]:
+        """Lets errors of what is made of a table name file, line and key.
+
+        Raises:
+            SettingsError: The block raised an error of a mesh, a pose or settings.
+        """
+        try:
+            yield
+        except (MeshError, PoseError, SettingsError) as error:
+            raise self.describe_error(keys, str(error)) from error
+
 
 def read_scene(path: Path) -> Scene:
     """Reads and checks a scene file.
@@ -60,14 +74,13 @@ def read_scene(path: Path) -> Scene:
     """
     try:
         text = read_text(path, "scene file")
-        tables = parse_toml(text)
     except UnicodeDecodeError:
         raise SettingsError(
             f"{path} is no scene file, which is a text (TOML); {_for_meshes(path)}"
         ) from None
+    try:
+        tables = parse_toml(text)
     except SettingsError as error:
-        if str(path) in str(error):
-            raise
         line = re.search(r"at line (\d+)", str(error))
         hint = "" if path.suffix.lower() == ".toml" else f"; {_for_meshes(path)}"
         raise SettingsError(f"{path}{f':{line[1]}' if line else ''}: {error}{hint}") from None

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.body_shapes import mesh_of
-from voxshell.errors import SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.world_tables import CONTACT_DTYPE
 
@@ -65,10 +64,8 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
 
     take()
     for step in range(1, steps + 1):
-        try:
+        with scene.naming("scene"):
             world.step()
-        except SettingsError as error:
-            raise scene.describe_error(("scene",), str(error)) from error
         if step % every == 0:
             take()
         if step % 16 == 0:

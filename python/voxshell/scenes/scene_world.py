@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from voxshell.comparison_shapes import ConvexHull, GImpact
-from voxshell.errors import MemoryLimitError, MeshError, PoseError, SettingsError
+from voxshell.errors import MemoryLimitError
 from voxshell.meshes import Mesh, read_mesh
 from voxshell.model import Model
 from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
@@ -40,11 +40,12 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
             progress(f"{name}: {stage}" if stage else name, (index + share) / len(scene.meshes))
 
         try:
-            meshes[name] = _build_mesh(scene, settings, report)
-        except (MeshError, MemoryLimitError, SettingsError) as error:
+            with scene.naming("meshes", name, "file"):
+                meshes[name] = _build_mesh(scene, settings, report)
+        except MemoryLimitError as error:
             raise scene.describe_error(("meshes", name, "file"), str(error)) from error
     settings = scene.world
-    try:
+    with scene.naming("scene"):
         world = World(
             gravity=settings.gravity,
             time_step=1.0 / settings.rate,
@@ -56,10 +57,8 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
             sleeping=settings.sleeping,
             ccd_motion_threshold=settings.ccd_motion_threshold,
         )
-    except SettingsError as error:
-        raise scene.describe_error(("scene",), str(error)) from error
     for name, body in scene.bodies.items():
-        try:
+        with scene.naming("bodies", name):
             added = world.add(
                 _make_shape(body, meshes),
                 mass=body.kilograms,
@@ -74,11 +73,9 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
             if body.kilograms > 0.0:
                 added.linear_velocity = body.linear_velocity
                 added.angular_velocity = body.angular_velocity
-        except (MeshError, PoseError, SettingsError) as error:
-            raise scene.describe_error(("bodies", name), str(error)) from error
     bodies = {body.name: body for body in world.bodies}
     for name, joint in scene.joints.items():
-        try:
+        with scene.naming("joints", name):
             added = world.add_joint(
                 joint.make_kind(),
                 None if joint.parent is None else bodies[joint.parent],
@@ -92,8 +89,6 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                     added.set_target_velocity(joint.target_velocity, max_force=joint.max_force)
                 elif joint.target_position is not None:
                     added.set_target_position(joint.target_position, max_force=joint.max_force)
-        except (PoseError, SettingsError) as error:
-            raise scene.describe_error(("joints", name), str(error)) from error
     return world
 
 
