@@ -16,7 +16,7 @@ class SmoothField {
   SmoothField() = default;
   /// The side outlives this, and so does the field.
   explicit SmoothField(const Side& side);
-  /// A field that is left as it is.
+  /// The field alone, without a smooth surface.
   explicit SmoothField(const Field& field) : field_(&field) {}
 
   /// Whether some of it is a smooth surface.

@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
-    """What a file holds.
+    """Reads a whole file.
 
     Args:
         path: Of the file.
         most: Bytes that it may have.
-        what: It is, for errors.
+        what: Kind of file, for errors: "scene file".
 
     Raises:
-        SettingsError: There is none, it is a folder, a pipe or a device, or it is larger.
+        SettingsError: The file does not exist, is not a regular file, or is larger than ``most``.
         FileAccessError: The system does not let it be read.
     """
     # A pipe without a writer would keep open() waiting.

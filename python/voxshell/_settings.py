@@ -42,16 +42,17 @@ _DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
 
 
 def read_text(path: Path, what: str) -> str:
-    """A file with a text that may be TOML.
+    """Reads a text file.
 
     Args:
         path: Of the file.
-        what: It is, for errors.
+        what: Kind of file, for errors: "scene file".
 
     Raises:
-        SettingsError: There is none, it is no regular file, or it is too large; it names the file.
+        SettingsError: The file does not exist, is not a regular file, or is too large. The message
+            names it.
         FileAccessError: The system does not let it be read.
-        UnicodeDecodeError: It is no UTF-8.
+        UnicodeDecodeError: The text is not UTF-8.
     """
     # A character takes four bytes at most.
     text = read_small_file(path, 4 * _MOST_CHARACTERS, what).decode("utf-8")

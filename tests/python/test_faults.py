@@ -8,7 +8,7 @@ from pathlib import Path
 
 import killed_commands
 import pytest
-from write_faults import Fault, Host
+from write_faults import Fault, Host, NoCompilerError
 
 QUICK = (1, 2, 3, 5, 8, 13, 21, 34, 55, 89)
 """Calls that fail: the soak tries all."""
@@ -19,7 +19,7 @@ SLOW = (1, 15, 60)
 def host(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
     try:
         host = Host(tmp_path_factory.mktemp("writers"))
-    except FileNotFoundError as lack:
+    except NoCompilerError as lack:
         pytest.skip(str(lack))
     yield host
     host.close()

@@ -33,7 +33,7 @@ _HARMLESS = (
     "EXT_texture_",
     "MSFT_texture",
 )
-"""Beginnings of extensions that leave the surface as it is."""
+"""Extensions whose names begin so do not change the surface."""
 
 _DRACO = "KHR_draco_mesh_compression"
 

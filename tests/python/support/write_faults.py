@@ -539,11 +539,15 @@ def serve() -> None:
         print(json.dumps(answer), file=answers, flush=True)
 
 
+class NoCompilerError(Exception):
+    """There is no C++ compiler to build what lets calls fail."""
+
+
 class Host:
     """Starts the process that writes.
 
     Raises:
-        FileNotFoundError: There is no compiler to build what lets calls fail.
+        NoCompilerError: There is none.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -595,7 +599,7 @@ def build_library(folder: Path) -> Path:
         None,
     )
     if compiler is None:
-        raise FileNotFoundError("there is no C++ compiler")
+        raise NoCompilerError("there is no C++ compiler: set CXX, or install one")
     library = folder / "failing_calls.so"
     options = ["-std=c++20", "-O1", "-shared", "-fPIC", "-ldl"]
     subprocess.run([compiler, str(SOURCE), *options, "-o", str(library)], check=True)

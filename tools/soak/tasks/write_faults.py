@@ -13,11 +13,11 @@ STRIDE = 7  # of commands, which take long; other cases meet the calls in betwee
 
 
 def prepare() -> Check:
-    from write_faults import ERRORS, SIGNALS, Fault, Host
+    from write_faults import ERRORS, SIGNALS, Fault, Host, NoCompilerError
 
     try:
         host = Host(Path(tempfile.mkdtemp(prefix="voxshell-soak-")))
-    except FileNotFoundError as lack:
+    except NoCompilerError as lack:
         raise UnavailableError(str(lack)) from lack
 
     def check(case: int) -> Outcome:
