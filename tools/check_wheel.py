@@ -170,16 +170,17 @@ def main(arguments: list[str]) -> int:
 
 
 def _lacking_licences(wheel: Path) -> list[str]:
-    """Parts that the bill of materials leaves out, leaves without a version, or whose licence is not in the wheel."""
+    """Parts that do not have both an entry with a version in the bill of materials, and a licence."""
     with zipfile.ZipFile(wheel) as archive:
         [bill] = [n for n in archive.namelist() if n.endswith("/sboms/voxshell.cdx.json")]
         parts = {part["bom-ref"]: part for part in json.loads(archive.read(bill))["components"]}
-        licences = {Path(n).stem for n in archive.namelist() if "/licenses/licenses/" in n}
+        names = [Path(name) for name in archive.namelist() if "/licenses/licenses/" in name]
+        licences = {name.stem for name in names if name.suffix == ".txt"}
     expected = {"bullet", "nanobind", "robin-map"}
     versioned = {
         name for name, part in parts.items() if re.fullmatch(r"\d+(\.\d+)+", part["version"])
     }
-    return sorted(expected - versioned | versioned - licences | licences - expected)
+    return sorted((expected ^ versioned) | (expected ^ licences))
 
 
 def _shown_symbols(wheel: Path, name: str) -> set[str]:
