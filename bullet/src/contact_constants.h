@@ -214,6 +214,10 @@ inline constexpr double kAsideOfDistance = 0.1;
 /// what sinks in for a step feels facets. Larger: at the middle of a wall, where the two sides are
 /// as near, contacts take one of them.
 inline constexpr double kSmoothOfLift = 10.0;
+/// Far from a model, where the cells of its field are large, distances are off by up to this
+/// fraction of them. Smaller: smooth surfaces are looked for in vain. Larger: another place that is
+/// nearly as near is taken for the nearest.
+inline constexpr double kFarFieldError = 0.05;
 /// Surfaces that follow each other, as a peg and its hole do, have no one deepest place: the
 /// field's normal turns by more than this fraction of what a slide was to turn by. Smaller: a ball
 /// in a bowl feels its samples. Larger: slides along such surfaces lead far.

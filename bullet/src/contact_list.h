@@ -48,6 +48,17 @@ inline bool has_id(std::span<const Contact> contacts, std::uint32_t id) {
   return found < contacts.size() && contacts[found].id == id;
 }
 
+/// Merges `others` into `contacts`, both ascending by id, except those whose ids are taken.
+inline void merge_by_id(std::span<const Contact> others, std::vector<Contact>& contacts) {
+  const auto middle = static_cast<std::ptrdiff_t>(contacts.size());
+  for (const Contact& other : others) {
+    if (!has_id(std::span(contacts).first(static_cast<std::size_t>(middle)), other.id)) {
+      contacts.push_back(other);
+    }
+  }
+  std::ranges::inplace_merge(contacts, contacts.begin() + middle, {}, &Contact::id);
+}
+
 /// Leaves those of `values` of which `is_kept` says so.
 template <class T, class IsKept>
 void keep_if(std::vector<T>& values, const IsKept& is_kept) {

@@ -84,6 +84,13 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
 
 }  // namespace
 
+bool may_reach(const PairStep& step, const Contact& contact, double above) {
+  Impact impact = impact_of(step, contact);
+  impact.gap -= above;
+  return is_contact(step, impact) || kCcdReach * closing_of(step, impact) >= impact.gap ||
+         touches_if_stopped(step, contact, impact);
+}
+
 StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> features,
                                 std::span<const std::uint32_t> exact, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory) {

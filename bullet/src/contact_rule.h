@@ -29,6 +29,10 @@ struct StepContacts {
   Hold hold;
 };
 
+/// Whether a point touches, or would within the step at twice its speed, or if something else stops
+/// one of the bodies, were it nearer by `above`, metres.
+bool may_reach(const PairStep& step, const Contact& contact, double above);
+
 /// Leaves those of `contacts`, ascending by id, that are contacts of this step, as the solver is to
 /// see them:
 ///   - points that penetrate;

@@ -88,6 +88,16 @@ double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ba
                    find_farthest_displacement(Motion{}, b, ball, time_step)});
 }
 
+double find_touch_reach(const Motion& a, const Motion& b, const Ball& ball, double time_step) {
+  // Places of the larger body may be as far outside of the ball as this reach, where spin is
+  // faster.
+  constexpr double kMostSpin = 0.5;  // radians; those that turn by more are looked for twice as far
+  const double spin =
+      time_step * std::max({length(a.angular_velocity - b.angular_velocity),
+                            length(a.angular_velocity), length(b.angular_velocity)});
+  return find_farthest_if_stopped(a, b, ball, time_step) / (1.0 - std::min(spin, kMostSpin));
+}
+
 RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
                                   const Pose& world_from_frame) {
   const Vec3& origin = world_from_frame.translation;

@@ -36,6 +36,10 @@ double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& 
 double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ball,
                                 double time_step);
 
+/// Places of the two bodies that are farther apart do not touch within the step, even if something
+/// else stops one of the bodies. Metres.
+double find_touch_reach(const Motion& a, const Motion& b, const Ball& ball, double time_step);
+
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
 struct RelativeMotion {
   Vec3 velocity;            ///< at the frame's origin, m/s

@@ -54,6 +54,9 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   const double farthest_if_stopped =
       find_farthest_if_stopped(step.motion_a, step.motion_b, ball, time_step);
   if (farthest_if_stopped > threshold) step.margin = std::max(step.margin, farthest_if_stopped);
+  step.touch_margin = std::min(
+      step.margin,
+      std::max(step.rest_margin, find_touch_reach(step.motion_a, step.motion_b, ball, time_step)));
 
   const double fastest =
       length(step.motion_a.velocity_at(ball.centre) - step.motion_b.velocity_at(ball.centre)) +

@@ -22,13 +22,14 @@ struct PairStep {
   double deep_overlap;  ///< bodies that are deeper in each other may hold each other's middles
   /// No place of the smaller body moves farther in the step, as the other body sees it.
   double farthest_displacement;
-  double detail;       ///< of the finer body; see Side::detail()
-  bool uses_ccd;       ///< points that will touch within the step are contacts
-  double margin;       ///< points may be contacts up to this gap
-  bool is_still;       ///< the bodies hardly move, and come to rest on the points that they lie on
-  bool rolls_at_rest;  ///< ContactSettings::rolling_at_rest
-  double restitution;  ///< of the two objects
-  double owed_energy;  ///< of a rebound that the last step stopped at the surface, J/kg
+  double detail;        ///< of the finer body; see Side::detail()
+  bool uses_ccd;        ///< points that will touch within the step are contacts
+  double margin;        ///< points may be contacts up to this gap
+  double touch_margin;  ///< points farther apart do not touch within the step; at most the margin
+  bool is_still;        ///< the bodies hardly move, and come to rest on the points that they lie on
+  bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
+  double restitution;   ///< of the two objects
+  double owed_energy;   ///< of a rebound that the last step stopped at the surface, J/kg
   Pose field_from_shell;
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
   /// The same if something else stops the field's body, or the shell's.

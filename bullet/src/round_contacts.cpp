@@ -54,27 +54,49 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
     contact.normal = static_cast<Vec3f>(there.outwards);
     direction = -there.outwards;
   }
-  const auto leads = [&](const PlacesAtRest<Touch>::AtRest& known) {
-    const double gap = std::max(-static_cast<double>(known.depth), 0.0);
-    return turning.lead_over(surface_->position(start), surface_->normal(start), known.position,
-                             gap, -known.of.facing.outwards) >
-           std::max(scale.margin, kLeadOfRadius * scale.radius);
-  };
   if (!at_rest_.empty()) {
     const auto& nearest = at_rest_.nearest(point);
-    if (is_below(contact, nearest.of) && slides_to(start, nearest.of)) return leads(nearest);
+    if (is_below(contact, nearest.of) && slides_to(start, nearest.of)) {
+      return leads(start, nearest, scale, turning);
+    }
   }
   const auto touch = find_touch(start, direction);
   if (!touch) return true;
   const Facing& facing = touch->facing;
   const double depth = -facing.distance;
   if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * margin_) return true;
-  if (const auto* const known = at_rest_.find(facing.position, same_within_)) return leads(*known);
+  if (const auto* const known = at_rest_.find(facing.position, same_within_)) {
+    return leads(start, *known, scale, turning);
+  }
   at_rest_.add(contact.id, static_cast<float>(depth), facing.position, *touch);
   contact.point = static_cast<Vec3f>(facing.position);
   contact.normal = static_cast<Vec3f>(facing.outwards);
   contact.depth = static_cast<float>(depth);
   return true;
+}
+
+/// Whether a place may touch, once the body has turned, before what is known does.
+bool RoundContacts::leads(const SmoothSurface::Place& start,
+                          const PlacesAtRest<Touch>::AtRest& known, const TouchScale& scale,
+                          const Turning& turning) const {
+  const double gap = std::max(-static_cast<double>(known.depth), 0.0);
+  return turning.lead_over(surface_->position(start), surface_->normal(start), known.position, gap,
+                           -known.of.facing.outwards) >
+         std::max(scale.margin, kLeadOfRadius * scale.radius);
+}
+
+void RoundContacts::drop_guards(std::vector<Contact>& guards, const TouchScale& scale,
+                                const Turning& turning) {
+  if (at_rest_.empty()) return;
+  std::erase_if(guards, [&](const Contact& guard) {
+    const std::uint32_t triangle = surface_->triangle_of(guard.id);
+    if (surface_->is_flat(triangle)) return false;
+    const auto point = static_cast<Vec3>(guard.point);
+    const auto& nearest = at_rest_.nearest(point);
+    const SmoothSurface::Place start = surface_->nearest_on(triangle, point);
+    return is_below(guard, nearest.of) && slides_to(start, nearest.of) &&
+           !leads(start, nearest, scale, turning);
+  });
 }
 
 /// Whether the field's surface, at a sample, does not rise over its tangent plane where it is
@@ -158,7 +180,7 @@ Facing RoundContacts::feel(const Vec3& position) {
 
 void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                                  std::span<const std::uint32_t> exact, std::span<const Contact> own,
-                                 const Pose& other_from_shell) {
+                                 const Pose& other_from_shell, bool are_guards) {
   if (at_rest_.empty()) return;
   const Pose shell_from_other = other_from_shell.inverse();
   const auto is_covered = [&](const Contact& contact) {
@@ -199,7 +221,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       const SmoothSurface::Slide slide = surface_->slide(start, direction, least_curvature_);
       if (slide.is_at_rest && leads_to_rest(surface_->position(slide.place))) return true;
     }
-    if (!field_.is_smooth()) return false;
+    if (are_guards || !field_.is_smooth()) return false;
     // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);

@@ -33,6 +33,10 @@ class RoundContacts {
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
              float least_depth);
 
+  /// Drops those of `guards`, contacts of the same shell that will not touch within the step, from
+  /// which the surface leads to one of the contacts of the last slide().
+  void drop_guards(std::vector<Contact>& guards, const TouchScale& scale, const Turning& turning);
+
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
   void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const {
     at_rest_.append_ids(first, ids);
@@ -44,9 +48,10 @@ class RoundContacts {
   /// @param exact             Ids, ascending, of those that are no samples.
   /// @param own               What is left of the contacts of the last slide(), ascending by id.
   /// @param other_from_shell  Pose of this shell's frame in that of `others`.
+  /// @param are_guards        They will not touch within the step: a quick look will do.
   void drop_covered(std::vector<Contact>& others, const PointShell& shell_of_others,
                     std::span<const std::uint32_t> exact, std::span<const Contact> own,
-                    const Pose& other_from_shell);
+                    const Pose& other_from_shell, bool are_guards);
 
  private:
   /// Where the two surfaces face each other, and the place there.
@@ -55,6 +60,8 @@ class RoundContacts {
     SmoothSurface::Place place;
   };
   bool slide_one(Contact& contact, const TouchScale& scale, const Turning& turning);
+  bool leads(const SmoothSurface::Place& start, const PlacesAtRest<Touch>::AtRest& known,
+             const TouchScale& scale, const Turning& turning) const;
   bool is_below(const Contact& contact, const Touch& touch) const;
   bool slides_to(const SmoothSurface::Place& start, const Touch& touch);
   std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction);

@@ -17,6 +17,7 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   on_faces_.begin(forgets);
   before_ = &model;
   round_ = round;
+  last_.reset();
   // Uniform models round their edges off.
   if (model.settings().tolerance == 0.0) round_.reset();
   if (!round_) return;
@@ -64,18 +65,26 @@ bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   return true;
 }
 
+/// Neighbors in a list are neighbors in space.
+std::optional<RoundSide::Place> RoundFieldContacts::nearest_on(const RoundSide& round,
+                                                               const Vec3& place) {
+  const auto found = round.nearest(place, last_ ? &*last_ : nullptr);
+  if (found) last_ = found;
+  return found;
+}
+
 /// Along an edge through a point. `mean` is the mean of the normals of the two faces beside it.
 std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const RoundSide& round,
                                                                      const Vec3& point,
                                                                      const Vec3& along,
-                                                                     const Vec3& mean) const {
+                                                                     const Vec3& mean) {
   const Vec3 start = field_from_shell_.transform_point(point);
   const Vec3 along_in_field = field_from_shell_.rotate(along);
   std::optional<RoundSide::Place> on_round;
   // The slope of the distance from the round body.
   const auto zero = find_zero(
       [&](double way) -> std::optional<double> {
-        on_round = round.nearest(start + way * along_in_field, on_round ? &*on_round : nullptr);
+        on_round = nearest_on(round, start + way * along_in_field);
         if (!on_round) return std::nullopt;
         return dot(on_round->normal, along_in_field);
       },
@@ -108,10 +117,10 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Round
 /// Over the flat face that a point lies on.
 std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const RoundSide& round,
                                                                      const Vec3& point,
-                                                                     const Vec3& outwards) const {
+                                                                     const Vec3& outwards) {
   const Vec3 in_field = field_from_shell_.transform_point(point);
   const Vec3 up = field_from_shell_.rotate(outwards);
-  const auto start = round.nearest(in_field);
+  const auto start = nearest_on(round, in_field);
   // The other side of a wall faces away.
   if (!start || !(dot(start->normal, up) < 0.0)) return std::nullopt;
   const auto lowest = round.slide(*start, -up, least_curvature_);
@@ -163,7 +172,7 @@ bool RoundFieldContacts::is_covered(const RoundSide& round, const PlacesAtRest<T
 }
 
 void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_of_field,
-                                      const std::vector<std::uint32_t>& exact) const {
+                                      std::span<const std::uint32_t> exact) {
   if (!round_ || (on_edges_.empty() && on_faces_.empty())) return;
   const RoundSide& round = *round_;
   const auto covers = [&](const Vec3& position, const Vec3& outwards,
@@ -175,7 +184,7 @@ void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_o
     if (std::ranges::binary_search(exact, contact.id)) return false;
     const auto point = static_cast<Vec3>(contact.point);
     if (!are_of_field) {
-      const auto on_round = round.nearest(field_from_shell_.transform_point(point));
+      const auto on_round = nearest_on(round, field_from_shell_.transform_point(point));
       const auto outwards = static_cast<Vec3>(shell_->shell().normal_of(contact.id));
       return on_round && covers(point, outwards, *on_round);
     }
@@ -191,7 +200,7 @@ void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_o
 }
 
 void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
-                                        std::vector<std::uint32_t>& exact) const {
+                                        std::vector<std::uint32_t>& exact) {
   if (!round_ || features.empty()) return;
   const RoundSide& round = *round_;
   const std::size_t first = find_from_id(contacts, kFirstFeature);
@@ -205,7 +214,7 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
     if (const auto* const at_rest = on_faces_.find(point, same_within_)) {
       dropped.push_back(at_rest->id);
     }
-    const auto on_round = round.nearest(field_from_shell_.transform_point(point));
+    const auto on_round = nearest_on(round, field_from_shell_.transform_point(point));
     const Vec3 outwards = -static_cast<Vec3>(contact.normal);
     if (on_round && is_covered(round, on_edges_, point, outwards, *on_round)) {
       dropped.push_back(contact.id);

@@ -32,13 +32,13 @@ class RoundFieldContacts {
   /// place as another or as a contact of the last slide().
   /// @param exact  To which the ids of those that have slid are added.
   void slide_features(std::vector<Contact>& contacts, std::span<Feature> features,
-                      std::vector<std::uint32_t>& exact) const;
+                      std::vector<std::uint32_t>& exact);
 
   /// Drops those of `contacts` that are samples and lie behind a contact of the last slide(), where
   /// the round body's surface leads from them to that. They are of the shell or, with
   /// `are_of_field`, of the field's body.
   void drop_covered(std::vector<Contact>& contacts, bool are_of_field,
-                    const std::vector<std::uint32_t>& exact) const;
+                    std::span<const std::uint32_t> exact);
 
   /// Appends the ids of the contacts of the last slide(), ascending, each plus `first`.
   void append_ids(std::uint32_t first, std::vector<std::uint32_t>& ids) const;
@@ -54,16 +54,17 @@ class RoundFieldContacts {
   };
 
   std::optional<Touch> on_edge(const RoundSide& round, const Vec3& point, const Vec3& along,
-                               const Vec3& mean) const;
-  std::optional<Touch> on_face(const RoundSide& round, const Vec3& point,
-                               const Vec3& outwards) const;
+                               const Vec3& mean);
+  std::optional<Touch> on_face(const RoundSide& round, const Vec3& point, const Vec3& outwards);
   bool slide_one(const RoundSide& round, Contact& contact);
+  std::optional<RoundSide::Place> nearest_on(const RoundSide& round, const Vec3& place);
   bool slide_feature(const RoundSide& round, Contact& contact, Feature& feature) const;
   bool may_lead(const Vec3& place, const Vec3& normal, const Touch& touch) const;
   bool is_covered(const RoundSide& round, const PlacesAtRest<Touch>& places, const Vec3& position,
                   const Vec3& outwards, const RoundSide::Place& on_round) const;
 
   std::optional<RoundSide> round_;
+  std::optional<RoundSide::Place> last_;  ///< makes the search for the next one short
   const Model* shell_ = nullptr;
   Pose field_from_shell_;
   Pose shell_from_field_;

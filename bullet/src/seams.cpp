@@ -216,7 +216,7 @@ Vec3 carried_place(const Arrival& arrival, const Vec3& normal, double reach, Nei
   const Vec3 over = reach * (normal - dot(normal, down) * down);
   Vec3 place = arrival.place;
   double left = length(arrival.fall);
-  for (int i = 0; i < kSeamDrops; ++i) {
+  for (int i = 0; i < kSeamDrops && left > 0.0; ++i) {
     const double drop = std::clamp(beside.distance(place + over), 0.0, left);
     place += drop * down;
     left -= drop;
@@ -241,13 +241,14 @@ class Union {
  public:
   Union(Neighbor& a, Neighbor& b) : a_(a), b_(b) {}
 
-  const PlacedField& nearest(const Vec3& place) const {
-    const PlacedField& of_a = *a_.nearest(place);
-    const PlacedField& of_b = *b_.nearest(place);
-    return of_b.distance(place) < of_a.distance(place) ? of_b : of_a;
+  double distance(const Vec3& place) const {
+    const double of_a = a_.distance(place);
+    return &a_ == &b_ ? of_a : std::min(of_a, b_.distance(place));
   }
-  double distance(const Vec3& place) const { return nearest(place).distance(place); }
-  Vec3 outwards(const Vec3& place) const { return nearest(place).outwards(place); }
+  Vec3 outwards(const Vec3& place) const {
+    const bool is_b_nearer = &a_ != &b_ && b_.distance(place) < a_.distance(place);
+    return (is_b_nearer ? b_ : a_).nearest(place)->outwards(place);
+  }
 
  private:
   Neighbor& a_;
@@ -261,6 +262,7 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
+  if (beside.distance(arrival.place) > 2.0 * reach + length(arrival.fall)) return std::nullopt;
   const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
   if (beside.distance(place) > reach) return std::nullopt;
   const Union both(other, beside);

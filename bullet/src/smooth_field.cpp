@@ -41,7 +41,8 @@ SmoothField::Value SmoothField::at(const Vec3& place) {
     const auto near = round_->nearest_from(start, place);
     if (!near) return std::nullopt;
     const auto found = value_at(place, *near);
-    if (!found || std::abs(found->distance - value.distance) > walk_within_) return std::nullopt;
+    const double within = walk_within_ + kFarFieldError * std::abs(value.distance);
+    if (!found || std::abs(found->distance - value.distance) > within) return std::nullopt;
     before_ = near;
     return found;
   };

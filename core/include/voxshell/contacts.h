@@ -28,6 +28,22 @@ struct ContactOptions {
   std::size_t max_points = SIZE_MAX;
 };
 
+/// Lists that scratches of many pairs may share: a thread's. Those of a shell of 10,000 points are
+/// 0.7 MB.
+class QueryLists {
+ public:
+  QueryLists();
+  ~QueryLists();
+  QueryLists(const QueryLists&) = delete;
+  QueryLists& operator=(const QueryLists&) = delete;
+
+  struct State;
+  State& state() { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
 /// The mutable state of queries; one a thread. Reused, it makes a warm query free of allocation,
 /// and lets a query for a pose near the last one begin where that one ended.
 class QueryScratch {
@@ -39,6 +55,11 @@ class QueryScratch {
 
   /// What the last query for contacts found.
   std::span<const Contact> contacts() const;
+
+  /// Asks with these lists, which outlive the next queries, until the next call: all that it keeps
+  /// itself then is what makes a query near the last pose fast. What is found is there until the
+  /// lists are used again. One thread at a time may use them.
+  void borrow(QueryLists& lists);
 
   struct State;
   State& state() { return *state_; }

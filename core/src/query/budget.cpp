@@ -56,8 +56,8 @@ simd::NodeList look_into_deepest(const simd::PosedView<V>& posed, const simd::Tr
   const int finer = frontier.level == 0 ? tree.depth : 3 * (tree.level_count - frontier.level);
   const simd::NodeList& nodes = frontier.nodes;
   // The other of the two buffers is free again.
-  QueryScratch::State::NodeBuffer& other =
-      state.nodes[nodes.index == state.nodes[0].empty_list().index ? 1 : 0];
+  QueryLists::State::NodeBuffer& other =
+      state.lists().nodes[nodes.index == state.lists().nodes[0].empty_list().index ? 1 : 0];
   std::uint32_t* places = rank(nodes, other.empty_list().index);
   std::uint32_t taken = 0;
   for (; taken < nodes.count; ++taken) {
@@ -110,7 +110,7 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
     simd::PointList points = state.empty_points();
     kernels.evaluate(posed, tree, slots, options.margin, points);
     kernels.complete(posed, tree, points, state.contact_data());
-    state.contact_count = points.count;
+    state.lists().contact_count = points.count;
     if (edges == nullptr) return;
 
     account.budget = budget;
@@ -138,7 +138,8 @@ BudgetedContacts find_contacts_within_budget(const Field& field, const PointShel
     kernels.refine_edges(posed, view, pieces, options.margin, found);
     complete_on_edges(posed, view, found, shell.size(), state);
   });
-  state.contact_count = keep_deepest(state.contact_data(), state.contact_count, options.max_points);
+  state.lists().contact_count =
+      keep_deepest(state.contact_data(), state.lists().contact_count, options.max_points);
   result.contacts = scratch.contacts();
   return result;
 }

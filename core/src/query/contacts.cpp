@@ -83,7 +83,7 @@ simd::PointList find_points(const simd::PosedView<V>& posed, const simd::TreeVie
       survivors.margin == margin) {
     const double last_motion = bound_motion(survivors.last_asked, field_from_shell, root);
     // Those that were not grown have been asked for at one pose only.
-    const double motion = survivors.growth == 0.0
+    const double motion = survivors.growth <= 0.0
                               ? last_motion
                               : bound_motion(survivors.field_from_shell, field_from_shell, root);
     if (motion <= survivors.growth) return evaluate();
@@ -104,7 +104,9 @@ simd::PointList find_points(const simd::PosedView<V>& posed, const simd::TreeVie
   survivors.field_from_shell = field_from_shell;
   survivors.margin = margin;
   survivors.growth = growth;
-  return evaluate();
+  const simd::PointList found = evaluate();
+  state.keep_survivors();
+  return found;
 }
 
 /// The places on edges that are below the margin. The pieces that may have some are kept for the
@@ -141,7 +143,9 @@ simd::PointList find_edges(const simd::PosedView<V>& posed, const EdgeSegments& 
   survivors.field_from_shell = field_from_shell;
   survivors.margin = margin;
   survivors.growth = growth;
-  return refine();
+  const simd::PointList found = refine();
+  state.keep_survivors();
+  return found;
 }
 
 }  // namespace
@@ -161,15 +165,15 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
     const simd::PointList points =
         find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
     kernels.complete(posed, tree, points, state.contact_data());
-    state.contact_count = points.count;
+    state.lists().contact_count = points.count;
     if (edges != nullptr) {
       const simd::PointList found =
           find_edges(posed, *edges, field_from_shell, options.margin, view, state.of_edges());
       complete_on_edges(posed, edges->view(), found, shell.size(), state);
     }
-    state.contact_count =
-        keep_deepest(state.contact_data(), state.contact_count, options.max_points);
-    state.survivors.are_contacts_kept = true;
+    state.lists().contact_count =
+        keep_deepest(state.contact_data(), state.lists().contact_count, options.max_points);
+    state.survivors.are_contacts_kept = state.owns_lists();
     state.survivors.edges = edge_serial;
     state.survivors.max_points = options.max_points;
   });

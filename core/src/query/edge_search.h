@@ -41,12 +41,12 @@ template <class V>
 void complete_on_edges(const simd::PosedView<V>& posed, const simd::EdgeView& edges,
                        const simd::PointList& found, std::size_t point_count,
                        QueryScratch::State& state) {
-  Contact* contacts = state.contact_data() + state.contact_count;
+  Contact* contacts = state.contact_data() + state.lists().contact_count;
   simd::query_kernels<V>(simd::active_isa()).complete(posed, edges.tree, found, contacts);
   for (Contact& contact : std::span(contacts, found.count)) {
     contact.id += static_cast<std::uint32_t>(point_count);
   }
-  state.contact_count += found.count;
+  state.lists().contact_count += found.count;
 }
 
 }  // namespace voxshell

@@ -149,6 +149,33 @@ void keep_deepest_per_segment(simd::PointList& points, const PointSphereTree& tr
   }
 }
 
+/// The deepest place of each segment of the edges' tree.
+template <class V>
+simd::PointList find_deepest_on_edges(const simd::PosedView<V>& posed, const simd::EdgeView& edges,
+                                      const PointSphereTree& tree, int level, float margin,
+                                      QueryScratch::State& state) {
+  state.reserve(edges.tree);
+  const simd::PointList pieces = list_pieces(posed, edges, margin, 0.0f, state);
+  std::uint32_t* ends = state.reserve_group_ends();
+  std::uint32_t groups = 0;
+  std::uint32_t end_of_segment = 0;  // of its ids
+  for (std::uint32_t i = 0; i < pieces.count; ++i) {
+    if (pieces.id[i] >= end_of_segment) {
+      end_of_segment = tree.cluster_points(level, tree.segment(pieces.id[i], level)).end;
+      ++groups;
+    }
+    ends[groups - 1] = i + 1;
+  }
+  simd::FoundPoint* best = state.reserve_found(groups);
+  simd::query_kernels<V>(simd::active_isa())
+      .find_deepest_edges(posed, edges, pieces, ends, groups, margin, best);
+  simd::PointList found = state.empty_points();
+  for (std::uint32_t i = 0; i < groups; ++i) {
+    if (best[i].id != simd::kNone) append(found, best[i]);
+  }
+  return found;
+}
+
 /// The places on a shell's edges that may be chosen beside its points; none where it has no edges.
 template <class V>
 class EdgePlaces {
@@ -254,11 +281,11 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
                                      : kernels.find_widest(posed, tree, seeds, search, margin);
       found = on_edges.wider_of(found, search);
     }
-    state.contact_count = 0;
+    state.lists().contact_count = 0;
     points.count = 0;
     const auto finish = [&] {
-      kernels.complete(posed, tree, points, state.contact_data() + state.contact_count);
-      state.contact_count += std::exchange(points.count, 0u);
+      kernels.complete(posed, tree, points, state.contact_data() + state.lists().contact_count);
+      state.lists().contact_count += std::exchange(points.count, 0u);
     };
     for (std::size_t i = 0; i < count; ++i) {
       if (shell.is_point(chosen[i].id)) {
@@ -301,11 +328,11 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
       }
     }
     kernels.complete(posed, tree, points, state.contact_data());
-    state.contact_count = points.count;
+    state.lists().contact_count = points.count;
     if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
       const simd::EdgeView view = edges->view();
-      simd::PointList found = find_on_edges(posed, view, margin, state.of_edges());
-      keep_deepest_per_segment(found, edges->tree(), level);
+      const simd::PointList found =
+          find_deepest_on_edges(posed, view, edges->tree(), level, margin, state.of_edges());
       complete_on_edges(posed, view, found, shell.size(), state);
     }
   });

@@ -49,8 +49,9 @@ class ListMemory {
   std::size_t stride_ = 0;
 };
 
-/// Arrays that grow to the largest shell asked about and are never filled in advance.
-struct QueryScratch::State {
+/// Arrays that grow to the largest shell asked about and are never filled in advance. A search
+/// leaves nothing in them that the next one needs, so many scratches may share them.
+struct QueryLists::State {
   template <class T>
   using Buffer = std::unique_ptr<T[]>;
 
@@ -62,36 +63,68 @@ struct QueryScratch::State {
     }
   };
 
-  /// Makes room for any query about a shell of this tree, and for `more` contacts.
-  void reserve(const simd::TreeView& tree, std::size_t more = 0);
+  /// Makes room for any query about a shell of this tree, and for `more` contacts. Whether lists
+  /// have moved for it.
+  bool reserve(const simd::TreeView& tree, std::size_t more);
 
-  /// What searches among a shell's edges use beside those among its points. Theirs are the places
-  /// on edges where this has points.
+  /// What searches among a shell's edges use beside those among its points.
   State& of_edges() {
-    if (!edges_) edges_ = std::make_unique<State>();
-    return *edges_;
+    if (!edges) edges = std::make_unique<State>();
+    return *edges;
   }
-
-  /// Room for one point a segment.
-  simd::FoundPoint* reserve_found(std::size_t segments);
-
-  /// Room for one gradient a point.
-  void reserve_gradients();
-
-  simd::PointList empty_points() const { return make_point_list(0); }
-  simd::PointList empty_survivors() const { return make_point_list(kPointLists); }
-  Contact* contact_data() const { return point_lists.list<Contact>(2 * kPointLists); }
 
   std::size_t point_capacity = 0;
   std::size_t node_capacity = 0;
   NodeBuffer nodes[2];
-  static constexpr std::size_t kPointLists = 6;
   ListMemory point_lists;  ///< of points, survivors and contacts
   std::size_t contact_count = 0;
   Buffer<simd::FoundPoint> found;  ///< one a segment
   std::size_t found_capacity = 0;
+  Buffer<std::uint32_t> group_ends;
+  std::size_t group_capacity = 0;
   Buffer<float> gradient_x, gradient_y, gradient_z;
   std::size_t gradient_capacity = 0;
+  std::unique_ptr<State> edges;
+};
+
+/// The lists of a search, and what it leaves to the next.
+struct QueryScratch::State {
+  /// Makes room for any query about a shell of this tree, and for `more` contacts.
+  void reserve(const simd::TreeView& tree, std::size_t more = 0);
+
+  /// Of searches among a shell's edges. Theirs are the places on edges where this has points.
+  State& of_edges() {
+    if (!edges_) edges_ = std::make_unique<State>();
+    edges_->borrowed_ = borrowed_ == nullptr ? nullptr : &borrowed_->of_edges();
+    return *edges_;
+  }
+
+  /// Searches with these lists until the next call, or with its own where there are none.
+  void borrow(QueryLists::State* lists) { borrowed_ = lists; }
+  bool owns_lists() const { return borrowed_ == nullptr; }
+  QueryLists::State& lists() { return borrowed_ == nullptr ? own_ : *borrowed_; }
+  const QueryLists::State& lists() const { return borrowed_ == nullptr ? own_ : *borrowed_; }
+
+  /// Room for one point a segment.
+  simd::FoundPoint* reserve_found(std::size_t segments);
+
+  /// Room for the end of each group of points, of which there are no more than points.
+  std::uint32_t* reserve_group_ends();
+
+  /// Room for one gradient a point.
+  void reserve_gradients();
+
+  simd::PointList empty_points() const { return make_point_list(lists().point_lists, 0); }
+  simd::PointList empty_survivors() const {
+    return make_point_list(lists().point_lists, kPointLists);
+  }
+  Contact* contact_data() const { return lists().point_lists.list<Contact>(2 * kPointLists); }
+
+  /// Where the lists are not its own: makes a copy of the survivors that are left for the next
+  /// search.
+  void keep_survivors();
+
+  static constexpr std::size_t kPointLists = 6;
 
   /// What the last search for contacts was left with, and for which question.
   struct Survivors {
@@ -100,6 +133,7 @@ struct QueryScratch::State {
     std::uint64_t edges = 0;  ///< the tree of the shell's edges
     Pose field_from_shell;
     float margin = 0.0f;
+    static constexpr double kNotKept = -1.0;
     double growth = 0.0;  ///< serves all poses that move no point by more than this, metres
     Pose last_asked;
     bool are_contacts_kept = false;  ///< those of last_asked are where they were written
@@ -114,17 +148,21 @@ struct QueryScratch::State {
   } survivors;
 
  private:
-  std::unique_ptr<State> edges_;
-
-  simd::PointList make_point_list(std::size_t first) const {
-    return {point_lists.list<std::uint32_t>(first),
-            point_lists.list<std::uint32_t>(first + 1),
-            point_lists.list<float>(first + 2),
-            point_lists.list<float>(first + 3),
-            point_lists.list<float>(first + 4),
-            point_lists.list<float>(first + 5),
+  static simd::PointList make_point_list(const ListMemory& memory, std::size_t first) {
+    return {memory.list<std::uint32_t>(first),
+            memory.list<std::uint32_t>(first + 1),
+            memory.list<float>(first + 2),
+            memory.list<float>(first + 3),
+            memory.list<float>(first + 4),
+            memory.list<float>(first + 5),
             0};
   }
+
+  QueryLists::State own_;
+  QueryLists::State* borrowed_ = nullptr;
+  ListMemory kept_;
+  std::size_t kept_capacity_ = 0;
+  std::unique_ptr<State> edges_;
 };
 
 }  // namespace voxshell

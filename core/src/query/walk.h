@@ -31,8 +31,8 @@ simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tre
                       float growth, SphereBounds bounds, QueryScratch::State& state,
                       const GoOn& go_on) {
   state.survivors.forget();
-  simd::Seeds left = start_walk(tree, state.nodes[0].empty_list(), bounds);
-  simd::NodeList next = state.nodes[1].empty_list();
+  simd::Seeds left = start_walk(tree, state.lists().nodes[0].empty_list(), bounds);
+  simd::NodeList next = state.lists().nodes[1].empty_list();
   if (bounds == SphereBounds::kUnwanted) left.nodes.bound = next.bound = nullptr;
   const auto& kernels = simd::query_kernels<V>(simd::active_isa());
   while (left.level < tree.level_count && left.nodes.count > 0 && go_on(left)) {

@@ -23,15 +23,16 @@ Wrench compute_wrench(const Field& field, const PointShell& shell, const Pose& f
   state.reserve_gradients();
   with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
     simd::query_kernels<V>(simd::active_isa())
-        .differentiate(posed, points, static_cast<float>(step), state.gradient_x.get(),
-                       state.gradient_y.get(), state.gradient_z.get());
+        .differentiate(posed, points, static_cast<float>(step), state.lists().gradient_x.get(),
+                       state.lists().gradient_y.get(), state.lists().gradient_z.get());
   });
   Wrench wrench;
   for (std::size_t i = 0; i < of_points.size(); ++i) {
     const Contact& contact = of_points[i];
     const double weight = stiffness * static_cast<double>(shell.areas()[contact.id]) *
                           static_cast<double>(contact.depth);
-    const Vec3f gradient{state.gradient_x[i], state.gradient_y[i], state.gradient_z[i]};
+    const Vec3f gradient{state.lists().gradient_x[i], state.lists().gradient_y[i],
+                         state.lists().gradient_z[i]};
     const Vec3 force = weight * static_cast<Vec3>(gradient);
     wrench.force += force;
     wrench.torque += cross(static_cast<Vec3>(contact.point), force);

@@ -25,29 +25,50 @@ VOXSHELL_INLINE bool may_touch(const PosedView<V>& posed, const EdgeView& edges,
   return lanes_below(bound, margin) != 0;
 }
 
-template <class V>
-void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointList& pieces,
-                  float margin, PointList& out) {
-  uint32_t count = out.count;
-  EdgeSearch searches[kLanes];
-  I8 ids{};
-  int waiting = 0;
-  // Eight at a time: each round waits for the one before, but not for those of other pieces.
-  const auto finish = [&] {
-    if (waiting == 0) return;
+/// Eight searches at a time: each round waits for the one before, but not for those of others.
+class EdgeSearches {
+ public:
+  int count() const { return count_; }
+  bool is_full() const { return count_ == kLanes; }
+  void add(const Triple<float>& middle, const Triple<float>& half) {
+    searches_[count_++] = {middle, half};
+  }
+
+  /// Ends them all. The best places of those that were added; other lanes repeat the first.
+  template <class V>
+  VOXSHELL_INLINE Triple<F8> finish(const PosedView<V>& posed, float tie) {
     for (int round = 0; round < EdgeSearch::kRounds; ++round) {
-      for (int i = 0; i < waiting; ++i) searches[i].go_on(posed, edges.tie);
+      for (int i = 0; i < count_; ++i) searches_[i].go_on(posed, tie);
     }
     Triple<F8> p{};
     for (int i = 0; i < kLanes; ++i) {
-      const EdgeSearch& search = searches[i < waiting ? i : 0];
+      const EdgeSearch& search = searches_[i < count_ ? i : 0];
       const Triple<float> place = place_on_edge(search.middle, search.half, search.place);
       p.x[i] = place.x;
       p.y[i] = place.y;
       p.z[i] = place.z;
     }
+    count_ = 0;
+    return p;
+  }
+
+ private:
+  EdgeSearch searches_[kLanes];
+  int count_ = 0;
+};
+
+template <class V>
+void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointList& pieces,
+                  float margin, PointList& out) {
+  uint32_t count = out.count;
+  EdgeSearches searches;
+  I8 ids{};
+  const auto finish = [&] {
+    const int found = searches.count();
+    if (found == 0) return;
+    const Triple<F8> p = searches.finish(posed, edges.tie);
     const F8 distance = posed_distance(posed, p);
-    const unsigned lanes = bits(distance < margin) & ((1u << waiting) - 1);
+    const unsigned lanes = bits(distance < margin) & ((1u << found) - 1);
     compress(out.id + count, ids, lanes);
     const I8 tags{};
     memcpy(out.tag + count, &tags, sizeof tags);
@@ -56,18 +77,74 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
     compress(out.y + count, p.y, lanes);
     compress(out.z + count, p.z, lanes);
     count += static_cast<uint32_t>(__builtin_popcount(lanes));
-    waiting = 0;
   };
   for (uint32_t i = 0; i < pieces.count; ++i) {
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
     if (!may_touch(posed, edges, middle, half, margin)) continue;
-    searches[waiting] = {middle, half};
-    ids[waiting] = static_cast<int32_t>(pieces.id[i]);
-    if (++waiting == kLanes) finish();
+    ids[searches.count()] = static_cast<int32_t>(pieces.id[i]);
+    searches.add(middle, half);
+    if (searches.is_full()) finish();
   }
   finish();
   out.count = count;
+}
+
+/// The most promising piece of each group is searched first: most of the others cannot be deeper.
+template <class V>
+void find_deepest_edges(const PosedView<V>& posed, const EdgeView& edges, const PointList& pieces,
+                        const uint32_t* group_ends, uint32_t group_count, float margin,
+                        FoundPoint* best) {
+  EdgeSearches searches;
+  uint32_t groups[kLanes];
+  uint32_t ids[kLanes];
+  const auto limit = [&](uint32_t group) {
+    return best[group].id == kNone ? margin : best[group].distance;
+  };
+  const auto finish = [&] {
+    const int found = searches.count();
+    if (found == 0) return;
+    const Triple<F8> p = searches.finish(posed, edges.tie);
+    const F8 distance = posed_distance(posed, p);
+    for (int i = 0; i < found; ++i) {
+      FoundPoint& known = best[groups[i]];
+      const float d = distance[i];
+      const bool is_deeper = known.id == kNone
+                                 ? d < margin
+                                 : d < known.distance || (d == known.distance && ids[i] < known.id);
+      if (is_deeper) known = make_found(ids[i], d, p, i);
+    }
+  };
+  const auto search = [&](uint32_t group, uint32_t i) {
+    const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
+    const Triple<float> half = half_of(edges, pieces.id[i]);
+    const float reach = limit(group) + posed.slack;
+    if (!may_touch(posed, edges, middle, half, reach < margin ? reach : margin)) return;
+    groups[searches.count()] = group;
+    ids[searches.count()] = pieces.id[i];
+    searches.add(middle, half);
+    if (searches.is_full()) finish();
+  };
+  const auto first_of = [&](uint32_t group) { return group == 0 ? 0 : group_ends[group - 1]; };
+  const auto most_promising = [&](uint32_t group) {
+    uint32_t least = first_of(group);
+    for (uint32_t i = least + 1; i < group_ends[group]; ++i) {
+      if (pieces.distance[i] < pieces.distance[least]) least = i;
+    }
+    return least;
+  };
+  for (uint32_t group = 0; group < group_count; ++group) {
+    best[group].id = kNone;
+    search(group, most_promising(group));
+  }
+  finish();
+  for (uint32_t group = 0; group < group_count; ++group) {
+    const uint32_t searched = most_promising(group);
+    for (uint32_t i = first_of(group); i < group_ends[group]; ++i) {
+      if (i != searched && pieces.distance[i] <= limit(group)) search(group, i);
+    }
+  }
+  finish();
 }
 
 /// Walks the tree of edges, the most promising spheres first, and calls `visit(id, place,

@@ -10,9 +10,12 @@
 namespace voxshell::simd::VOXSHELL_ISA {
 
 template <class V>
-inline constexpr QueryKernels<V> kQueryKernels = {
-    &expand<V>,        &sift<V>,          &evaluate<V>,         &evaluate_sifted<V>, &complete<V>,
-    &differentiate<V>, &find_deepest<V>,  &find_any<V>,         &find_widest<V>,     &choose_widest,
-    &refine_edges<V>,  &find_any_edge<V>, &find_deepest_edge<V>};
+inline constexpr QueryKernels<V> kQueryKernels = {&expand<V>,        &sift<V>,
+                                                  &evaluate<V>,      &evaluate_sifted<V>,
+                                                  &complete<V>,      &differentiate<V>,
+                                                  &find_deepest<V>,  &find_any<V>,
+                                                  &find_widest<V>,   &choose_widest,
+                                                  &refine_edges<V>,  &find_deepest_edges<V>,
+                                                  &find_any_edge<V>, &find_deepest_edge<V>};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

@@ -93,6 +93,11 @@ struct QueryKernels {
   /// by the ids of the pieces.
   void (*refine_edges)(const PosedView<V>&, const EdgeView&, const PointList& pieces, float margin,
                        PointList& out);
+  /// Finds the deepest such place below `margin` of each group of listed pieces, which end at
+  /// `group_ends`; ties to the smaller id.
+  void (*find_deepest_edges)(const PosedView<V>&, const EdgeView&, const PointList& pieces,
+                             const uint32_t* group_ends, uint32_t group_count, float margin,
+                             FoundPoint* best);
   /// Whether any such place lies below `margin`.
   bool (*find_any_edge)(const PosedView<V>&, const EdgeView&, float margin);
   /// The deepest of them, ties to the smaller id.

@@ -37,6 +37,20 @@ TEST(ContactList, FindsTheFirstOfTheDeepest) {
   }
 }
 
+TEST(ContactList, MergesByIdAllWhoseIdsAreFree) {
+  std::vector<Contact> contacts = make_contacts(4);  // 2, 5, 8, 11
+  std::vector<Contact> others(4);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    others[i].id = static_cast<std::uint32_t>(4 * i);  // 0, 4, 8, 12
+    others[i].depth = 1.0f;
+  }
+  merge_by_id(others, contacts);
+  std::vector<std::uint32_t> ids;
+  for (const Contact& contact : contacts) ids.push_back(contact.id);
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{0, 2, 4, 5, 8, 11, 12}));
+  EXPECT_LT(contacts[4].depth, 0.0f);
+}
+
 TEST(ContactList, KeepsWhatItIsToldInOrder) {
   for (std::uint32_t set = 0; set < 128; ++set) {
     std::vector<std::uint32_t> values{0, 1, 2, 3, 4, 5, 6};

@@ -51,7 +51,7 @@ TEST_P(MultiBody, RigidBodiesOfItsWorldComeToRest) {
 }
 
 TEST_P(MultiBody, ABaseComesToRest) {
-  Random random(53);
+  Random random(54);
   int rocking = 0;
   for (const auto& model :
        {cube_model(), blob_model(), torus_model(), cube_model(), blob_model(), torus_model()}) {

@@ -35,6 +35,9 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   const Model& model() const { return *model_; }
   const Pose& body_from_model() const { return body_from_model_; }
+  /// Of a ball around the mesh, in the model's frame, metres.
+  const Vec3& ball_centre() const { return centre_; }
+  double ball_radius() const { return radius_; }
 
   void getAabb(const btTransform& world_from_body, btVector3& lower, btVector3& upper)
       const override;
@@ -58,8 +61,8 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   std::shared_ptr<const Model> model_;
   Pose body_from_model_;
-  Vec3 centre_;          ///< of a sphere around the mesh, in the model's frame
-  double radius_ = 0.0;  ///< the sphere's, metres
+  Vec3 centre_;          ///< see ball_centre()
+  double radius_ = 0.0;
   btVector3 unit_scaling_{1, 1, 1};
   mutable std::once_flag triangles_built_;
   mutable std::unique_ptr<Triangles> triangles_;

@@ -149,7 +149,10 @@ TEST(ContactsOnEdges, OnTheVeryEdgeOfTheMarginAgreeAsWell) {
 
 TEST(ContactsOnEdges, AgreeAtSimilarPosesOneAfterAnother) {
   Random random(182);
+  QueryScratch own;
   QueryScratch scratch;
+  QueryLists lists;
+  scratch.borrow(lists);
   for (const PointShell& shell : edgy_shells()) {
     for (const Field& field : fields()) {
       Pose pose = make_pose_at(field, shell, 0.004, random);
@@ -159,7 +162,9 @@ TEST(ContactsOnEdges, AgreeAtSimilarPosesOneAfterAnother) {
         const auto contacts = find_contacts(field, shell, pose, {}, scratch);
         const auto flat = find_contacts_flat(field, shell, pose);
         ASSERT_TRUE(std::equal(contacts.begin(), contacts.end(), flat.begin(), flat.end()));
-        found += contacts.size();
+        const auto others = find_contacts(field, shell, pose, {}, own);
+        ASSERT_TRUE(std::equal(others.begin(), others.end(), flat.begin(), flat.end()));
+        found += flat.size();
         pose.translation += (i % 5 == 0 ? 1.0 : 0.05) * step;
       }
       EXPECT_GT(found, 0u);

@@ -157,6 +157,37 @@ TEST(Scratch, ServesPairsByTurns) {
   EXPECT_GT(contacts, 20'000u);
 }
 
+TEST(Scratch, SharesListsWithOthersByTurns) {
+  Random random(251);
+  QueryLists lists;
+  struct Following {
+    const PointShell* shell;
+    const Field* field;
+    Pose pose;
+    QueryScratch scratch;
+  };
+  std::vector<Following> all;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      all.push_back({&shell, &field,
+                     make_pose_at(field, shell, random.uniform(-0.05, 0.005), random),
+                     QueryScratch()});
+    }
+  }
+  std::size_t contacts = 0;
+  for (int round = 0; round < 30; ++round) {
+    for (Following& each : all) {
+      // Small steps leave survivors, larger ones none.
+      const double step = round % 5 == 0 ? 0.02 : 1e-5;
+      each.pose = nudged(each.pose, 1e-5, step, random);
+      each.scratch.borrow(lists);
+      contacts += expect_equal_to_flat(*each.field, *each.shell, each.pose, {}, each.scratch);
+      if (testing::Test::HasFailure()) return;
+    }
+  }
+  EXPECT_GT(contacts, 20'000u);
+}
+
 TEST(Scratch, ServesMarginsByTurns) {
   Random random(244);
   QueryScratch scratch;

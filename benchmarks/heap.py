@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Times steps in which bunnies fall on each other, are poured into a bin, and lie in a heap.
+
+Each body and the bin is a model at default settings, by tolerance, or with --uniform of voxels of 2 and
+5 mm and, as the thesis has it, the shell with fewer points. One thread, 200 steps a second, no sleeping.
+
+    .venv/bin/python benchmarks/heap.py                  # falls of two, then 100 poured for 5 s
+    .venv/bin/python benchmarks/heap.py --uniform
+    .venv/bin/python benchmarks/heap.py --count 400 --heap build/heap.npz   # keeps the heap, or steps a kept one
+
+To compare two versions, step the heap that one of them has kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import voxshell as vx
+from trimesh.transformations import random_rotation_matrix
+from voxshell.experiments.timing import pinned
+from voxshell.scenes.bunny import BunnySettings
+from voxshell.scenes.pour import PourSettings
+
+RATE = 200.0  # Hz
+SPEEDS = (0.5, 2.0, 10.0)  # m/s
+FALLS = 12
+SETTLED_AFTER, TIMED = 50, 200  # steps
+STAGES = ("step", "narrow_phase", "query", "reduction", "manifold")
+
+
+def build(mesh: vx.Mesh, uniform: float | None, points: int | None = None) -> vx.Model:
+    """At default settings, or of voxels of that size."""
+    if uniform is None:
+        return vx.Model.from_mesh(mesh)
+    return vx.Model.from_mesh(mesh, voxel_size=uniform, target_points=points)
+
+
+def make_world(is_uniform: bool) -> vx.World:
+    """Of bodies that are asked for as the kind has it."""
+    return vx.World(time_step=1 / RATE, sleeping=False, shell="fewest" if is_uniform else "auto")
+
+
+def describe(values: np.ndarray, unit: float) -> str:
+    """Median, 90 and 99 % and the most."""
+    figures = [*np.percentile(values / unit, (50, 90, 99)), values.max() / unit]
+    return "  ".join(f"{figure:9.3g}" for figure in figures)
+
+
+def time_falls(is_uniform: bool) -> None:
+    """Of a bunny on another one that is held, the steps in which their bounding balls meet."""
+    settings = BunnySettings()
+    mesh = settings.build_mesh()
+    model = build(mesh, settings.voxel_size if is_uniform else None, settings.fine_points)
+    radius = float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
+    print(f"\ntwo bunnies of {len(model.shell)} points, narrow phase of a step, us")
+    print(f"{'m/s':>6}  {'steps':>6}  {'median':>9}  {'90 %':>9}  {'99 %':>9}  {'most':>9}")
+    for speed in SPEEDS:
+        rng = np.random.default_rng(3)
+        seconds = []
+        for _ in range(FALLS):
+            world = make_world(is_uniform)
+            low = world.add(model, mass=0, pose=random_rotation_matrix(rng.random(3)))
+            pose = random_rotation_matrix(rng.random(3))
+            pose[:3, 3] = (*rng.uniform(-0.5, 0.5, 2) * radius, 3.0 * radius)
+            high = world.add(model, mass=1.0, pose=pose)
+            high.linear_velocity = (0, 0, -speed)
+            world.step()  # what models prepare at their first step
+            for _ in range(100 if speed < SPEEDS[-1] else 40):
+                apart = np.linalg.norm(high.pose[:3, 3] - low.pose[:3, 3])
+                world.step()
+                if apart < 2.0 * radius:
+                    seconds.append(world.timings[-1]["narrow_phase"])
+        print(f"{speed:6.1f}  {len(seconds):6d}  {describe(np.array(seconds), 1e-6)}")
+
+
+def memory() -> float:
+    """Of this process, MB."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * 4096 / 1e6
+
+
+def print_stages(what: str, timings: np.ndarray) -> None:
+    """A line for each stage of the steps."""
+    for stage in STAGES:
+        print(f"{what:>8}  {stage:>13}  {describe(timings[stage], 1e-3)}")
+
+
+def time_heap(is_uniform: bool, count: int, path: Path | None) -> None:
+    """The steps of a pouring, unless a heap is kept, and of the heap."""
+    settings = PourSettings(count=count)
+    body = build(settings.build_mesh(), settings.voxel_size if is_uniform else None)
+    container = build(settings.build_bin(), settings.bin_voxel_size if is_uniform else None)
+    matter = body.mass_properties(settings.mass)
+    print(f"\n{count} bunnies of {len(body.shell)} points in a bin, ms")
+    print(f"{'':>8}  {'':>13}  {'median':>9}  {'90 %':>9}  {'99 %':>9}  {'most':>9}")
+
+    def fill(poses: np.ndarray) -> tuple[vx.World, list[vx.Body]]:
+        world = make_world(is_uniform)
+        world.add(container, mass=0)
+        return world, [world.add(body, mass=settings.mass, pose=p, inertia=matter) for p in poses]
+
+    if path is None or not path.exists():
+        world, bodies = fill(settings.compute_starts())
+        world.step(round(settings.seconds * RATE))
+        print_stages("pouring", world.timings)
+        heap = {
+            "poses": [b.pose for b in bodies],
+            "velocities": [(b.linear_velocity, b.angular_velocity) for b in bodies],
+        }
+        if path is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            np.savez(path, **heap)
+    else:
+        heap = np.load(path)
+    before = memory()
+    world, bodies = fill(np.array(heap["poses"]))
+    for each, (linear, angular) in zip(bodies, heap["velocities"], strict=True):
+        each.linear_velocity, each.angular_velocity = linear, angular
+    world.step(SETTLED_AFTER)
+    world.step(TIMED)
+    print_stages("heap", world.timings[-TIMED:])
+    contacts = world.contacts()
+    depth = np.percentile(contacts["depth"], 99)
+    height = np.mean([b.pose[2, 3] for b in bodies])
+    print(
+        f"{len(contacts)} contacts, 99 % of them less deep than {depth * 1e6:.3g} um; bodies are "
+        f"{height * 1e3:.4g} mm high; memory of the pairs {memory() - before:.0f} MB"
+    )
+
+
+def main() -> None:
+    """Runs what the arguments name."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--uniform", action="store_true", help="models of voxels of one size")
+    parser.add_argument("--count", type=int, default=100, help="bodies in the heap (100)")
+    parser.add_argument("--heap", type=Path, help="file that the heap is kept in (.npz)")
+    parser.add_argument("--no-falls", action="store_true", help="the heap alone")
+    arguments = parser.parse_args()
+    with pinned():
+        if not arguments.no_falls:
+            time_falls(arguments.uniform)
+        time_heap(arguments.uniform, arguments.count, arguments.heap)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,324 @@
+#include "contact_search.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "conservative_advancement.h"
+#include "contact_constants.h"
+#include "contact_list.h"
+#include "contact_rule.h"
+#include "facing_normals.h"
+#include "voxshell/manifold.h"
+#include "way_out.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The contact of models of which one lies wholly inside the other, or in its very place.
+std::optional<Contact> find_inner(const PosedPair& pair) {
+  const Pose field_from_shell = pair.field_from_shell();
+  auto found =
+      find_inner_contact(pair.shell_side().participant(), pair.field(), field_from_shell, 0.0f);
+  if (!found && pair.field_side().model() != nullptr) {
+    const Pose shell_from_field = field_from_shell.inverse();
+    found = find_inner_contact(pair.field_side().participant(), pair.second_field(),
+                               shell_from_field, 0.0f);
+    if (found) found = turn_over(*found, shell_from_field);
+  }
+  if (!found) return std::nullopt;
+  found->id = kInnerContact;
+  // Where no direction is better than another, one that is the same in every step.
+  if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
+  return found;
+}
+
+/// Pairs are many, and each is asked about for a moment.
+QueryLists& lists_of_this_thread() {
+  thread_local QueryLists lists;
+  return lists;
+}
+
+}  // namespace
+
+void ContactSearch::OfShell::gather_exact(std::vector<std::uint32_t>& exact) const {
+  exact.clear();
+  round.append_ids(0, exact);
+  on_round.append_ids(0, exact);
+  std::ranges::sort(exact);
+}
+
+int level_of(const ContactSettings& settings, bool uses_ccd) {
+  if (settings.level > 0) return std::min(settings.level, PointSphereTree::kMaxLevel);
+  // What kSegmented promises does not change from step to step.
+  const bool finer = uses_ccd && settings.mode != ContactMode::kSegmented;
+  return finer ? kDefaultCcdLevel : kDefaultLevel;
+}
+
+/// What is looked for.
+struct ContactSearch::Question {
+  const ContactSettings& settings;
+  const PairStep* step;  ///< null in contact tests
+  Wanted wanted;
+  int level;
+  float reach;  ///< of surfaces thickened by Bullet's margins, contacts are points that near
+  TouchScale touch;
+  bool slides;  ///< to the deepest places of smooth surfaces
+
+  Question(const ContactSettings& of, const PosedPair& pair, double margin, const PairStep* at,
+           Wanted what)
+      : settings(of),
+        step(at),
+        wanted(what),
+        level(level_of(of, at != nullptr && at->uses_ccd)),
+        reach(static_cast<float>(margin + pair.thickness())),
+        touch(at == nullptr ? TouchScale{}
+                            : TouchScale{at->radius, at->rest_margin, at->thickness}),
+        // What kSegmented promises are points, and so are contacts without a margin.
+        slides(at != nullptr && touch.margin > 0.0 && of.mode != ContactMode::kSegmented) {}
+
+  /// How near its samples are, where the model's own surface is within reach.
+  float reach_of(const Model& model) const {
+    return reach + (slides ? static_cast<float>(most_above_samples(model)) : 0.0f);
+  }
+};
+
+/// One of the two shells in the other side's field.
+struct ContactSearch::PosedShell {
+  const Side& own;
+  const Side& other;
+  Pose field_from_shell;
+  bool is_of_field;  ///< it is the shell of the pair's field side
+
+  static PosedShell first_of(const PosedPair& pair) {
+    return {pair.shell_side(), pair.field_side(), pair.field_from_shell(), false};
+  }
+  static PosedShell second_of(const PosedPair& pair) {
+    return {pair.field_side(), pair.shell_side(), pair.field_from_shell().inverse(), true};
+  }
+  const Model& model() const { return *own.model(); }
+  const PointShell& shell() const { return *own.participant().shell; }
+  const Field& field() const { return *other.participant().field; }
+};
+
+bool ContactSearch::find_near(const ContactSettings& settings, PosedPair& pair, double margin,
+                              const PairStep* step, Wanted wanted) {
+  Question question(settings, pair, margin, step, wanted);
+  contacts_.clear();
+  exact_.clear();
+  features_.clear();
+  if (pair.has_triangles()) {
+    const std::vector<Contact>& found =
+        triangle_contacts_.find(*pair.shell_side().triangles(), *pair.field_side().model(),
+                                pair.field_from_shell(), question.level, question.reach);
+    contacts_.assign(found.begin(), found.end());
+    return false;
+  }
+  Opposition opposition;
+  if (may_touch(question, pair)) take_all(question, pair, opposition);
+  bool has_swapped_roles = false;
+  if (settings.shell == ShellRule::kFewest && !pair.asks_both && contacts_.empty()) {
+    has_swapped_roles = pair.swap_roles_if_enclosed();
+  }
+  if (has_swapped_roles) {
+    question.slides = false;
+    take(question, PosedShell::first_of(pair), first_, contacts_, opposition);
+  }
+  if (settings.shell == ShellRule::kAutomatic) append_inner(pair, step, opposition);
+  append_features(question, pair);
+  if (pair.asks_both && step != nullptr) {
+    second_shell_.drop_doubles(static_cast<float>(step->rest_margin), contacts_);
+  }
+  return has_swapped_roles;
+}
+
+/// Whether points of two models may be so near that they touch within the step. Bodies that fall
+/// are looked for farther away, and most of them in vain.
+bool ContactSearch::may_touch(const Question& question, const PosedPair& pair) {
+  const PairStep* step = question.step;
+  const bool are_models = pair.a.model() != nullptr && pair.b.model() != nullptr;
+  if (step == nullptr || !are_models || step->margin <= step->touch_margin) return true;
+  const double reach = step->touch_margin + step->thickness + most_above_samples(*pair.a.model()) +
+                       most_above_samples(*pair.b.model());
+  const auto is_near = [&](const PosedShell& posed) {
+    return collides(posed.field(), posed.shell(), posed.field_from_shell,
+                    static_cast<float>(reach));
+  };
+  return is_near(PosedShell::first_of(pair)) ||
+         (pair.asks_both && is_near(PosedShell::second_of(pair)));
+}
+
+/// Finds those of the shells that the pair asks.
+void ContactSearch::take_all(const Question& question, const PosedPair& pair,
+                             Opposition& opposition) {
+  const PosedShell first = PosedShell::first_of(pair);
+  take(question, first, first_, contacts_, opposition);
+  if (!pair.asks_both) {
+    if (question.slides) {
+      first_.gather_exact(exact_);
+      first_.on_round.drop_covered(contacts_, /*are_of_field=*/false, exact_);
+      first_.on_round.drop_covered(first_.guards, /*are_of_field=*/false, {});
+    }
+    merge_by_id(first_.guards, contacts_);
+    return;
+  }
+  const PosedShell second = PosedShell::second_of(pair);
+  take(question, second, second_, second_found_, opposition);
+  if (question.slides) drop_covered_by_each_other(first, second);
+  merge_by_id(first_.guards, contacts_);
+  merge_by_id(second_.guards, second_found_);
+  second_shell_.append(second_found_, second.field_from_shell, contacts_);
+}
+
+/// Finds those of one shell, ascending by id, with the normals and depths that they touch with.
+void ContactSearch::take(const Question& question, const PosedShell& posed, OfShell& of,
+                         std::vector<Contact>& contacts, Opposition& opposition) {
+  const PairStep* step = question.step;
+  const Pose& field_from_shell = posed.field_from_shell;
+  const float near = question.reach_of(posed.model());
+  of.scratch.borrow(lists_of_this_thread());
+  const std::span<const Contact> found =
+      question.wanted == Wanted::kAll
+          ? find_contacts(posed.field(), posed.shell(), field_from_shell, {.margin = near},
+                          of.scratch)
+          : find_deepest_per_segment(posed.field(), posed.shell(), field_from_shell, question.level,
+                                     near, of.scratch);
+  contacts.assign(found.begin(), found.end());
+  part_from_guards(question, posed, contacts, of.guards);
+  face_elements(contacts, posed.field(), posed.shell(), field_from_shell,
+                posed.other.has_sharp_field() ? question.touch.margin : 0.0,
+                posed.own.thickness() + posed.other.thickness());
+  if (question.slides) {
+    of.on_round.slide(contacts, posed.model(), RoundSide::of(posed.other), field_from_shell,
+                      question.touch, own_turning_of(*step, posed.is_of_field));
+  }
+  of.flat.align(contacts, posed.field(), posed.shell(), posed.model().grid(), field_from_shell,
+                question.touch);
+  if (step != nullptr && question.settings.mode != ContactMode::kSegmented) {
+    for (std::vector<Contact>* each : {&contacts, &of.guards}) {
+      drop_from_behind(*each, posed.shell(),
+                       static_cast<float>(step->rest_margin + step->thickness),
+                       static_cast<float>(step->deep_overlap), opposition);
+    }
+  }
+  if (!question.slides) return;
+  // What a still body does not lie on is left out later, too.
+  float least_depth = -question.reach;
+  if (!contacts.empty() && step->is_still && question.wanted == Wanted::kAll) {
+    const float band = kIdleOfMargin * static_cast<float>(step->rest_margin);
+    least_depth = std::max(std::min(find_deepest(contacts).depth - band, 0.0f), least_depth);
+  }
+  of.round.slide(contacts, posed.model(), SmoothField(posed.other), field_from_shell,
+                 question.touch, turning_of(*step, posed.is_of_field), least_depth);
+  of.round.drop_guards(of.guards, question.touch, turning_of(*step, posed.is_of_field));
+  keep_if(contacts, [&](const Contact& contact) { return contact.depth > -question.reach; });
+}
+
+/// Moves those that do not touch within the step, nor twice as fast, to `guards`: they hold what a
+/// step with CCD makes faster, for which samples will do.
+void ContactSearch::part_from_guards(const Question& question, const PosedShell& posed,
+                                     std::vector<Contact>& contacts, std::vector<Contact>& guards) {
+  guards.clear();
+  if (!question.slides || question.step->margin <= question.step->rest_margin) return;
+  const double above = most_above_samples(posed.model());
+  std::erase_if(contacts, [&](const Contact& contact) {
+    const Contact& of_first =
+        posed.is_of_field ? turn_over(contact, posed.field_from_shell) : contact;
+    if (may_reach(*question.step, of_first, above)) return false;
+    guards.push_back(contact);
+    return true;
+  });
+}
+
+/// Drops contacts of either shell that are samples of what the other one's touch.
+void ContactSearch::drop_covered_by_each_other(const PosedShell& first, const PosedShell& second) {
+  first_.gather_exact(exact_);
+  second_.gather_exact(second_exact_);
+  const auto drop = [&](std::vector<Contact>& of_first, std::vector<Contact>& of_second,
+                        std::span<const std::uint32_t> exact,
+                        std::span<const std::uint32_t> second_exact, bool are_guards) {
+    first_.on_round.drop_covered(of_first, /*are_of_field=*/false, exact);
+    first_.on_round.drop_covered(of_second, /*are_of_field=*/true, second_exact);
+    second_.on_round.drop_covered(of_second, /*are_of_field=*/false, second_exact);
+    second_.on_round.drop_covered(of_first, /*are_of_field=*/true, exact);
+    first_.round.drop_covered(of_second, second.shell(), second_exact, contacts_,
+                              first.field_from_shell, are_guards);
+    second_.round.drop_covered(of_first, first.shell(), exact, second_found_,
+                               second.field_from_shell, are_guards);
+  };
+  drop(contacts_, second_found_, exact_, second_exact_, /*are_guards=*/false);
+  drop(first_.guards, second_.guards, {}, {}, /*are_guards=*/true);
+  for (const std::uint32_t id : second_exact_) exact_.push_back(kFirstOfSecond + id);
+}
+
+/// Those of features of Bullet's shapes.
+void ContactSearch::append_features(const Question& question, const PosedPair& pair) {
+  find_features(pair, features_);
+  if (features_.empty()) return;
+  if (features_.front().radius > 0.0) {
+    balls_.append(features_, pair, question.reach, question.slides ? question.touch : TouchScale{},
+                  contacts_, exact_);
+    if (question.slides) balls_.drop_covered(contacts_, pair.shell(), exact_);
+    return;
+  }
+  append_feature_contacts(features_, pair, question.reach, contacts_);
+  if (question.slides) first_.on_round.slide_features(contacts_, features_, exact_);
+  std::ranges::sort(exact_);
+}
+
+void ContactSearch::append_inner(const PosedPair& pair, const PairStep* step,
+                                 const Opposition& opposition) {
+  if (step != nullptr) {
+    append_way_out(*step, opposition);
+    return;
+  }
+  const auto inner = contacts_.empty() ? find_inner(pair) : std::nullopt;
+  if (inner) contacts_.push_back(*inner);
+}
+
+/// Of bodies deep in each other whose contacts tell no way out.
+void ContactSearch::append_way_out(const PairStep& step, const Opposition& opposition) {
+  const PosedPair& pair = *step.pair;
+  const auto is_deep = [&](const Contact& contact) {
+    return static_cast<double>(contact.depth) + step.thickness > step.deep_overlap;
+  };
+  if (std::ranges::any_of(contacts_, is_deep)) return;
+  const bool is_buried = static_cast<double>(opposition.buried) > step.deep_overlap;
+  if (!is_buried && (opposition.is_opposed || !find_inner(pair))) return;
+  const auto way = find_way_out(pair, kWayOutPrecision * step.deep_overlap);
+  if (!way) return;
+  const Side& smaller = step.larger == &pair.shell_side() ? pair.field_side() : pair.shell_side();
+  const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(
+      smaller.bounding_ball().centre);
+  // Others are of rims, and push to all sides.
+  contacts_.assign(1, {kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
+                       static_cast<Vec3f>(way->direction)});
+}
+
+double ContactSearch::find_on_the_way(const ContactSettings& settings, const PairStep& step) {
+  const PosedPair& pair = *step.pair;
+  const Model& model = *pair.field_side().model();
+  const double farthest = step.farthest_displacement;
+  const auto reach = [&](double fraction) {
+    return static_cast<float>((1.0 - fraction) * farthest + step.rest_margin + step.thickness);
+  };
+  contacts_.clear();
+  features_.clear();
+  triangle_contacts_.gather(*pair.shell_side().triangles(), model, pair.field_from_shell(),
+                            reach(0.0));
+  const auto touch = advance(farthest, step.touching_gap(), 1.0, [&](double fraction) {
+    const double gap =
+        triangle_contacts_.distance(model, step.field_from_shell_after(fraction), reach(fraction)) -
+        step.thickness;
+    return Clearance{gap, kSafeOfGap * gap};
+  });
+  if (!touch) return 0.0;
+  const double fraction = touch->fraction;
+  const std::vector<Contact>& found = triangle_contacts_.find(
+      model, step.field_from_shell_after(fraction), level_of(settings, step.uses_ccd),
+      reach(fraction), kPlaneBeyondGaps * static_cast<float>(step.touching_gap()));
+  contacts_.assign(found.begin(), found.end());
+  return fraction;
+}
+
+}  // namespace voxshell::bullet

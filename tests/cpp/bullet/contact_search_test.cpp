@@ -1,0 +1,89 @@
+#include "contact_search.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "impact.h"
+#include "support/models.h"
+#include "support/random.h"
+#include "support/two_bodies.h"
+#include "support/world.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+using voxshell::test_support::Random;
+
+constexpr double kStep = 1.0 / 200.0;
+
+/// A body that falls on another one, in any orientations.
+struct Fall {
+  Fall(Random& random, double speed, double distance)
+      : low(world.add_model(torus_model(), 0, random.pose(0.0))), high(add_high(random, distance)) {
+    high.setLinearVelocity(btVector3(0, 0, scalar(-speed)));
+  }
+
+  btRigidBody& add_high(Random& random, double distance) {
+    Pose pose = random.pose(0.0);
+    pose.translation = {0, 0, distance};
+    return world.add_model(blob_model(), 1, pose);
+  }
+
+  TestWorld world;
+  btRigidBody& low;
+  btRigidBody& high;
+};
+
+TEST(ContactSearch, FindsSomethingWhereverAnyPointWouldTouchWithinTheStep) {
+  Random random(5);
+  int touching = 0;
+  int skipped = 0;
+  for (int i = 0; i < 1500; ++i) {
+    Fall fall(random, random.uniform(1.0, 10.0), random.uniform(0.05, 0.35));
+    TwoBodies bodies(fall.low, fall.high);
+    const PairStep step = bodies.step(kStep);
+    ASSERT_TRUE(step.uses_ccd);
+    QueryScratch scratch;
+    const auto all =
+        find_contacts(bodies.pair.field(), bodies.pair.shell(), bodies.pair.field_from_shell(),
+                      {.margin = static_cast<float>(step.margin)}, scratch);
+    const bool touches = std::ranges::any_of(all, [&](const Contact& contact) {
+      const Impact impact = impact_of(step, contact);
+      return is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
+    });
+    ContactSearch search;
+    search.find_near({}, bodies.pair, step.margin, &step, Wanted::kOneASegment);
+    EXPECT_FALSE(touches && search.contacts().empty()) << "fall " << i;
+    touching += touches ? 1 : 0;
+    skipped += !all.empty() && search.contacts().empty() ? 1 : 0;
+  }
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(skipped, 100);
+}
+
+TEST(ContactSearch, KeepsGuardsAsTheyWereSampled) {
+  // Those that do not reach the ground within the step, nor twice as fast.
+  TestWorld world;
+  const btRigidBody& ground = world.add_model(slab_model(), 0);
+  btRigidBody& ball = world.add_model(ball_model(), 1, {{}, {0, 0, kBallRadius + 0.01}});
+  ball.setLinearVelocity(btVector3(0, 0, -10));  // 5 cm a step
+  TwoBodies bodies(ball, ground);
+  const PairStep step = bodies.step(kStep);
+  ContactSearch search;
+  search.find_near({}, bodies.pair, step.margin, &step, Wanted::kOneASegment);
+  const auto is_exact = [&](const Contact& contact) {
+    return std::ranges::binary_search(search.exact(), contact.id);
+  };
+  const auto deepest = std::ranges::max_element(search.contacts(), {}, &Contact::depth);
+  ASSERT_NE(deepest, search.contacts().end());
+  EXPECT_TRUE(is_exact(*deepest));
+  EXPECT_TRUE(std::ranges::is_sorted(search.contacts(), {}, &Contact::id));
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
