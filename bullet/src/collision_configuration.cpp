@@ -86,19 +86,20 @@ class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
   btDefaultCollisionConfiguration& bullet_;
 };
 
-static_assert(sizeof(CompoundAlgorithm) <= sizeof(ModelAlgorithm));
+constexpr std::size_t kLargestAlgorithm =
+    std::max(sizeof(CompoundAlgorithm), sizeof(ModelAlgorithm));
 
 /// The pools of the base class must hold our algorithms, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
   const btPoolAllocator* pool = info.m_collisionAlgorithmPool;
-  if (pool != nullptr && pool->getElementSize() < static_cast<int>(sizeof(ModelAlgorithm))) {
+  if (pool != nullptr && pool->getElementSize() < static_cast<int>(kLargestAlgorithm)) {
     throw std::logic_error(
         "the pool for collision algorithms has elements of " +
         std::to_string(pool->getElementSize()) + " bytes, an algorithm of voxshell's takes " +
-        std::to_string(sizeof(ModelAlgorithm)) + ": give a pool of larger elements, or none");
+        std::to_string(kLargestAlgorithm) + ": give a pool of larger elements, or none");
   }
-  info.m_customCollisionAlgorithmMaxElementSize = std::max(
-      info.m_customCollisionAlgorithmMaxElementSize, static_cast<int>(sizeof(ModelAlgorithm)));
+  info.m_customCollisionAlgorithmMaxElementSize =
+      std::max(info.m_customCollisionAlgorithmMaxElementSize, static_cast<int>(kLargestAlgorithm));
   return info;
 }
 

@@ -320,4 +320,10 @@ inline constexpr int kDefaultLevel = 4;
 /// The same in steps with CCD: a body that turns while it is stopped is held by more points.
 inline constexpr int kDefaultCcdLevel = 5;
 
+// ---- threads ------------------------------------------------------------------------------------
+
+/// Pairs of bodies near each other for each thread that looks for contacts. Smaller: to start a
+/// thread takes longer than it saves.
+inline constexpr std::size_t kPairsOfThread = 8;
+
 }  // namespace voxshell::bullet

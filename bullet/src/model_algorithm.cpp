@@ -87,6 +87,35 @@ void ModelAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) {
   for (const SegmentManifold& entry : active_) manifolds.push_back(entry.manifold);
 }
 
+/// A step of a pair as far as it changes nothing outside of its algorithm.
+struct ModelAlgorithm::Prepared {
+  btCollisionObjectWrapper a;
+  btCollisionObjectWrapper b;
+  PosedPair pair;
+  PairStep step{};
+  StepContacts of_step{};
+  bool takes_all = false;  ///< of the points of a segment
+
+  static btCollisionObjectWrapper copy(const btCollisionObjectWrapper& of) {
+    return {of.m_parent,
+            of.getCollisionShape(),
+            of.getCollisionObject(),
+            of.getWorldTransform(),
+            of.m_partId,
+            of.m_index};
+  }
+  Prepared(const btCollisionObjectWrapper& of_a, const btCollisionObjectWrapper& of_b,
+           const Hull* hull, ShellRule rule)
+      : a(copy(of_a)), b(copy(of_b)), pair(a, b, hull, rule) {}
+};
+
+/// What is kept of bodies that are near each other.
+struct ModelAlgorithm::Near {
+  ContactSearch search;
+  PairMemory memory;
+  std::optional<Prepared> prepared;
+};
+
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {
@@ -94,54 +123,80 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
   // its result is of a class of its own.
   const bool simulates =
       purpose_ == Purpose::kSimulation && typeid(*result) == typeid(btManifoldResult);
+  if (!simulates) {
+    test_contact(*a, *b, *result);
+    return;
+  }
   StageClock clock(settings_.timings);
-  if (simulates && are_apart(*a, *b, settings_, static_cast<double>(info.m_timeStep))) {
-    forget();
+  if (!is_prepared_) prepare(*a, *b, static_cast<double>(info.m_timeStep), &clock);
+  is_prepared_ = false;
+  if (near_ == nullptr) {
+    release_manifolds();
     clock.end(&NarrowPhaseTimings::query);
     return;
   }
-  if (hull_) renew_hull(*a, *b);
-  if (search_ == nullptr) search_ = std::make_unique<ContactSearch>();
-  PosedPair pair(*a, *b, hull_.get(), settings_.shell);
-  if (!simulates) {
-    const auto margin = static_cast<double>(result->m_closestPointDistanceThreshold);
-    search_->find_near(settings_, pair, margin, nullptr, Wanted::kAll);
-    report(pair, *result);
+  commit(*near_->prepared, clock);
+}
+
+void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,
+                                  const btCollisionObjectWrapper& b, btManifoldResult& result) {
+  if (hull_) renew_hull(a, b);
+  PosedPair pair(a, b, hull_.get(), settings_.shell);
+  const auto margin = static_cast<double>(result.m_closestPointDistanceThreshold);
+  ContactSearch search;
+  search.find_near(settings_, pair, margin, nullptr, Wanted::kAll);
+  report(pair, search.contacts(), result);
+}
+
+void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
+                             double time_step, StageClock* clock) {
+  is_prepared_ = true;
+  if (are_apart(a, b, settings_, time_step)) {
+    near_.reset();
     return;
   }
-
+  if (hull_) renew_hull(a, b);
+  if (near_ == nullptr) near_ = std::make_unique<Near>();
+  auto& [search, memory, kept] = *near_;
+  Prepared& prepared = kept.emplace(a, b, hull_.get(), settings_.shell);
+  PosedPair& pair = prepared.pair;
+  PairStep& step = prepared.step;
   const auto describe = [&] {
-    return describe_step(pair, settings_, static_cast<double>(info.m_timeStep),
-                         memory_.owed_energy);
+    return describe_step(pair, settings_, time_step, memory.owed_energy);
   };
-  PairStep step = describe();
+  step = describe();
   // A point a segment is what kSegmented promises of bodies that move.
-  const bool takes_all =
+  prepared.takes_all =
       !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
   double fraction = 0.0;  // of the step, after which contacts are looked for
   if (step.uses_ccd && pair.has_triangles()) {
-    fraction = search_->find_on_the_way(settings_, step);
+    fraction = search.find_on_the_way(settings_, step);
   } else {
-    const Wanted wanted = takes_all ? Wanted::kAll : Wanted::kOneASegment;
-    const bool has_swapped_roles = search_->find_near(settings_, pair, step.margin, &step, wanted);
+    const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
+    const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
     if (has_swapped_roles) step = describe();
   }
-  clock.end(&NarrowPhaseTimings::query);
-  std::vector<Contact>& contacts = search_->contacts();
-  const StepContacts of_step =
-      apply_contact_rule(step, search_->features(), search_->exact(), fraction, contacts, memory_);
+  if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
+  std::vector<Contact>& contacts = search.contacts();
+  prepared.of_step =
+      apply_contact_rule(step, search.features(), search.exact(), fraction, contacts, memory);
   // Of bodies in a pile that move a little, such points carry in the next step.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
-  if (takes_all && lies && !contacts.empty()) {
+  if (prepared.takes_all && lies && !contacts.empty()) {
     drop_idle_points(kIdleOfMargin * static_cast<float>(step.rest_margin), contacts);
   }
-  if (shell_was_a_ != pair.shell_is_a) {
+}
+
+/// Puts what was found into manifolds.
+void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
+  const PairStep& step = prepared.step;
+  if (shell_was_a_ != prepared.pair.shell_is_a) {
     // Ids and segments now are another body's: nothing of the last step carries over.
     release_manifolds();
-    memory_.patch.release();
-    shell_was_a_ = pair.shell_is_a;
+    near_->memory.patch.release();
+    shell_was_a_ = prepared.pair.shell_is_a;
   }
-  if (contacts.empty()) {
+  if (near_->search.contacts().empty()) {
     // Pairs whose bounds overlap outnumber those in contact: they keep nothing for the solver to
     // look through.
     release_manifolds();
@@ -149,20 +204,12 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     return;
   }
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
-  const bool is_regular = takes_all && settings_.mode == ContactMode::kRegular;
+  const bool is_regular = prepared.takes_all && settings_.mode == ContactMode::kRegular;
   assign_manifolds(step, is_regular);
   choose_points(step, is_regular);
   clock.end(&NarrowPhaseTimings::reduction);
-  fill(step, of_step);
+  fill(step, prepared.of_step);
   clock.end(&NarrowPhaseTimings::manifold);
-}
-
-/// What is known of bodies that were near each other.
-void ModelAlgorithm::forget() {
-  if (search_ == nullptr) return;
-  search_.reset();
-  memory_ = {};
-  release_manifolds();
 }
 
 /// Of a shape that was given points or scaled, if they still have a hull.
@@ -197,7 +244,8 @@ ModelAlgorithm::Segment ModelAlgorithm::segment_of(const PosedPair& pair, const 
           std::uint64_t{first} + shell.segment_elements(level, segment).end};
 }
 
-void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
+void ModelAlgorithm::report(const PosedPair& pair, std::span<const Contact> contacts,
+                            btManifoldResult& result) {
   const btCollisionObjectWrapper& a = pair.a.wrap();
   const btCollisionObjectWrapper& b = pair.b.wrap();
   // Of this manifold, the result wants only the order of the bodies.
@@ -206,7 +254,6 @@ void ModelAlgorithm::report(const PosedPair& pair, btManifoldResult& result) {
   btPersistentManifold* const before = result.getPersistentManifold();
   result.setPersistentManifold(&order);
   const bool swapped = result.getBody0Internal() != a.getCollisionObject();
-  const std::vector<Contact>& contacts = search_->contacts();
   const ManifoldPoints chosen = select_manifold(contacts);
   for (const std::uint32_t index : chosen.chosen()) {
     const WorldContact contact = pair.to_world(contacts[index]);
@@ -229,7 +276,7 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
   auto old = active_.begin();
   next_.clear();
   Segment segment{0, 0};
-  for (const Contact& contact : search_->contacts()) {
+  for (const Contact& contact : near_->search.contacts()) {
     if (contact.id < segment.end) {
       ++next_.back().contact_count;
       continue;
@@ -255,11 +302,11 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
 void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular) {
   const bool is_few = is_regular || active_.size() <= kFewSegments;
   const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
-  std::span<const Contact> left(search_->contacts());
+  std::span<const Contact> left(near_->search.contacts());
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    entry.rolling_lever = is_few ? rolling_lever_of(step, group, search_->exact()) : 0.0;
+    entry.rolling_lever = is_few ? rolling_lever_of(step, group, near_->search.exact()) : 0.0;
     entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
 }
@@ -268,7 +315,7 @@ void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular) {
 void ModelAlgorithm::fill(const PairStep& step, const StepContacts& of_step) {
   const ManifoldFiller filler(step.pair->a.wrap(), step.pair->b.wrap());
   chosen_.clear();
-  const Contact* group = search_->contacts().data();
+  const Contact* group = near_->search.contacts().data();
   std::array<WorldContact, kManifoldSize> world;
   for (const SegmentManifold& entry : active_) {
     for (std::size_t i = 0; i < entry.chosen.count; ++i) {
@@ -279,7 +326,7 @@ void ModelAlgorithm::fill(const PairStep& step, const StepContacts& of_step) {
     filler.fill(*entry.manifold, std::span(world).first(entry.chosen.count));
     group += entry.contact_count;
   }
-  memory_.patch.keep(chosen_);
+  near_->memory.patch.keep(chosen_);
 }
 
 btPersistentManifold* ModelAlgorithm::take_manifold(const PosedPair& pair) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -12,6 +13,7 @@
 #include "contact_rule.h"
 #include "contact_search.h"
 #include "hull.h"
+#include "stage_clock.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
 #include "voxshell/manifold.h"
@@ -40,7 +42,20 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   }
   void getAllContactManifolds(btManifoldArray& manifolds) override;
 
+  /// What the next processCollision() of these objects, in the same step, need not do then. Several
+  /// threads may prepare several pairs.
+  ///
+  /// @param clock  Where to add the time of its stages, or null.
+  void prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
+               double time_step, StageClock* clock);
+  /// In case that nobody called processCollision().
+  void drop_prepared() { is_prepared_ = false; }
+  /// Whether the bodies were near each other in the last step.
+  bool is_near() const { return near_ != nullptr; }
+
  private:
+  struct Prepared;
+  struct Near;
   /// Whose contacts share a manifold.
   struct Segment {
     std::uint32_t index;
@@ -55,9 +70,12 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   };
 
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
-  void forget();
+  void test_contact(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
+                    btManifoldResult& result);
+  void commit(const Prepared& prepared, StageClock& clock);
   static Segment segment_of(const PosedPair& pair, const Contact& contact, int level);
-  void report(const PosedPair& pair, btManifoldResult& result);
+  static void report(const PosedPair& pair, std::span<const Contact> contacts,
+                     btManifoldResult& result);
   void release_manifolds();
   void assign_manifolds(const PairStep& step, bool is_regular);
   void choose_points(const PairStep& step, bool is_regular);
@@ -69,8 +87,8 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::shared_ptr<const Hull> hull_;
   std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
   /// Null while the bodies are too far apart to touch.
-  std::unique_ptr<ContactSearch> search_;
-  PairMemory memory_;
+  std::unique_ptr<Near> near_;
+  bool is_prepared_ = false;
   bool shell_was_a_ = true;                  ///< whose ids and segments active_ is by
   std::vector<Contact> chosen_;              ///< those that were found and are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points

@@ -65,6 +65,7 @@ _SOLVERS = {
 }
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
+_MOST_THREADS = 1024
 
 
 class World:
@@ -113,6 +114,8 @@ class World:
         friction_directions: Along which each contact resists sliding: 2 fixed ones, or 1, that in which
             it slides, as is Bullet's default. With 1, gripped bodies creep; convex hulls of few
             vertices rest sooner.
+        threads: How many look for the contacts of models, up to 1024; one a core by default. A few
+            pairs of bodies are left to one thread. The result is the same.
 
     Raises:
         SettingsError: A setting is out of range.
@@ -157,6 +160,7 @@ class World:
         ] = "coulomb",
         iterations: int | None = None,
         friction_directions: Literal[1, 2] = 2,
+        threads: int | None = None,
     ) -> None:
         if solver not in _SOLVERS:
             raise SettingsError(
@@ -204,6 +208,7 @@ class World:
             ccd_motion_threshold=-1.0
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
+            threads=0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS),
         )
 
     def _fixed_iterations(self) -> int:

@@ -1,4 +1,4 @@
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 
 #include <algorithm>
 #include <atomic>

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "field/brick_entry.h"
 #include "field/surface_bricks.h"
 #include "mesh/distance_tree.h"

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "base/text.h"
 #include "field/brick_entry.h"
 #include "field/plane_surroundings.h"

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "field/brick_entry.h"
 
 namespace voxshell {

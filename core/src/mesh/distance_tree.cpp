@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "mesh/disjoint_sets.h"
 
 namespace voxshell {

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "mesh/box_hierarchy.h"
 #include "mesh/closest_point.h"
 #include "mesh/edges.h"

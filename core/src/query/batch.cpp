@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

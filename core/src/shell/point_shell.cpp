@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "base/portable_math.h"
 #include "base/stage.h"
 #include "base/text.h"

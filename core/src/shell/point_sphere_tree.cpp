@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "base/serial.h"
 #include "shell/enclosing_sphere.h"
 #include "simd/tree_view.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 #include "mesh/closest_point.h"
 
 namespace voxshell {

@@ -152,27 +152,30 @@ void bind_simulation(nb::module_& module) {
           [](SharedSimulation* self, const Coordinates& gravity, double time_step, bool sleeping,
              double split_impulse_threshold, ConstraintSolver solver, int iterations,
              bullet::SolverEffort effort, bool two_friction_directions, bullet::ContactMode mode,
-             bullet::ShellRule shell, int level, double margin, double ccd_motion_threshold) {
-            new (self) SharedSimulation(
-                {.gravity = to_vec3(gravity),
-                 .time_step = time_step,
-                 .sleeping = sleeping,
-                 .split_impulse_threshold = split_impulse_threshold,
-                 .solver = solver,
-                 .iterations = iterations,
-                 .effort = effort,
-                 .two_friction_directions = two_friction_directions,
-                 .contact = {.mode = mode,
-                             .shell = shell,
-                             .level = level,
-                             .margin = margin,
-                             .ccd_motion_threshold = ccd_motion_threshold,
-                             .rolling_at_rest = solver != ConstraintSolver::kNncg}});
+             bullet::ShellRule shell, int level, double margin, double ccd_motion_threshold,
+             unsigned threads) {
+            new (self)
+                SharedSimulation({.gravity = to_vec3(gravity),
+                                  .time_step = time_step,
+                                  .sleeping = sleeping,
+                                  .split_impulse_threshold = split_impulse_threshold,
+                                  .solver = solver,
+                                  .iterations = iterations,
+                                  .effort = effort,
+                                  .two_friction_directions = two_friction_directions,
+                                  .contact = {.mode = mode,
+                                              .shell = shell,
+                                              .level = level,
+                                              .margin = margin,
+                                              .ccd_motion_threshold = ccd_motion_threshold,
+                                              .rolling_at_rest = solver != ConstraintSolver::kNncg},
+                                  .threads = threads});
           },
           nb::arg("gravity"), nb::arg("time_step"), nb::arg("sleeping"),
           nb::arg("split_impulse_threshold"), nb::arg("solver"), nb::arg("iterations"),
           nb::arg("effort"), nb::arg("two_friction_directions"), nb::arg("mode"), nb::arg("shell"),
-          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"), InOrdinaryFloats())
+          nb::arg("level"), nb::arg("margin"), nb::arg("ccd_motion_threshold"), nb::arg("threads"),
+          InOrdinaryFloats())
       .def("step", &step, nb::arg("count"));
   SimulationMethods(simulation)
       .def(

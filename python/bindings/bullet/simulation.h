@@ -46,6 +46,7 @@ struct SimulationSettings {
   /// that lies still falls freely for a step before friction knows where to.
   bool two_friction_directions = true;
   bullet::ContactSettings contact;
+  unsigned threads = 0;  ///< that look for contacts of models; 0: one for each core
 };
 
 /// Who moves a body.

@@ -2,6 +2,7 @@
 
 #include "bullet/simulation.h"
 #include "voxshell/bullet/model_shape.h"
+#include "voxshell/bullet/parallel_dispatcher.h"
 
 namespace voxshell::python {
 
@@ -18,10 +19,10 @@ struct Simulation::Body {
   Body(const BodySettings& settings, const bullet::BodyFrame& frame);
 };
 
-/// Bullet's dispatcher, which also says how long the narrow phase took.
-class Simulation::TimedDispatcher : public btCollisionDispatcher {
+/// A dispatcher that also says how long the narrow phase took.
+class Simulation::TimedDispatcher : public bullet::ParallelDispatcher {
  public:
-  using btCollisionDispatcher::btCollisionDispatcher;
+  using bullet::ParallelDispatcher::ParallelDispatcher;
 
   void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
                                  btDispatcher* dispatcher) override;

@@ -61,7 +61,7 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   std::shared_ptr<const Model> model_;
   Pose body_from_model_;
-  Vec3 centre_;          ///< see ball_centre()
+  Vec3 centre_;  ///< see ball_centre()
   double radius_ = 0.0;
   btVector3 unit_scaling_{1, 1, 1};
   mutable std::once_flag triangles_built_;

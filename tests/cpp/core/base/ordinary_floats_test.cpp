@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/parallel.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+namespace voxshell::bullet {
+
+/// Bullet's dispatcher, which looks for the contacts of models on several threads: use it in place
+/// of btCollisionDispatcher, with a CollisionConfiguration. What is found goes into manifolds on
+/// the calling thread, in the order of Bullet's pairs, so that a world takes the same steps, bit
+/// for bit, on any number of threads. Pairs without a model, compounds and Bullet's triangle meshes
+/// are as before. With it, gCalculateCombinedRestitutionCallback is called on these threads.
+class ParallelDispatcher : public btCollisionDispatcher {
+ public:
+  /// @param threads  How many at most, the calling one included; 0: one for each core.
+  explicit ParallelDispatcher(btCollisionConfiguration* configuration, unsigned threads = 0);
+  ~ParallelDispatcher() override;
+
+  void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
+                                 btDispatcher* dispatcher) override;
+
+  /// Seconds that the last dispatch spent on several threads.
+  double parallel_seconds() const { return parallel_seconds_; }
+
+ private:
+  struct Jobs;
+  void prepare(btOverlappingPairCache& pairs, const btDispatcherInfo& info);
+
+  unsigned threads_;
+  double parallel_seconds_ = 0.0;
+  std::unique_ptr<Jobs> jobs_;
+};
+
+}  // namespace voxshell::bullet
