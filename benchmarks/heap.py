@@ -39,7 +39,9 @@ def build(mesh: vx.Mesh, uniform: float | None, points: int | None = None) -> vx
 
 def make_world(is_uniform: bool) -> vx.World:
     """Of bodies that are asked for as the kind has it."""
-    return vx.World(time_step=1 / RATE, sleeping=False, shell="fewest" if is_uniform else "auto")
+    return vx.World(
+        time_step=1 / RATE, sleeping=False, shell="fewest" if is_uniform else "auto", threads=1
+    )
 
 
 def describe(values: np.ndarray, unit: float) -> str:
@@ -87,9 +89,9 @@ def print_stages(what: str, timings: np.ndarray) -> None:
         print(f"{what:>8}  {stage:>13}  {describe(timings[stage], 1e-3)}")
 
 
-def time_heap(is_uniform: bool, count: int, path: Path | None) -> None:
+def time_heap(is_uniform: bool, count: int, seconds: float, path: Path | None) -> None:
     """The steps of a pouring, unless a heap is kept, and of the heap."""
-    settings = PourSettings(count=count)
+    settings = PourSettings(count=count, seconds=seconds)
     body = build(settings.build_mesh(), settings.voxel_size if is_uniform else None)
     container = build(settings.build_bin(), settings.bin_voxel_size if is_uniform else None)
     matter = body.mass_properties(settings.mass)
@@ -137,13 +139,14 @@ def main() -> None:
     )
     parser.add_argument("--uniform", action="store_true", help="models of voxels of one size")
     parser.add_argument("--count", type=int, default=100, help="bodies in the heap (100)")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of pouring (5)")
     parser.add_argument("--heap", type=Path, help="file that the heap is kept in (.npz)")
     parser.add_argument("--no-falls", action="store_true", help="the heap alone")
     arguments = parser.parse_args()
     with pinned():
         if not arguments.no_falls:
             time_falls(arguments.uniform)
-        time_heap(arguments.uniform, arguments.count, arguments.heap)
+        time_heap(arguments.uniform, arguments.count, arguments.seconds, arguments.heap)
 
 
 if __name__ == "__main__":

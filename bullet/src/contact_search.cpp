@@ -1,8 +1,12 @@
 #include "contact_search.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
@@ -33,10 +37,49 @@ std::optional<Contact> find_inner(const PosedPair& pair) {
   return found;
 }
 
+/// Lists that no thread uses. Threads come and go with each step, and lists are long.
+class FreeLists {
+ public:
+  std::unique_ptr<QueryLists> take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) {
+      // All may come back at once.
+      free_.reserve(made_ + 1);
+      auto lists = std::make_unique<QueryLists>();
+      ++made_;
+      return lists;
+    }
+    std::unique_ptr<QueryLists> lists = std::move(free_.back());
+    free_.pop_back();
+    return lists;
+  }
+  void give_back(std::unique_ptr<QueryLists> lists) noexcept {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(lists));
+  }
+  /// Lives as long as the process: threads may end after its other objects.
+  static FreeLists& all() {
+    static auto* const lists = new FreeLists;
+    return *lists;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t made_ = 0;
+  std::vector<std::unique_ptr<QueryLists>> free_;
+};
+
 /// Pairs are many, and each is asked about for a moment.
 QueryLists& lists_of_this_thread() {
-  thread_local QueryLists lists;
-  return lists;
+  struct Borrowed {
+    std::unique_ptr<QueryLists> lists = FreeLists::all().take();
+    Borrowed() = default;
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+    ~Borrowed() { FreeLists::all().give_back(std::move(lists)); }
+  };
+  thread_local Borrowed borrowed;
+  return *borrowed.lists;
 }
 
 }  // namespace

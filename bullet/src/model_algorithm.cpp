@@ -135,7 +135,8 @@ void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
     clock.end(&NarrowPhaseTimings::query);
     return;
   }
-  commit(*near_->prepared, clock);
+  const std::optional<Prepared>& prepared = near_->prepared;
+  if (prepared) commit(*prepared, clock);
 }
 
 void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,

@@ -61,10 +61,18 @@ void ParallelDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs
                                                    btDispatcher* dispatcher) {
   parallel_seconds_ = 0.0;
   jobs_->near.clear();
+  // A callback of the user's may pass some by, and so may an exception.
+  struct DropAtEnd {
+    const std::vector<Job>& jobs;
+    explicit DropAtEnd(const std::vector<Job>& all) : jobs(all) {}
+    DropAtEnd(const DropAtEnd&) = delete;
+    DropAtEnd& operator=(const DropAtEnd&) = delete;
+    ~DropAtEnd() {
+      for (const Job& job : jobs) job.algorithm->drop_prepared();
+    }
+  } const drop_at_end(jobs_->near);
   if (threads_ > 1) prepare(*pairs, info);
   btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
-  // A callback of the user's may have passed some by.
-  for (const Job& job : jobs_->near) job.algorithm->drop_prepared();
 }
 
 void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatcherInfo& info) {

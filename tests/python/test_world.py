@@ -335,6 +335,31 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
     assert seen == [1, 2, 3]
 
 
+def test_a_heap_falls_the_same_way_on_any_number_of_threads():
+    torus = vx.Model.from_mesh(trimesh.creation.torus(0.08, 0.03))
+    blob = vx.Model.from_mesh(trimesh.creation.icosphere(2, radius=0.07))
+
+    def drop(threads):
+        world = vx.World(threads=threads)
+        world.add(vx.Model.from_mesh(trimesh.creation.box(extents=(1.0, 1.0, 0.1))), mass=0)
+        bodies = [
+            world.add(
+                (torus, blob)[i % 2],
+                pose=at(0.15 * (i % 3), 0.15 * (i // 3 % 3), 0.2 + 0.15 * (i // 9)),
+            )
+            for i in range(27)
+        ]
+        world.step(150)
+        return np.array([body.pose for body in bodies]), world.contacts()
+
+    poses, contacts = drop(1)
+    assert len(contacts) > 30
+    for threads in (None, 2, 5):
+        others, other_contacts = drop(threads)
+        np.testing.assert_array_equal(others, poses)
+        np.testing.assert_array_equal(other_contacts, contacts)
+
+
 @pytest.mark.parametrize(
     ("settings", "part"),
     [
@@ -354,6 +379,9 @@ def test_callback_sees_every_step_and_may_stop_the_run(ball):
         ({"iterations": 0}, "iterations"),
         ({"iterations": 2.5}, "iterations"),
         ({"friction_directions": 3}, "friction_directions"),
+        ({"threads": 0}, "threads"),
+        ({"threads": 2000}, "threads"),
+        ({"threads": "all"}, "threads"),
         # These raised an OverflowError and a TypeError.
         ({"time_step": 1e300}, "shorter time_step"),
         ({"friction_directions": np.array([2])}, "friction_directions"),
