@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "voxshell/parallel.h"
 #include "field/brick_entry.h"
 #include "field/surface_bricks.h"
 #include "mesh/distance_tree.h"
 #include "mesh/edges.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -6,10 +6,10 @@
 #include <iterator>
 #include <string_view>
 
-#include "voxshell/parallel.h"
 #include "base/text.h"
 #include "field/brick_entry.h"
 #include "field/plane_surroundings.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "voxshell/parallel.h"
 #include "field/brick_entry.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

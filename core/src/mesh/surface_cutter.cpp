@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "voxshell/parallel.h"
 #include "mesh/disjoint_sets.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -11,13 +11,13 @@
 #include <span>
 #include <vector>
 
-#include "voxshell/parallel.h"
 #include "mesh/box_hierarchy.h"
 #include "mesh/closest_point.h"
 #include "mesh/edges.h"
 #include "mesh/surface_places.h"
 #include "model/normal_cone.h"
 #include "model/shell_elements.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

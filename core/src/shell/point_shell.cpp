@@ -8,7 +8,6 @@
 #include <numeric>
 #include <utility>
 
-#include "voxshell/parallel.h"
 #include "base/portable_math.h"
 #include "base/stage.h"
 #include "base/text.h"
@@ -16,6 +15,7 @@
 #include "mesh/surface_cutter.h"
 #include "mesh/thickness.h"
 #include "shell/surface_voxels.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "voxshell/parallel.h"
 #include "base/serial.h"
 #include "shell/enclosing_sphere.h"
 #include "simd/tree_view.h"
 #include "voxshell/bounds.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <string_view>
 
-#include "voxshell/parallel.h"
 #include "mesh/closest_point.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {
