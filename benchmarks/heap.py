@@ -2,7 +2,7 @@
 """Times steps in which bunnies fall on each other, are poured into a bin, and lie in a heap.
 
 Each body and the bin is a model at default settings, by tolerance, or with --uniform of voxels of 2 and
-5 mm and, as the thesis has it, the shell with fewer points. One thread, 200 steps a second, no sleeping.
+5 mm and, as the thesis has it, the shell with fewer points. 200 steps a second, no sleeping, one thread.
 
     .venv/bin/python benchmarks/heap.py                  # falls of two, then 100 poured for 5 s
     .venv/bin/python benchmarks/heap.py --uniform
@@ -14,6 +14,7 @@ To compare two versions, step the heap that one of them has kept.
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -37,11 +38,10 @@ def build(mesh: vx.Mesh, uniform: float | None, points: int | None = None) -> vx
     return vx.Model.from_mesh(mesh, voxel_size=uniform, target_points=points)
 
 
-def make_world(is_uniform: bool) -> vx.World:
+def make_world(is_uniform: bool, threads: int = 1) -> vx.World:
     """Of bodies that are asked for as the kind has it."""
-    return vx.World(
-        time_step=1 / RATE, sleeping=False, shell="fewest" if is_uniform else "auto", threads=1
-    )
+    shell = "fewest" if is_uniform else "auto"
+    return vx.World(time_step=1 / RATE, sleeping=False, shell=shell, threads=threads)
 
 
 def describe(values: np.ndarray, unit: float) -> str:
@@ -89,7 +89,9 @@ def print_stages(what: str, timings: np.ndarray) -> None:
         print(f"{what:>8}  {stage:>13}  {describe(timings[stage], 1e-3)}")
 
 
-def time_heap(is_uniform: bool, count: int, seconds: float, path: Path | None) -> None:
+def time_heap(
+    is_uniform: bool, count: int, seconds: float, path: Path | None, threads: int
+) -> None:
     """The steps of a pouring, unless a heap is kept, and of the heap."""
     settings = PourSettings(count=count, seconds=seconds)
     body = build(settings.build_mesh(), settings.voxel_size if is_uniform else None)
@@ -99,7 +101,7 @@ def time_heap(is_uniform: bool, count: int, seconds: float, path: Path | None) -
     print(f"{'':>8}  {'':>13}  {'median':>9}  {'90 %':>9}  {'99 %':>9}  {'most':>9}")
 
     def fill(poses: np.ndarray) -> tuple[vx.World, list[vx.Body]]:
-        world = make_world(is_uniform)
+        world = make_world(is_uniform, threads)
         world.add(container, mass=0)
         return world, [world.add(body, mass=settings.mass, pose=p, inertia=matter) for p in poses]
 
@@ -141,12 +143,19 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100, help="bodies in the heap (100)")
     parser.add_argument("--seconds", type=float, default=5.0, help="of pouring (5)")
     parser.add_argument("--heap", type=Path, help="file that the heap is kept in (.npz)")
+    parser.add_argument("--threads", type=int, default=1, help="of the heap's worlds (1)")
     parser.add_argument("--no-falls", action="store_true", help="the heap alone")
     arguments = parser.parse_args()
-    with pinned():
+    with pinned() if arguments.threads == 1 else nullcontext():
         if not arguments.no_falls:
             time_falls(arguments.uniform)
-        time_heap(arguments.uniform, arguments.count, arguments.seconds, arguments.heap)
+        time_heap(
+            arguments.uniform,
+            arguments.count,
+            arguments.seconds,
+            arguments.heap,
+            arguments.threads,
+        )
 
 
 if __name__ == "__main__":
