@@ -94,7 +94,7 @@ struct ModelAlgorithm::Prepared {
   PosedPair pair;
   PairStep step{};
   StepContacts of_step{};
-  bool takes_all = false;  ///< of the points of a segment
+  bool takes_all = false;  ///< all points within the margin, not one for each segment
 
   static btCollisionObjectWrapper copy(const btCollisionObjectWrapper& of) {
     return {of.m_parent,
@@ -151,9 +151,9 @@ void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,
 
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                              double time_step, StageClock* clock) {
-  is_prepared_ = true;
   if (are_apart(a, b, settings_, time_step)) {
     near_.reset();
+    is_prepared_ = true;
     return;
   }
   if (hull_) renew_hull(a, b);
@@ -186,6 +186,7 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   if (prepared.takes_all && lies && !contacts.empty()) {
     drop_idle_points(kIdleOfMargin * static_cast<float>(step.rest_margin), contacts);
   }
+  is_prepared_ = true;
 }
 
 /// Puts what was found into manifolds.

@@ -42,13 +42,14 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   }
   void getAllContactManifolds(btManifoldArray& manifolds) override;
 
-  /// What the next processCollision() of these objects, in the same step, need not do then. Several
-  /// threads may prepare several pairs.
+  /// Looks for the contacts of this step, which the next processCollision() of these objects then
+  /// only puts into manifolds. It changes nothing outside of this algorithm, so several threads may
+  /// prepare several pairs at once.
   ///
   /// @param clock  Where to add the time of its stages, or null.
   void prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                double time_step, StageClock* clock);
-  /// In case that nobody called processCollision().
+  /// Forgets what was prepared, for steps in which nobody calls processCollision().
   void drop_prepared() { is_prepared_ = false; }
   /// Whether the bodies were near each other in the last step.
   bool is_near() const { return near_ != nullptr; }
@@ -88,7 +89,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
   /// Null while the bodies are too far apart to touch.
   std::unique_ptr<Near> near_;
-  bool is_prepared_ = false;
+  bool is_prepared_ = false;                 ///< for the next processCollision()
   bool shell_was_a_ = true;                  ///< whose ids and segments active_ is by
   std::vector<Contact> chosen_;              ///< those that were found and are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <gtest/gtest.h>
@@ -264,6 +265,36 @@ TEST_P(Callbacks, ImpulsesFollowTheirPointsThoughThesChangePlaces) {
   EXPECT_GT(carried, 200);
   EXPECT_GT(fresh, 20);
   EXPECT_GE(moved, GetParam() == ContactMode::kRegular ? 1 : 0);
+}
+
+/// Bullet's own callback for the restitution of a pair, put back at the end.
+class ThrowingRestitution {
+ public:
+  ThrowingRestitution() : before_(gCalculateCombinedRestitutionCallback) {
+    gCalculateCombinedRestitutionCallback = [](const btCollisionObject*,
+                                               const btCollisionObject*) -> btScalar {
+      throw std::runtime_error("no restitution");
+    };
+  }
+  ~ThrowingRestitution() { gCalculateCombinedRestitutionCallback = before_; }
+  ThrowingRestitution(const ThrowingRestitution&) = delete;
+  ThrowingRestitution& operator=(const ThrowingRestitution&) = delete;
+
+ private:
+  CalculateCombinedCallback before_;
+};
+
+TEST(Callbacks, ThatThrowLeaveNothingToTheNextStep) {
+  TestWorld world;
+  world.add_model(slab_model(), 0);
+  btRigidBody& cube = world.add_model(cube_model(), 1, {{}, {0, 0, kCubeHalf + 0.02}});
+  world.step(40);
+  {
+    const ThrowingRestitution throwing;
+    EXPECT_THROW(world.step(1), std::runtime_error);
+  }
+  world.step(200);
+  EXPECT_NEAR(height(cube), kCubeHalf, 1e-3);
 }
 
 }  // namespace

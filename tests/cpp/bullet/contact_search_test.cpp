@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "contact_rule.h"
 #include "impact.h"
 #include "support/models.h"
 #include "support/random.h"
@@ -67,22 +68,29 @@ TEST(ContactSearch, FindsSomethingWhereverAnyPointWouldTouchWithinTheStep) {
 }
 
 TEST(ContactSearch, KeepsGuardsAsTheyWereSampled) {
-  // Those that do not reach the ground within the step, nor twice as fast.
-  TestWorld world;
-  const btRigidBody& ground = world.add_model(slab_model(), 0);
-  btRigidBody& ball = world.add_model(ball_model(), 1, {{}, {0, 0, kBallRadius + 0.01}});
-  ball.setLinearVelocity(btVector3(0, 0, -10));  // 5 cm a step
-  TwoBodies bodies(ball, ground);
-  const PairStep step = bodies.step(kStep);
-  ContactSearch search;
-  search.find_near({}, bodies.pair, step.margin, &step, Wanted::kOneASegment);
-  const auto is_exact = [&](const Contact& contact) {
-    return std::ranges::binary_search(search.exact(), contact.id);
-  };
-  const auto deepest = std::ranges::max_element(search.contacts(), {}, &Contact::depth);
-  ASSERT_NE(deepest, search.contacts().end());
-  EXPECT_TRUE(is_exact(*deepest));
-  EXPECT_TRUE(std::ranges::is_sorted(search.contacts(), {}, &Contact::id));
+  Random random(6);
+  int guards = 0;
+  int slid = 0;
+  for (int i = 0; i < 200; ++i) {
+    Fall fall(random, 5.0, random.uniform(0.1, 0.2));
+    TwoBodies bodies(fall.low, fall.high);
+    const PairStep step = bodies.step(kStep);
+    ContactSearch search;
+    search.find_near({}, bodies.pair, step.margin, &step, Wanted::kOneASegment);
+    EXPECT_TRUE(std::ranges::is_sorted(search.contacts(), {}, &Contact::id));
+    const PointShell& shell = bodies.pair.shell();
+    for (const Contact& contact : search.contacts()) {
+      if (contact.id >= shell.size()) continue;  // an edge, or of the second shell
+      if (std::ranges::binary_search(search.exact(), contact.id)) {
+        ++slid;
+      } else if (!may_reach(step, contact, 0.0)) {
+        ++guards;
+        EXPECT_EQ(contact.point, shell.points()[contact.id]) << "fall " << i;
+      }
+    }
+  }
+  EXPECT_GT(guards, 1000);
+  EXPECT_GT(slid, 100);
 }
 
 }  // namespace
