@@ -33,6 +33,9 @@ inline constexpr double kCcdOfInnerDiameter = 0.125;
 /// solver may make a point faster than it is: an impulse at one end of a rod turns it about its
 /// middle. Smaller: the other end of a rod that falls flat goes into the ground. Larger: slower.
 inline constexpr double kCcdReach = 2.0;
+/// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
+/// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
+inline constexpr double kMostReachingTurn = 0.5;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
 /// more steps of conservative advancement. Larger: fast bodies stop visibly early.
 inline constexpr double kTouchingOfDetail = 0.05;
@@ -319,11 +322,5 @@ inline constexpr double kTurnedCosine = 0.70710678118654752;
 inline constexpr int kDefaultLevel = 4;
 /// The same in steps with CCD: a body that turns while it is stopped is held by more points.
 inline constexpr int kDefaultCcdLevel = 5;
-
-// ---- threads ------------------------------------------------------------------------------------
-
-/// Pairs of bodies near each other for each thread that looks for contacts. Smaller: to start a
-/// thread takes longer than it saves.
-inline constexpr std::size_t kPairsOfThread = 8;
 
 }  // namespace voxshell::bullet

@@ -42,7 +42,6 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches = true;
     touches_from_above = touches_from_above || beside.back() == 0;
   };
-  const bool looks_ahead = step.margin > step.rest_margin;
   // What has slid to the deepest place has a truer normal than the place that it is said to reach.
   const auto stays_exact = [&](const Contact& contact, const Contact& reached) {
     return std::ranges::binary_search(exact, contact.id) &&
@@ -51,7 +50,8 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   for (const Contact& each : contacts) {
     const Contact contact = each;
     const Impact impact = impact_of(step, contact);
-    if (is_contact(step, impact) || (looks_ahead && touches_if_stopped(step, contact, impact))) {
+    if (is_contact(step, impact) ||
+        (step.looks_ahead() && touches_if_stopped(step, contact, impact))) {
       touch(contact, contact);
     } else if (step.uses_ccd &&
                (std::ranges::binary_search(exact, contact.id) || !is_steep(step, contact))) {

@@ -37,7 +37,7 @@ std::optional<Contact> find_inner(const PosedPair& pair) {
   return found;
 }
 
-/// Lists that no thread uses. Threads come and go with each step, and lists are long.
+/// The lists that no thread uses now. They outlast threads, which come and go with each step.
 class FreeLists {
  public:
   std::unique_ptr<QueryLists> take() {
@@ -69,7 +69,7 @@ class FreeLists {
   std::vector<std::unique_ptr<QueryLists>> free_;
 };
 
-/// Pairs are many, and each is asked about for a moment.
+/// One for all pairs, as a thread asks about one pair at a time.
 QueryLists& lists_of_this_thread() {
   struct Borrowed {
     std::unique_ptr<QueryLists> lists = FreeLists::all().take();
@@ -257,15 +257,16 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
   keep_if(contacts, [&](const Contact& contact) { return contact.depth > -question.reach; });
 }
 
-/// Moves those that do not touch within the step, nor twice as fast, to `guards`: they hold what a
-/// step with CCD makes faster, for which samples will do.
+/// Moves those to `guards` that touch neither within the step nor at twice their speed. The solver
+/// may make a place faster in a step with CCD, and guards stop it then; samples are good enough for
+/// that.
 void ContactSearch::part_from_guards(const Question& question, const PosedShell& posed,
                                      std::vector<Contact>& contacts, std::vector<Contact>& guards) {
   guards.clear();
-  if (!question.slides || question.step->margin <= question.step->rest_margin) return;
+  if (!question.slides || !question.step->looks_ahead()) return;
   const double above = most_above_samples(posed.model());
   std::erase_if(contacts, [&](const Contact& contact) {
-    const Contact& of_first =
+    const Contact of_first =
         posed.is_of_field ? turn_over(contact, posed.field_from_shell) : contact;
     if (may_reach(*question.step, of_first, above)) return false;
     guards.push_back(contact);

@@ -9,6 +9,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
+#include "contact_constants.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -91,11 +92,11 @@ double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ba
 double find_touch_reach(const Motion& a, const Motion& b, const Ball& ball, double time_step) {
   // Places of the larger body may be as far outside of the ball as this reach, where spin is
   // faster.
-  constexpr double kMostSpin = 0.5;  // radians; those that turn by more are looked for twice as far
   const double spin =
       time_step * std::max({length(a.angular_velocity - b.angular_velocity),
                             length(a.angular_velocity), length(b.angular_velocity)});
-  return find_farthest_if_stopped(a, b, ball, time_step) / (1.0 - std::min(spin, kMostSpin));
+  return find_farthest_if_stopped(a, b, ball, time_step) /
+         (1.0 - std::min(spin, kMostReachingTurn));
 }
 
 RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,

@@ -36,6 +36,8 @@ struct PairStep {
   std::array<RelativeMotion, 2> if_stopped;
   Vec3 displacement;  ///< of the middle of the smaller body's bounding ball by that, shell's frame
 
+  /// Whether points farther away than the rest margin may be contacts.
+  bool looks_ahead() const { return margin > rest_margin; }
   /// The gap at which surfaces count as touching.
   double touching_gap() const;
   /// Where the bodies are after a fraction of the step, if nothing stops them.

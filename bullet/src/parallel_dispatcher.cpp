@@ -9,7 +9,6 @@
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
-#include "contact_constants.h"
 #include "model_algorithm.h"
 #include "posed_pair.h"
 #include "voxshell/parallel.h"
@@ -17,12 +16,9 @@
 namespace voxshell::bullet {
 namespace {
 
-/// A pair whose step can be prepared.
-struct Job {
-  ModelAlgorithm* algorithm;
-  const btCollisionObject* a;
-  const btCollisionObject* b;
-};
+/// Pairs of bodies near each other for each thread. Smaller: to start a thread takes longer than it
+/// saves.
+constexpr std::size_t kPairsOfThread = 8;
 
 const btCollisionObject& object_of(const btBroadphaseProxy& proxy) {
   return *static_cast<const btCollisionObject*>(proxy.m_clientObject);
@@ -33,26 +29,28 @@ bool has_triangles(const btCollisionObject& object) {
   return meeting_with(*object.getCollisionShape()) == Meeting::kTriangles;
 }
 
-void prepare(const Job& job, double time_step) {
-  const auto wrap = [](const btCollisionObject& object) {
-    return btCollisionObjectWrapper(nullptr, object.getCollisionShape(), &object,
-                                    object.getWorldTransform(), -1, -1);
-  };
-  const btCollisionObjectWrapper a = wrap(*job.a);
-  const btCollisionObjectWrapper b = wrap(*job.b);
-  job.algorithm->prepare(a, b, time_step, nullptr);
-}
-
 }  // namespace
 
-struct ParallelDispatcher::Jobs {
-  std::vector<Job> near;  ///< bodies that were near each other, with the most to do
+/// A pair whose step can be prepared.
+struct ParallelDispatcher::Job {
+  ModelAlgorithm* algorithm;
+  const btCollisionObject* a;
+  const btCollisionObject* b;
+
+  void prepare(double time_step) const {
+    const auto wrap = [](const btCollisionObject& object) {
+      return btCollisionObjectWrapper(nullptr, object.getCollisionShape(), &object,
+                                      object.getWorldTransform(), -1, -1);
+    };
+    const btCollisionObjectWrapper wrap_a = wrap(*a);
+    const btCollisionObjectWrapper wrap_b = wrap(*b);
+    algorithm->prepare(wrap_a, wrap_b, time_step, nullptr);
+  }
 };
 
 ParallelDispatcher::ParallelDispatcher(btCollisionConfiguration* configuration, unsigned threads)
     : btCollisionDispatcher(configuration),
-      threads_(threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())),
-      jobs_(std::make_unique<Jobs>()) {}
+      threads_(threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {}
 
 ParallelDispatcher::~ParallelDispatcher() = default;
 
@@ -60,7 +58,7 @@ void ParallelDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs
                                                    const btDispatcherInfo& info,
                                                    btDispatcher* dispatcher) {
   parallel_seconds_ = 0.0;
-  jobs_->near.clear();
+  jobs_.clear();
   // A callback of the user's may pass some by, and so may an exception.
   struct DropAtEnd {
     const std::vector<Job>& jobs;
@@ -70,13 +68,12 @@ void ParallelDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs
     ~DropAtEnd() {
       for (const Job& job : jobs) job.algorithm->drop_prepared();
     }
-  } const drop_at_end(jobs_->near);
+  } const drop_at_end(jobs_);
   if (threads_ > 1) prepare(*pairs, info);
   btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
 }
 
 void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatcherInfo& info) {
-  std::vector<Job>& near = jobs_->near;
   const btBroadphasePairArray& all = pairs.getOverlappingPairArray();
   for (int i = 0; i < all.size(); ++i) {
     const btBroadphasePair& pair = all[i];
@@ -88,19 +85,19 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
     if (!algorithm->is_near() || has_triangles(a) || has_triangles(b) || !needsCollision(&a, &b)) {
       continue;
     }
-    near.push_back({algorithm, &a, &b});
+    jobs_.push_back({algorithm, &a, &b});
   }
   const auto threads =
-      static_cast<unsigned>(std::min<std::size_t>(threads_, near.size() / kPairsOfThread));
+      static_cast<unsigned>(std::min<std::size_t>(threads_, jobs_.size() / kPairsOfThread));
   if (threads < 2) {
-    near.clear();
+    jobs_.clear();
     return;
   }
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto time_step = static_cast<double>(info.m_timeStep);
-  parallel_for(near.size(), threads, "contacts", {},
-               [&](std::size_t i) { voxshell::bullet::prepare(near[i], time_step); });
+  parallel_for(jobs_.size(), threads, "contacts", {},
+               [&](std::size_t i) { jobs_[i].prepare(time_step); });
   parallel_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
 }
 

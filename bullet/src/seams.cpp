@@ -262,7 +262,6 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
-  if (beside.distance(arrival.place) > 2.0 * reach + length(arrival.fall)) return std::nullopt;
   const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
   if (beside.distance(place) > reach) return std::nullopt;
   const Union both(other, beside);
@@ -406,7 +405,9 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject
     for (Neighbor& beside : neighbors) {
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
-      if (!beside.may_be_near(arrival.place, reach)) continue;
+      if (!beside.may_be_near(arrival.place, reach) || beside.distance(arrival.place) > reach) {
+        continue;
+      }
       const auto seam = find_seam(touch, arrival, least, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _FLOAT64 = np.dtype(np.float64)
 _ARRAY = np.ndarray
 _POSE_SHAPE = (4, 4)
+_MOST_THREADS = 1024
 FARTHEST = 1e15
 """Metres beyond which a length is refused: its square still fits single precision."""
 
@@ -76,6 +77,11 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
     if not lowest <= number <= highest:
         raise SettingsError(f"{name} must be from {lowest} to {highest}, not {number}")
     return number
+
+
+def as_threads(value: Any) -> int:
+    """A number of threads for the core, for which None, one a core, is 0."""
+    return 0 if value is None else as_integer(value, "threads", 1, _MOST_THREADS)
 
 
 def as_floats(

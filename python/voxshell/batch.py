@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_floats, as_integer, describe
+from voxshell._arguments import as_floats, as_threads, describe
 from voxshell._pairs import (
     Collidable,
     Shell,
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import ArrayLike, NDArray
-
-_MOST_THREADS = 1024
 
 
 class ContactBatch:
@@ -182,7 +180,7 @@ def contacts_batch(
             as_margin(margin),
             as_level(level),
             as_max_points(max_points),
-            _as_threads(threads),
+            as_threads(threads),
             progress,
         )
     )
@@ -235,7 +233,7 @@ def collide_batch(
         *_as_pose_pairs(a_poses, b_poses),
         shells,
         as_margin(margin),
-        _as_threads(threads),
+        as_threads(threads),
         progress,
     )
 
@@ -270,7 +268,3 @@ def _as_poses(value: Any, name: str) -> tuple[NDArray[np.float64] | None, bool]:
         )
     poses = array[None] if array.ndim == 2 else array
     return np.ascontiguousarray(poses, dtype=np.float64), array.ndim == 2
-
-
-def _as_threads(threads: Any) -> int:
-    return 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS)

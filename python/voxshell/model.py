@@ -14,6 +14,7 @@ from voxshell._arguments import (
     as_path,
     as_positive,
     as_real,
+    as_threads,
 )
 from voxshell._core import Model as CoreModel
 from voxshell.accuracy import AccuracyWarning, read_accuracy
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from voxshell.meshes import MeshLike
 
 _LARGEST_INT = 2**31 - 1
-_MOST_THREADS = 1024
 _LARGE_FIELD = 64.0  # megabytes, from which on models by tolerance warn
 _FAR_OFF = 4.0  # tolerances that the worst place may be off: what is proved of closed meshes is 1.4
 
@@ -202,7 +202,7 @@ class Model:
             "open": _as_open(open),
             "sheet_thickness": _as_sheet_thickness(sheet_thickness, open),
         }
-        count = 0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS)
+        count = as_threads(threads)
         factor = as_positive(scale, "scale")
         with naming_file(mesh):
             vertices, faces = read_mesh(mesh)

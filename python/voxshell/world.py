@@ -19,6 +19,7 @@ from voxshell._arguments import (
     as_points,
     as_positive,
     as_real,
+    as_threads,
     as_vector,
 )
 from voxshell.accuracy import AccuracyWarning
@@ -65,7 +66,6 @@ _SOLVERS = {
 }
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
-_MOST_THREADS = 1024
 
 
 class World:
@@ -208,7 +208,7 @@ class World:
             ccd_motion_threshold=-1.0
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
-            threads=0 if threads is None else as_integer(threads, "threads", 1, _MOST_THREADS),
+            threads=as_threads(threads),
         )
 
     def _fixed_iterations(self) -> int:
@@ -722,7 +722,8 @@ class World:
 
         ``step`` is all of Bullet's step; ``narrow_phase`` all pairs' collision algorithms, whatever
         the shapes; ``query``, ``reduction`` and ``manifold`` the models' part of that: finding
-        contacts, choosing points, handing them to Bullet.
+        contacts, choosing points, handing them to Bullet. Where several threads find contacts,
+        ``query`` is the time until all of them are done, and includes the choice of those that touch.
         """
         return as_timings(self._simulation.timings())
 

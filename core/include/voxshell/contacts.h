@@ -28,8 +28,9 @@ struct ContactOptions {
   std::size_t max_points = SIZE_MAX;
 };
 
-/// Lists that scratches of many pairs may share: a thread's. Those of a shell of 10,000 points are
-/// 0.7 MB.
+/// The lists that a query fills, 0.7 MB for a shell of 10,000 points. A program that keeps a
+/// scratch for each of many pairs may keep one of these for each thread; see
+/// QueryScratch::borrow().
 class QueryLists {
  public:
   QueryLists();
@@ -56,9 +57,10 @@ class QueryScratch {
   /// What the last query for contacts found.
   std::span<const Contact> contacts() const;
 
-  /// Asks with these lists, which outlive the next queries, until the next call: all that it keeps
-  /// itself then is what makes a query near the last pose fast. What is found is there until the
-  /// lists are used again. One thread at a time may use them.
+  /// Fills these lists in the queries from now on, instead of its own. The scratch then keeps only
+  /// what makes the next query near this pose fast. The lists must outlive these queries, one
+  /// thread may use them at a time, and the contacts found lie in them until the next query that
+  /// uses them.
   void borrow(QueryLists& lists);
 
   struct State;

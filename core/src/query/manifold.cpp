@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <span>
 #include <utility>
 
 #include "query/edge_search.h"
@@ -121,6 +122,13 @@ void append(simd::PointList& points, const simd::FoundPoint& found) {
   ++points.count;
 }
 
+/// Those of the best that there are.
+void append_found(std::span<const simd::FoundPoint> best, simd::PointList& points) {
+  for (const simd::FoundPoint& found : best) {
+    if (found.id != simd::kNone) append(points, found);
+  }
+}
+
 simd::FoundPoint choose_deepest(const simd::PointList& points) {
   if (points.count == 0) return {simd::kNone, 0.0f, {}};
   std::uint32_t deepest = 0;
@@ -170,9 +178,7 @@ simd::PointList find_deepest_on_edges(const simd::PosedView<V>& posed, const sim
   simd::query_kernels<V>(simd::active_isa())
       .find_deepest_edges(posed, edges, pieces, ends, groups, margin, best);
   simd::PointList found = state.empty_points();
-  for (std::uint32_t i = 0; i < groups; ++i) {
-    if (best[i].id != simd::kNone) append(found, best[i]);
-  }
+  append_found({best, groups}, found);
   return found;
 }
 
@@ -323,9 +329,7 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
       simd::FoundPoint* best = state.reserve_found(segments);
       std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
       kernels.find_deepest(posed, tree, seeds, depth, margin, best);
-      for (std::size_t i = 0; i < segments; ++i) {
-        if (best[i].id != simd::kNone) append(points, best[i]);
-      }
+      append_found({best, segments}, points);
     }
     kernels.complete(posed, tree, points, state.contact_data());
     state.lists().contact_count = points.count;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <memory>
+#include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
@@ -24,12 +24,12 @@ class ParallelDispatcher : public btCollisionDispatcher {
   double parallel_seconds() const { return parallel_seconds_; }
 
  private:
-  struct Jobs;
+  struct Job;
   void prepare(btOverlappingPairCache& pairs, const btDispatcherInfo& info);
 
   unsigned threads_;
   double parallel_seconds_ = 0.0;
-  std::unique_ptr<Jobs> jobs_;
+  std::vector<Job> jobs_;  ///< of the last dispatch
 };
 
 }  // namespace voxshell::bullet
