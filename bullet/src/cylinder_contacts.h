@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "flat_elements.h"
+#include "posed_pair.h"
+#include "shape_features.h"
+#include "smooth_field.h"
+
+namespace voxshell::bullet {
+
+/// Contacts of the round side of a cylinder or capsule of Bullet's, its rims included, with a model
+/// that has curved parts: where the two surfaces face each other, in place of the model's samples.
+/// Decision 36.
+class CylinderContacts {
+ public:
+  /// Replaces contacts of samples, and of the rims of cylinders, by those of the places that they
+  /// lead to. These have ids as features have, which they keep from step to step. Nothing changes
+  /// for other shapes and other models.
+  ///
+  /// @param features  Of find_features(); those of the new contacts are appended.
+  /// @param reach     Contacts are deeper than minus that, metres.
+  /// @param contacts  Ascending by id.
+  /// @param exact     Ids, ascending, of those that are no samples.
+  void slide(std::vector<Feature>& features, const PosedPair& pair, double reach,
+             const TouchScale& scale, std::vector<Contact>& contacts,
+             std::vector<std::uint32_t>& exact);
+
+ private:
+  /// Where the model faces the side, of those places that are as far along the axis.
+  struct Section {
+    double along;   ///< the axis, from its middle, metres
+    Vec3 out;       ///< from the axis to the side, unit length
+    Vec3 position;  ///< on the side
+    Vec3 outwards;  ///< the model's normal, unit length
+    double distance;
+  };
+  /// A place that the model is nearest to of those around.
+  struct Touch {
+    Section at;
+    std::uint32_t number;  ///< of its id
+  };
+  /// Sections on the way to a touch.
+  struct Step {
+    Section from;
+    Section to;
+  };
+
+  bool set_shape(const PosedPair& pair);
+  std::optional<Section> face(double along, const Vec3& out);
+  std::optional<Section> go_down(const Section& start);
+  std::optional<Section> find_level(Section above, Section beyond);
+  double slope_of(const Section& section) const { return dot(section.outwards, axis_); }
+  bool is_known(const Section& section) const;
+  bool adds_nothing(const Section& section) const;
+  bool lead(double along, const Vec3& out);
+  void number_touches(std::size_t first);
+
+  SmoothField field_;
+  Vec3 middle_;                   ///< metres, the model's frame as all of these
+  Vec3 axis_;                     ///< unit length
+  double half_length_ = 0.0;      ///< metres
+  double radius_ = 0.0;           ///< metres
+  bool has_rims_ = false;         ///< not the balls of a capsule
+  double reach_ = 0.0;            ///< metres
+  double spacing_ = 0.0;          ///< of the model's samples, metres
+  double tolerance_ = 0.0;        ///< of depths, metres
+  double same_within_ = 0.0;      ///< metres
+  double followed_within_ = 0.0;  ///< metres
+  const Model* model_ = nullptr;
+  std::vector<Touch> touches_;
+  std::vector<Touch> before_;  ///< those of the step before
+  std::vector<Step> way_;      ///< that led to the last touch
+  std::vector<Step> ways_;     ///< that led to touches_
+};
+
+}  // namespace voxshell::bullet
