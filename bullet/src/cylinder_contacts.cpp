@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <variant>
 
 #include "contact_constants.h"
+#include "contact_list.h"
 #include "face_field.h"
 #include "second_shell.h"
 
@@ -15,7 +17,7 @@ namespace {
 
 constexpr double kHalf = 0.70710678118654752;  // the cosine of 45 degrees
 
-/// From which a section is looked over: no place of it is farther from all of them than
+/// From which the circle at an end is looked over: no place of it is farther from all of them than
 /// kBetweenStarts radii.
 constexpr std::array<std::array<double, 2>, 8> kStarts{{{1, 0},
                                                         {kHalf, kHalf},
@@ -50,9 +52,9 @@ bool CylinderContacts::set_shape(const PosedPair& pair) {
   if (!field_.is_smooth()) return false;
   if (model_ != model) before_.clear();
   model_ = model;
-  const Pose model_from_shape = pair.field_from_shell().inverse();
-  middle_ = model_from_shape.translation;
-  axis_ = model_from_shape.rotate({0, 0, 1});
+  model_from_shape_ = pair.field_from_shell().inverse();
+  middle_ = model_from_shape_.translation;
+  axis_ = model_from_shape_.rotate({0, 0, 1});
   return true;
 }
 
@@ -60,7 +62,6 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PosedPair& pa
                              const TouchScale& scale, std::vector<Contact>& contacts,
                              std::vector<std::uint32_t>& exact) {
   touches_.clear();
-  ways_.clear();
   if (!set_shape(pair)) {
     before_.clear();
     return;
@@ -70,72 +71,106 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PosedPair& pa
   tolerance_ = kSlideLosesOfMargin * scale.margin;
   same_within_ = kSameOfRadius * scale.radius;
   followed_within_ = kFollowedOfRadius * scale.radius;
+  least_curvature_ = kFlatBend / scale.radius;
+  const auto samples = std::span(contacts).first(find_from_id(contacts, kInnerContact));
+  if (!samples.empty()) {
+    field_.start_from(model_->smooth_surface().triangle_of(find_deepest(samples).id));
+  }
+  look_over_ends();
+  std::erase_if(contacts, [&](const Contact& contact) {
+    return may_be_of_side(contact, features) && leads(contact, features, exact);
+  });
+  drop_touches_of_balls(contacts);
+  std::erase_if(touches_, [&](const Touch& touch) { return !(touch.at.distance < reach_); });
+  number_touches(features.size());
+  for (const Touch& touch : touches_) {
+    if (features.size() <= touch.number) features.resize(touch.number + 1, {Vec3{}, 0.0});
+    features[touch.number] = {touch.at.position, 0.0};
+    const std::uint32_t id = kFirstFeature + touch.number;
+    contacts.push_back(contact_of(features[touch.number], id,
+                                  static_cast<Vec3f>(touch.at.outwards), -touch.at.distance));
+    exact.push_back(id);
+  }
+  before_ = touches_;
+  std::ranges::sort(contacts, {}, &Contact::id);
+  std::ranges::sort(exact);
+}
 
-  // The ends, where a side without waves touches.
-  const Pose model_from_shape = pair.field_from_shell().inverse();
+/// Where the model faces the ends: a straight line touches at both, however it lies.
+void CylinderContacts::look_over_ends() {
+  const GridField& grid = model_->grid();
+  const float lift = model_->smooth_surface().most_lift();
+  const auto within = static_cast<float>(kBetweenStarts * radius_);
+  std::array<Vec3, kStarts.size()> outs;
+  for (std::size_t i = 0; i < outs.size(); ++i) {
+    outs[i] = model_from_shape_.rotate({kStarts[i][0], kStarts[i][1], 0.0});
+  }
+  EightFloats radii;
+  radii.fill(within);
   for (const double along : {-half_length_, half_length_}) {
-    for (const auto& [x, y] : kStarts) {
-      const Vec3 out = model_from_shape.rotate({x, y, 0.0});
-      const Vec3 place = middle_ + along * axis_ + radius_ * out;
-      if (field_.at(place).distance - kBetweenStarts * radius_ < reach) lead(along, out);
+    const Vec3 centre = middle_ + along * axis_;
+    const float bound = grid.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius_));
+    if (!(static_cast<double>(bound - lift) < reach_)) continue;
+    EightPoints places;
+    for (std::size_t i = 0; i < outs.size(); ++i) {
+      places.set(i, static_cast<Vec3f>(centre + radius_ * outs[i]));
+    }
+    const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;
+    for (std::size_t i = 0; i < outs.size(); ++i) {
+      if (!(static_cast<double>(bounds[i] - lift) < reach_)) continue;
+      const auto section = face(along, outs[i]);
+      if (section && !is_known(*section)) touches_.push_back({*section, 0});
     }
   }
+}
+
+/// Of a contact that is a sample of a curved part, or of a rim, where it is on the shape, from its
+/// middle.
+Vec3 CylinderContacts::arm_of(const Contact& contact, const std::vector<Feature>& features) const {
+  if (contact.id >= kFirstFeature) return features[contact.id - kFirstFeature].place - middle_;
+  return static_cast<Vec3>(contact.point) +
+         static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal) - middle_;
+}
+
+/// Not of a flat end of a cylinder, nor of a ball that ends a capsule.
+bool CylinderContacts::may_be_of_side(const Contact& contact,
+                                      const std::vector<Feature>& features) const {
+  if (contact.id >= kInnerContact && (contact.id < kFirstFeature || !has_rims_)) return false;
+  const double leans = dot(static_cast<Vec3>(contact.normal), axis_);
+  if (has_rims_) return leans * leans <= 1.0 - kFlatRim * kFlatRim;
+  return std::abs(dot(arm_of(contact, features), axis_)) <= half_length_;
+}
+
+/// Whether a contact is a sample of what the touches are, to which new ones are added.
+bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>& features,
+                             std::span<const std::uint32_t> exact) {
+  const Vec3 arm = arm_of(contact, features);
+  const double along = std::clamp(dot(arm, axis_), -half_length_, half_length_);
+  const double distance = -static_cast<double>(contact.depth);
   const SmoothSurface& surface = model_->smooth_surface();
-  const auto is_exact = [&](const Contact& contact) {
-    return std::ranges::binary_search(exact, contact.id);
-  };
-  const auto leads = [&](const Contact& contact) {
-    const bool is_sample = contact.id < kInnerContact;
-    if (!is_sample && (contact.id < kFirstFeature || !has_rims_)) return false;
-    Vec3 arm;
-    if (is_sample) {
-      arm = static_cast<Vec3>(contact.point) +
-            static_cast<double>(contact.depth) * static_cast<Vec3>(contact.normal) - middle_;
-    } else {
-      arm = features[contact.id - kFirstFeature].place - middle_;
-    }
-    const double along = dot(arm, axis_);
-    const Vec3 across = arm - along * axis_;
-    // On the flat side of a cylinder, or on a ball that ends a capsule.
-    const auto normal = static_cast<Vec3>(contact.normal);
-    const double leans = dot(normal, axis_);
-    if (has_rims_ ? leans * leans > 1.0 - kFlatRim * kFlatRim : std::abs(along) > half_length_) {
-      return false;
-    }
-    const Vec3 out = normalized(across);
-    if (is_sample && is_exact(contact)) {
+  auto lift = static_cast<double>(surface.most_lift());
+  if (contact.id < kInnerContact) {
+    if (std::ranges::binary_search(exact, contact.id)) {
       // Of two that are one, one stays.
       return std::ranges::any_of(touches_, [&](const Touch& touch) {
         const Vec3 apart = touch.at.position - middle_ - arm;
         return squared_length(apart) <= same_within_ * same_within_;
       });
     }
-    if (is_sample && surface.is_flat(surface.triangle_of(contact.id))) return false;
-    return lead(std::clamp(along, -half_length_, half_length_), out);
-  };
-  std::erase_if(contacts, leads);
-  // Those of a capsule's ends are of its balls.
-  if (!has_rims_) {
-    std::erase_if(touches_, [&](const Touch& touch) {
-      return std::abs(touch.at.along) >= half_length_;
-    });
+    const std::uint32_t triangle = surface.triangle_of(contact.id);
+    if (surface.is_flat(triangle)) return false;
+    lift = static_cast<double>(surface.lift(triangle));
+    if (is_behind(static_cast<Vec3>(contact.point), -static_cast<Vec3>(contact.normal), along)) {
+      return true;
+    }
   }
-  std::erase_if(touches_, [&](const Touch& touch) { return !(touch.at.distance < reach_); });
-  number_touches(features.size());
-  const std::size_t first = features.size();
-  for (const Touch& touch : touches_) {
-    const std::size_t index = touch.number;
-    if (features.size() <= index) features.resize(index + 1, {Vec3{}, 0.0});
-    features[index] = {touch.at.position, 0.0};
-    const std::uint32_t id = kFirstFeature + touch.number;
-    contacts.push_back(contact_of(features[index], id, static_cast<Vec3f>(touch.at.outwards),
-                                  -touch.at.distance));
-    exact.push_back(id);
-  }
-  static_cast<void>(first);
-  before_ = touches_;
-  std::ranges::sort(contacts, {}, &Contact::id);
-  std::ranges::sort(exact);
+  const auto start = face(along, normalized(arm - dot(arm, axis_) * axis_));
+  // Another wall.
+  if (!start || start->distance > distance + lift + tolerance_) return false;
+  if (adds_nothing(*start)) return true;
+  const Section end = go_down(*start);
+  if (!adds_nothing(end)) touches_.push_back({end, 0});
+  return true;
 }
 
 /// From a place of the side on. None where the model faces it only along the axis, or from behind.
@@ -160,27 +195,26 @@ std::optional<CylinderContacts::Section> CylinderContacts::face(double along, co
                  facing->distance};
 }
 
-/// Along the side, to where the model is nearest. None where the way ends before that.
-std::optional<CylinderContacts::Section> CylinderContacts::go_down(const Section& start) {
-  way_.clear();
+/// Along the side, to where the model is nearest, or its surface ends.
+CylinderContacts::Section CylinderContacts::go_down(const Section& start) {
   Section at = start;
   double step = spacing_;
   const double downwards = slope_of(start) > 0.0 ? -1.0 : 1.0;
   while (std::abs(slope_of(at)) > kStraightLean && downwards * at.along < half_length_) {
     const double along = std::clamp(at.along + downwards * step, -half_length_, half_length_);
     const auto next = face(along, at.out);
-    if (!next) return std::nullopt;
-    if (downwards * slope_of(*next) > kStraightLean) {
+    const bool goes_on = next && next->distance <= at.distance + tolerance_;
+    if (next && downwards * slope_of(*next) > kStraightLean) {
       const auto level = find_level(at, *next);
-      if (!level) return std::nullopt;
-      way_.push_back({at, *level});
-      return level;
+      if (level) return *level;
     }
-    // A step, on which the next surface is another.
-    if (next->distance > at.distance + tolerance_) return std::nullopt;
-    way_.push_back({at, *next});
-    at = *next;
-    step *= 2.0;
+    if (goes_on && downwards * slope_of(*next) <= kStraightLean) {
+      at = *next;
+      step *= 2.0;
+      continue;
+    }
+    step *= 0.25;
+    if (step < same_within_) break;
   }
   return at;
 }
@@ -206,27 +240,35 @@ std::optional<CylinderContacts::Section> CylinderContacts::find_level(Section ab
   return std::nullopt;
 }
 
-/// Whether a way to a known touch has led through a section.
 bool CylinderContacts::is_known(const Section& section) const {
-  const auto is_near = [&](const Vec3& position, double within) {
-    return squared_length(position - section.position) <= within * within;
-  };
-  for (const Touch& touch : touches_) {
-    if (is_near(touch.at.position, same_within_)) return true;
-  }
-  for (const Step& step : ways_) {
-    const double length = step.to.along - step.from.along;
-    if (length == 0.0) continue;
-    const double fraction = (section.along - step.from.along) / length;
-    if (!(fraction >= 0.0 && fraction <= 1.0)) continue;
-    const Vec3 there = step.from.position + fraction * (step.to.position - step.from.position);
-    if (is_near(there, followed_within_)) return true;
-  }
-  return false;
+  return std::ranges::any_of(touches_, [&](const Touch& touch) {
+    return squared_length(touch.at.position - section.position) <= same_within_ * same_within_;
+  });
 }
 
-/// Whether it lies on a straight line between two touches, with nothing that they do not say.
+/// Whether a place of the model lies behind the tangent plane of a touch, so that the side, which
+/// is round about its axis and straight along it, touches there before.
+bool CylinderContacts::is_behind(const Vec3& place, const Vec3& outwards, double along) const {
+  return std::ranges::any_of(touches_, [&](const Touch& touch) {
+    const Section& at = touch.at;
+    // The other side of a wall faces away.
+    if (!(dot(outwards, at.outwards) > 0.0) || std::abs(slope_of(at)) > kStraightLean) return false;
+    const Vec3 aside = place - (at.position - at.distance * at.outwards);
+    const double apart = along - at.along;
+    return dot(aside, at.outwards) <= tolerance_ - least_curvature_ * apart * apart &&
+           (std::abs(apart) <= same_within_ ||
+            dot(aside, at.outwards) <= -least_curvature_ * apart * apart);
+  });
+}
+
+/// Whether touches say all that a section does: it is one of them, on a straight line between two
+/// or to a lower one, or the model bends away from one to it.
 bool CylinderContacts::adds_nothing(const Section& section) const {
+  if (is_known(section)) return true;
+  if (is_behind(section.position - section.distance * section.outwards, section.outwards,
+                section.along)) {
+    return true;
+  }
   const auto is_of_line = [&](const Touch& touch) {
     return squared_length(touch.at.outwards - section.outwards) <=
            4.0 * kStraightLean * kStraightLean;
@@ -235,55 +277,52 @@ bool CylinderContacts::adds_nothing(const Section& section) const {
     if (!(left.at.along < section.along) || !is_of_line(left)) continue;
     for (const Touch& right : touches_) {
       if (!(right.at.along > section.along) || !is_of_line(right)) continue;
-      const double fraction =
-          (section.along - left.at.along) / (right.at.along - left.at.along);
-      const double between =
-          left.at.distance + fraction * (right.at.distance - left.at.distance);
+      const double fraction = (section.along - left.at.along) / (right.at.along - left.at.along);
+      const double between = left.at.distance + fraction * (right.at.distance - left.at.distance);
       if (section.distance >= between - tolerance_) return true;
     }
   }
   return false;
 }
 
-/// Adds the touch that a place of the side leads to. Whether it leads to one.
-bool CylinderContacts::lead(double along, const Vec3& out) {
-  const auto start = face(along, out);
-  if (!start) return false;
-  if (is_known(*start)) return true;
-  const auto end = go_down(*start);
-  if (!end) return false;
-  if (!is_known(*end) && !adds_nothing(*end)) touches_.push_back({*end, 0});
-  ways_.insert(ways_.end(), way_.begin(), way_.end());
-  return true;
+/// Those where a capsule's side ends are of its balls, if these touch there or beyond.
+void CylinderContacts::drop_touches_of_balls(std::span<const Contact> contacts) {
+  if (has_rims_) return;
+  const auto of_balls = contacts.subspan(find_from_id(contacts, kFirstFeature));
+  std::erase_if(touches_, [&](const Touch& touch) {
+    const Section& at = touch.at;
+    if (std::abs(at.along) < half_length_) return false;
+    if (slope_of(at) * at.along < 0.0) return true;
+    const Vec3 place = at.position - at.distance * at.outwards;
+    return std::ranges::any_of(of_balls, [&](const Contact& contact) {
+      const Vec3 apart = static_cast<Vec3>(contact.point) - place;
+      return squared_length(apart) <= same_within_ * same_within_;
+    });
+  });
 }
 
 /// Those near one of the step before have its number, others the next that is free.
 void CylinderContacts::number_touches(std::size_t first) {
-  std::vector<std::uint32_t> taken;
-  std::vector<bool> is_numbered(touches_.size());
+  taken_.clear();
+  for (Touch& touch : touches_) touch.number = 0;
   for (const Touch& then : before_) {
-    std::size_t nearest = touches_.size();
+    Touch* nearest = nullptr;
     double least = followed_within_ * followed_within_;
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-      const double apart = squared_length(touches_[i].at.position - then.at.position);
-      if (!is_numbered[i] && apart <= least) {
-        least = apart;
-        nearest = i;
-      }
+    for (Touch& touch : touches_) {
+      const double apart = squared_length(touch.at.position - then.at.position);
+      if (touch.number != 0 || apart > least) continue;
+      least = apart;
+      nearest = &touch;
     }
-    if (nearest == touches_.size()) continue;
-    touches_[nearest].number = then.number;
-    is_numbered[nearest] = true;
-    taken.push_back(then.number);
+    if (nearest == nullptr) continue;
+    nearest->number = then.number;
+    taken_.push_back(then.number);
   }
   auto next = static_cast<std::uint32_t>(first);
-  const auto is_used = [&](std::uint32_t number) {
-    return std::ranges::find(taken, number) != taken.end();
-  };
-  for (std::size_t i = 0; i < touches_.size(); ++i) {
-    if (is_numbered[i]) continue;
-    while (is_used(next)) ++next;
-    touches_[i].number = next++;
+  for (Touch& touch : touches_) {
+    if (touch.number != 0) continue;
+    while (std::ranges::find(taken_, next) != taken_.end()) ++next;
+    touch.number = next++;
   }
 }
 

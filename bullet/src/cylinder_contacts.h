@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "flat_elements.h"
@@ -37,28 +39,31 @@ class CylinderContacts {
     Vec3 outwards;  ///< the model's normal, unit length
     double distance;
   };
-  /// A place that the model is nearest to of those around.
   struct Touch {
     Section at;
     std::uint32_t number;  ///< of its id
   };
-  /// Sections on the way to a touch.
-  struct Step {
-    Section from;
-    Section to;
-  };
 
   bool set_shape(const PosedPair& pair);
+  void look_over_ends();
+  Vec3 arm_of(const Contact& contact, const std::vector<Feature>& features) const;
+  bool may_be_of_side(const Contact& contact, const std::vector<Feature>& features) const;
+  bool leads(const Contact& contact, const std::vector<Feature>& features,
+             std::span<const std::uint32_t> exact);
   std::optional<Section> face(double along, const Vec3& out);
-  std::optional<Section> go_down(const Section& start);
+  Section go_down(const Section& start);
   std::optional<Section> find_level(Section above, Section beyond);
+  /// How the distance grows along the axis.
   double slope_of(const Section& section) const { return dot(section.outwards, axis_); }
   bool is_known(const Section& section) const;
+  bool is_behind(const Vec3& place, const Vec3& outwards, double along) const;
   bool adds_nothing(const Section& section) const;
-  bool lead(double along, const Vec3& out);
+  void drop_touches_of_balls(std::span<const Contact> contacts);
   void number_touches(std::size_t first);
 
+  const Model* model_ = nullptr;
   SmoothField field_;
+  Pose model_from_shape_;
   Vec3 middle_;                   ///< metres, the model's frame as all of these
   Vec3 axis_;                     ///< unit length
   double half_length_ = 0.0;      ///< metres
@@ -69,11 +74,10 @@ class CylinderContacts {
   double tolerance_ = 0.0;        ///< of depths, metres
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
-  const Model* model_ = nullptr;
+  double least_curvature_ = 0.0;  ///< 1/metres
   std::vector<Touch> touches_;
-  std::vector<Touch> before_;  ///< those of the step before
-  std::vector<Step> way_;      ///< that led to the last touch
-  std::vector<Step> ways_;     ///< that led to touches_
+  std::vector<Touch> before_;         ///< those of the step before
+  std::vector<std::uint32_t> taken_;  ///< numbers
 };
 
 }  // namespace voxshell::bullet
