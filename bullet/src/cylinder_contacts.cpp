@@ -28,6 +28,12 @@ constexpr std::array<std::array<double, 2>, 8> kStarts{{{1, 0},
                                                         {0, -1},
                                                         {kHalf, -kHalf}}};
 constexpr double kBetweenStarts = 0.4;
+constexpr int kApproachSteps = 2;
+
+/// Whether two directions from the axis lead to one touch.
+bool are_near(const Vec3& a, const Vec3& b) {
+  return squared_length(a - b) <= kFollowedOfRadius * kFollowedOfRadius;
+}
 
 }  // namespace
 
@@ -118,7 +124,9 @@ void CylinderContacts::look_over_ends() {
     const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;
     for (std::size_t i = 0; i < outs.size(); ++i) {
       if (!(static_cast<double>(bounds[i] - lift) < reach_)) continue;
-      const auto section = face(along, outs[i]);
+      const Vec3 direction = approach(along, outs[i]);
+      if (is_faced(along, direction)) continue;
+      const auto section = face(along, direction);
       if (section && !is_known(*section)) touches_.push_back({*section, 0});
     }
   }
@@ -164,13 +172,40 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
       return true;
     }
   }
-  const auto start = face(along, normalized(arm - dot(arm, axis_) * axis_));
+  const Vec3 direction = approach(along, normalized(arm - dot(arm, axis_) * axis_));
+  if (is_faced(along, direction) || is_over_line(along, direction, distance)) return true;
+  const auto start = face(along, direction);
   // Another wall.
   if (!start || start->distance > distance + lift + tolerance_) return false;
   if (adds_nothing(*start)) return true;
   const Section end = go_down(*start);
   if (!adds_nothing(end)) touches_.push_back({end, 0});
   return true;
+}
+
+/// The direction that a few normals of the grid lead to. They are of facets, but cost little.
+Vec3 CylinderContacts::approach(double along, const Vec3& out) const {
+  const Vec3 centre = middle_ + along * axis_;
+  Vec3 direction = out;
+  for (int i = 0; i < kApproachSteps; ++i) {
+    const auto place = static_cast<Vec3f>(centre + radius_ * direction);
+    const auto outwards = static_cast<Vec3>(model_->grid().gradient(place));
+    const Vec3 across = dot(outwards, axis_) * axis_ - outwards;
+    if (squared_length(across) < kFlatRim * kFlatRim) return out;
+    direction = normalized(across);
+  }
+  // What is known there is a better guess.
+  for (const Touch& touch : touches_) {
+    if (are_near(touch.at.out, direction)) return touch.at.out;
+  }
+  return direction;
+}
+
+/// Whether a section is known to be faced there.
+bool CylinderContacts::is_faced(double along, const Vec3& out) const {
+  return std::ranges::any_of(touches_, [&](const Touch& touch) {
+    return std::abs(touch.at.along - along) <= same_within_ && are_near(touch.at.out, out);
+  });
 }
 
 /// From a place of the side on. None where the model faces it only along the axis, or from behind.
@@ -240,6 +275,11 @@ std::optional<CylinderContacts::Section> CylinderContacts::find_level(Section ab
   return std::nullopt;
 }
 
+/// Whether the model faces the side in one direction at both.
+bool CylinderContacts::are_of_line(const Section& a, const Section& b) {
+  return squared_length(a.outwards - b.outwards) <= 4.0 * kStraightLean * kStraightLean;
+}
+
 bool CylinderContacts::is_known(const Section& section) const {
   return std::ranges::any_of(touches_, [&](const Touch& touch) {
     return squared_length(touch.at.position - section.position) <= same_within_ * same_within_;
@@ -255,31 +295,33 @@ bool CylinderContacts::is_behind(const Vec3& place, const Vec3& outwards, double
     if (!(dot(outwards, at.outwards) > 0.0) || std::abs(slope_of(at)) > kStraightLean) return false;
     const Vec3 aside = place - (at.position - at.distance * at.outwards);
     const double apart = along - at.along;
-    return dot(aside, at.outwards) <= tolerance_ - least_curvature_ * apart * apart &&
-           (std::abs(apart) <= same_within_ ||
-            dot(aside, at.outwards) <= -least_curvature_ * apart * apart);
+    const bool is_beside = std::abs(apart) <= same_within_;
+    const double most = is_beside ? tolerance_ : -least_curvature_ * apart * apart;
+    return dot(aside, at.outwards) <= most;
   });
 }
 
-/// Whether touches say all that a section does: it is one of them, on a straight line between two
-/// or to a lower one, or the model bends away from one to it.
+/// Whether touches say all that a section does: it is one of them, on a straight line between two,
+/// or the model bends away from one to it.
 bool CylinderContacts::adds_nothing(const Section& section) const {
   if (is_known(section)) return true;
   if (is_behind(section.position - section.distance * section.outwards, section.outwards,
                 section.along)) {
     return true;
   }
-  const auto is_of_line = [&](const Touch& touch) {
-    return squared_length(touch.at.outwards - section.outwards) <=
-           4.0 * kStraightLean * kStraightLean;
-  };
+  return is_over_line(section.along, section.out, section.distance);
+}
+
+/// Whether a place of the side lies between two touches that the model faces in one direction, and
+/// no nearer to it than their straight line is.
+bool CylinderContacts::is_over_line(double along, const Vec3& out, double distance) const {
   for (const Touch& left : touches_) {
-    if (!(left.at.along < section.along) || !is_of_line(left)) continue;
+    if (!(left.at.along < along) || !are_near(left.at.out, out)) continue;
     for (const Touch& right : touches_) {
-      if (!(right.at.along > section.along) || !is_of_line(right)) continue;
-      const double fraction = (section.along - left.at.along) / (right.at.along - left.at.along);
+      if (!(right.at.along > along) || !are_of_line(left.at, right.at)) continue;
+      const double fraction = (along - left.at.along) / (right.at.along - left.at.along);
       const double between = left.at.distance + fraction * (right.at.distance - left.at.distance);
-      if (section.distance >= between - tolerance_) return true;
+      if (distance >= between - tolerance_) return true;
     }
   }
   return false;

@@ -50,13 +50,17 @@ class CylinderContacts {
   bool may_be_of_side(const Contact& contact, const std::vector<Feature>& features) const;
   bool leads(const Contact& contact, const std::vector<Feature>& features,
              std::span<const std::uint32_t> exact);
+  Vec3 approach(double along, const Vec3& out) const;
+  bool is_faced(double along, const Vec3& out) const;
   std::optional<Section> face(double along, const Vec3& out);
   Section go_down(const Section& start);
   std::optional<Section> find_level(Section above, Section beyond);
   /// How the distance grows along the axis.
   double slope_of(const Section& section) const { return dot(section.outwards, axis_); }
+  static bool are_of_line(const Section& a, const Section& b);
   bool is_known(const Section& section) const;
   bool is_behind(const Vec3& place, const Vec3& outwards, double along) const;
+  bool is_over_line(double along, const Vec3& out, double distance) const;
   bool adds_nothing(const Section& section) const;
   void drop_touches_of_balls(std::span<const Contact> contacts);
   void number_touches(std::size_t first);
