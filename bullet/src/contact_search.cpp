@@ -265,7 +265,7 @@ void ContactSearch::append_features(const Question& question, const PosedPair& p
     std::ranges::sort(exact_);
   }
   if (question.slides) {
-    cylinder_.slide(features_, pair, question.reach, question.touch, contacts_, exact_);
+    cylinder_.slide(features_, *question.step, question.reach, question.touch, contacts_, exact_);
   }
 }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <variant>
 
 #include "contact_constants.h"
 #include "contact_list.h"
+#include "contact_rule.h"
 #include "face_field.h"
 #include "second_shell.h"
 
@@ -64,9 +64,11 @@ bool CylinderContacts::set_shape(const PosedPair& pair) {
   return true;
 }
 
-void CylinderContacts::slide(std::vector<Feature>& features, const PosedPair& pair, double reach,
+void CylinderContacts::slide(std::vector<Feature>& features, const PairStep& step, double reach,
                              const TouchScale& scale, std::vector<Contact>& contacts,
                              std::vector<std::uint32_t>& exact) {
+  const PosedPair& pair = *step.pair;
+  step_ = &step;
   touches_.clear();
   if (!set_shape(pair)) {
     before_.clear();
@@ -127,7 +129,7 @@ void CylinderContacts::look_over_ends() {
       const Vec3 direction = approach(along, outs[i]);
       if (is_faced(along, direction)) continue;
       const auto section = face(along, direction);
-      if (section && !is_known(*section)) touches_.push_back({*section, 0});
+      if (section && !is_known(*section)) add(*section);
     }
   }
 }
@@ -158,15 +160,15 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
   const SmoothSurface& surface = model_->smooth_surface();
   auto lift = static_cast<double>(surface.most_lift());
   if (contact.id < kInnerContact) {
-    if (std::ranges::binary_search(exact, contact.id)) {
-      // Of two that are one, one stays.
-      return std::ranges::any_of(touches_, [&](const Touch& touch) {
-        const Vec3 apart = touch.at.position - middle_ - arm;
-        return squared_length(apart) <= same_within_ * same_within_;
-      });
-    }
     const std::uint32_t triangle = surface.triangle_of(contact.id);
-    if (surface.is_flat(triangle)) return false;
+    if (surface.is_flat(triangle)) {
+      // Of two that are one, one stays.
+      return std::ranges::binary_search(exact, contact.id) &&
+             std::ranges::any_of(touches_, [&](const Touch& touch) {
+               const Vec3 apart = touch.at.position - middle_ - arm;
+               return touch.holds && squared_length(apart) <= same_within_ * same_within_;
+             });
+    }
     lift = static_cast<double>(surface.lift(triangle));
     if (is_behind(static_cast<Vec3>(contact.point), -static_cast<Vec3>(contact.normal), along)) {
       return true;
@@ -179,8 +181,15 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
   if (!start || start->distance > distance + lift + tolerance_) return false;
   if (adds_nothing(*start)) return true;
   const Section end = go_down(*start);
-  if (!adds_nothing(end)) touches_.push_back({end, 0});
-  return true;
+  if (adds_nothing(end)) return true;
+  add(end);
+  return touches_.back().holds;
+}
+
+void CylinderContacts::add(const Section& section) {
+  const Contact contact = contact_of({section.position, 0.0}, kFirstFeature,
+                                     static_cast<Vec3f>(section.outwards), -section.distance);
+  touches_.push_back({section, 0, may_reach(*step_, contact, 0.0)});
 }
 
 /// The direction that a few normals of the grid lead to. They are of facets, but cost little.
@@ -204,27 +213,31 @@ Vec3 CylinderContacts::approach(double along, const Vec3& out) const {
 /// Whether a section is known to be faced there.
 bool CylinderContacts::is_faced(double along, const Vec3& out) const {
   return std::ranges::any_of(touches_, [&](const Touch& touch) {
-    return std::abs(touch.at.along - along) <= same_within_ && are_near(touch.at.out, out);
+    return touch.holds && std::abs(touch.at.along - along) <= same_within_ &&
+           are_near(touch.at.out, out);
   });
 }
 
-/// From a place of the side on. None where the model faces it only along the axis, or from behind.
+/// From a place of the side on. None where the model faces it only along the axis, from behind, or
+/// all around, as a hole does its peg.
 std::optional<CylinderContacts::Section> CylinderContacts::face(double along, const Vec3& out) {
   const Vec3 centre = middle_ + along * axis_;
   Vec3 outwards;
-  const auto facing = face_field(
-      out, {}, std::numeric_limits<double>::infinity(), kSmoothSlideWithin,
-      [&](const Vec3& direction) {
-        const Vec3 across = direction - dot(direction, axis_) * axis_;
-        return std::optional(centre + radius_ * normalized(across));
-      },
-      [&](const Vec3& position) {
-        const SmoothField::Value there = field_.at(position);
-        outwards = there.outwards;
-        const Vec3 across = outwards - dot(outwards, axis_) * axis_;
-        const bool is_flat = squared_length(across) < kFlatRim * kFlatRim;
-        return Facing{position, is_flat ? Vec3{} : normalized(across), there.distance};
-      });
+  const auto place_at = [&](const Vec3& direction) {
+    const Vec3 across = direction - dot(direction, axis_) * axis_;
+    return std::optional(centre + radius_ * normalized(across));
+  };
+  const auto feel = [&](const Vec3& position) {
+    const SmoothField::Value there = field_.at(position);
+    outwards = there.outwards;
+    const Vec3 across = outwards - dot(outwards, axis_) * axis_;
+    const bool is_flat = squared_length(across) < kFlatRim * kFlatRim;
+    return Facing{position, is_flat ? Vec3{} : normalized(across), there.distance};
+  };
+  const Vec3 direction = -feel(*place_at(out)).outwards;
+  if (direction == Vec3{}) return std::nullopt;
+  const auto facing = face_field(direction, direction - out, kFollowsOfSmoothTurn,
+                                 kSmoothSlideWithin, place_at, feel);
   if (!facing || facing->distance <= -radius_) return std::nullopt;
   return Section{along, normalized(facing->position - centre), facing->position, outwards,
                  facing->distance};
@@ -291,6 +304,7 @@ bool CylinderContacts::is_known(const Section& section) const {
 bool CylinderContacts::is_behind(const Vec3& place, const Vec3& outwards, double along) const {
   return std::ranges::any_of(touches_, [&](const Touch& touch) {
     const Section& at = touch.at;
+    if (!touch.holds) return false;
     // The other side of a wall faces away.
     if (!(dot(outwards, at.outwards) > 0.0) || std::abs(slope_of(at)) > kStraightLean) return false;
     const Vec3 aside = place - (at.position - at.distance * at.outwards);
@@ -319,6 +333,7 @@ bool CylinderContacts::is_over_line(double along, const Vec3& out, double distan
     if (!(left.at.along < along) || !are_near(left.at.out, out)) continue;
     for (const Touch& right : touches_) {
       if (!(right.at.along > along) || !are_of_line(left.at, right.at)) continue;
+      if (!left.holds && !right.holds) continue;
       const double fraction = (along - left.at.along) / (right.at.along - left.at.along);
       const double between = left.at.distance + fraction * (right.at.distance - left.at.distance);
       if (distance >= between - tolerance_) return true;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flat_elements.h"
+#include "pair_step.h"
 #include "posed_pair.h"
 #include "shape_features.h"
 #include "smooth_field.h"
@@ -26,7 +27,7 @@ class CylinderContacts {
   /// @param reach     Contacts are deeper than minus that, metres.
   /// @param contacts  Ascending by id.
   /// @param exact     Ids, ascending, of those that are no samples.
-  void slide(std::vector<Feature>& features, const PosedPair& pair, double reach,
+  void slide(std::vector<Feature>& features, const PairStep& step, double reach,
              const TouchScale& scale, std::vector<Contact>& contacts,
              std::vector<std::uint32_t>& exact);
 
@@ -42,10 +43,12 @@ class CylinderContacts {
   struct Touch {
     Section at;
     std::uint32_t number;  ///< of its id
+    bool holds;            ///< it may touch within the step: others that lead to it need not
   };
 
   bool set_shape(const PosedPair& pair);
   void look_over_ends();
+  void add(const Section& section);
   Vec3 arm_of(const Contact& contact, const std::vector<Feature>& features) const;
   bool may_be_of_side(const Contact& contact, const std::vector<Feature>& features) const;
   bool leads(const Contact& contact, const std::vector<Feature>& features,
@@ -65,6 +68,7 @@ class CylinderContacts {
   void drop_touches_of_balls(std::span<const Contact> contacts);
   void number_touches(std::size_t first);
 
+  const PairStep* step_ = nullptr;
   const Model* model_ = nullptr;
   SmoothField field_;
   Pose model_from_shape_;
