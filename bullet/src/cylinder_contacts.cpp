@@ -129,7 +129,7 @@ void CylinderContacts::look_over_ends() {
       const Vec3 direction = approach(along, outs[i]);
       if (is_faced(along, direction)) continue;
       const auto section = face(along, direction);
-      if (section && !is_known(*section)) add(*section);
+      if (section && find_known(*section) == nullptr) add(*section);
     }
   }
 }
@@ -179,17 +179,18 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
   const auto start = face(along, direction);
   // Another wall.
   if (!start || start->distance > distance + lift + tolerance_) return false;
-  if (adds_nothing(*start)) return true;
+  if (is_covered(*start)) return true;
   const Section end = go_down(*start);
-  if (adds_nothing(end)) return true;
-  add(end);
-  return touches_.back().holds;
+  if (is_covered(end)) return true;
+  const Touch* touch = find_known(end);
+  if (touch == nullptr) touch = &add(end);
+  return touch->holds;
 }
 
-void CylinderContacts::add(const Section& section) {
+CylinderContacts::Touch& CylinderContacts::add(const Section& section) {
   const Contact contact = contact_of({section.position, 0.0}, kFirstFeature,
                                      static_cast<Vec3f>(section.outwards), -section.distance);
-  touches_.push_back({section, 0, may_reach(*step_, contact, 0.0)});
+  return touches_.emplace_back(Touch{section, 0, may_reach(*step_, contact, 0.0)});
 }
 
 /// The direction that a few normals of the grid lead to. They are of facets, but cost little.
@@ -293,10 +294,11 @@ bool CylinderContacts::are_of_line(const Section& a, const Section& b) {
   return squared_length(a.outwards - b.outwards) <= 4.0 * kStraightLean * kStraightLean;
 }
 
-bool CylinderContacts::is_known(const Section& section) const {
-  return std::ranges::any_of(touches_, [&](const Touch& touch) {
+const CylinderContacts::Touch* CylinderContacts::find_known(const Section& section) const {
+  const auto found = std::ranges::find_if(touches_, [&](const Touch& touch) {
     return squared_length(touch.at.position - section.position) <= same_within_ * same_within_;
   });
+  return found == touches_.end() ? nullptr : &*found;
 }
 
 /// Whether a place of the model lies behind the tangent plane of a touch, so that the side, which
@@ -315,15 +317,14 @@ bool CylinderContacts::is_behind(const Vec3& place, const Vec3& outwards, double
   });
 }
 
-/// Whether touches say all that a section does: it is one of them, on a straight line between two,
-/// or the model bends away from one to it.
-bool CylinderContacts::adds_nothing(const Section& section) const {
-  if (is_known(section)) return true;
-  if (is_behind(section.position - section.distance * section.outwards, section.outwards,
-                section.along)) {
-    return true;
-  }
-  return is_over_line(section.along, section.out, section.distance);
+/// Whether touches that hold say all that a section does: it is one of them, on a straight line
+/// between two, or the model bends away from one to it.
+bool CylinderContacts::is_covered(const Section& section) const {
+  const Touch* const known = find_known(section);
+  return (known != nullptr && known->holds) ||
+         is_behind(section.position - section.distance * section.outwards, section.outwards,
+                   section.along) ||
+         is_over_line(section.along, section.out, section.distance);
 }
 
 /// Whether a place of the side lies between two touches that the model faces in one direction, and

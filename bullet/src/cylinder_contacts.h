@@ -48,7 +48,7 @@ class CylinderContacts {
 
   bool set_shape(const PosedPair& pair);
   void look_over_ends();
-  void add(const Section& section);
+  Touch& add(const Section& section);
   Vec3 arm_of(const Contact& contact, const std::vector<Feature>& features) const;
   bool may_be_of_side(const Contact& contact, const std::vector<Feature>& features) const;
   bool leads(const Contact& contact, const std::vector<Feature>& features,
@@ -61,10 +61,10 @@ class CylinderContacts {
   /// How the distance grows along the axis.
   double slope_of(const Section& section) const { return dot(section.outwards, axis_); }
   static bool are_of_line(const Section& a, const Section& b);
-  bool is_known(const Section& section) const;
+  const Touch* find_known(const Section& section) const;
   bool is_behind(const Vec3& place, const Vec3& outwards, double along) const;
   bool is_over_line(double along, const Vec3& out, double distance) const;
-  bool adds_nothing(const Section& section) const;
+  bool is_covered(const Section& section) const;
   void drop_touches_of_balls(std::span<const Contact> contacts);
   void number_touches(std::size_t first);
 
