@@ -190,7 +190,9 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
 CylinderContacts::Touch& CylinderContacts::add(const Section& section) {
   const Contact contact = contact_of({section.position, 0.0}, kFirstFeature,
                                      static_cast<Vec3f>(section.outwards), -section.distance);
-  return touches_.emplace_back(Touch{section, 0, may_reach(*step_, contact, 0.0)});
+  // From afar, another place than the nearest may come to touch.
+  const bool holds = section.distance <= followed_within_ && may_reach(*step_, contact, 0.0);
+  return touches_.emplace_back(Touch{section, 0, holds});
 }
 
 /// The direction that a few normals of the grid lead to. They are of facets, but cost little.
