@@ -29,6 +29,8 @@ constexpr std::array<std::array<double, 2>, 8> kStarts{{{1, 0},
                                                         {kHalf, -kHalf}}};
 constexpr double kBetweenStarts = 0.4;
 constexpr int kApproachSteps = 2;
+/// Of a long side, between places that are looked over: a radius apart each, if they are not more.
+constexpr double kMostIntervals = 64.0;
 
 /// Whether two directions from the axis lead to one touch.
 bool are_near(const Vec3& a, const Vec3& b) {
@@ -84,7 +86,7 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PairStep& ste
   if (!samples.empty()) {
     field_.start_from(model_->smooth_surface().triangle_of(find_deepest(samples).id));
   }
-  look_over_ends();
+  look_over();
   std::erase_if(contacts, [&](const Contact& contact) {
     return may_be_of_side(contact, features) && leads(contact, features, exact);
   });
@@ -95,8 +97,8 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PairStep& ste
     if (features.size() <= touch.number) features.resize(touch.number + 1, {Vec3{}, 0.0});
     features[touch.number] = {touch.at.position, 0.0};
     const std::uint32_t id = kFirstFeature + touch.number;
-    contacts.push_back(contact_of(features[touch.number], id,
-                                  static_cast<Vec3f>(touch.at.outwards), -touch.at.distance));
+    contacts.push_back(contact_of(features[touch.number], id, static_cast<Vec3f>(touch.at.outwards),
+                                  -touch.at.distance));
     exact.push_back(id);
   }
   before_ = touches_;
@@ -104,32 +106,50 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PairStep& ste
   std::ranges::sort(exact);
 }
 
-/// Where the model faces the ends: a straight line touches at both, however it lies.
-void CylinderContacts::look_over_ends() {
+/// Where the model faces the side, without its samples, which may be far apart. At both ends a
+/// straight line touches, however it lies; between them, where the model is nearest.
+void CylinderContacts::look_over() {
+  look_over(-half_length_, 0.0);
+  look_over(half_length_, 0.0);
+  const double intervals = std::clamp(std::ceil(half_length_ / radius_), 1.0, kMostIntervals);
+  const double between = 2.0 * half_length_ / intervals;
+  for (int i = 1; i < static_cast<int>(intervals); ++i) {
+    look_over(i * between - half_length_, 0.5 * between);
+  }
+}
+
+/// The circle at a place of the axis; from there up to `aside` along the axis to lower ones.
+void CylinderContacts::look_over(double along, double aside) {
   const GridField& grid = model_->grid();
-  const float lift = model_->smooth_surface().most_lift();
-  const auto within = static_cast<float>(kBetweenStarts * radius_);
+  const double reach = reach_ + aside + static_cast<double>(model_->smooth_surface().most_lift());
+  const Vec3 centre = middle_ + along * axis_;
+  const auto may_touch = [&](float bound) { return static_cast<double>(bound) < reach; };
+  if (!may_touch(grid.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius_)))) return;
   std::array<Vec3, kStarts.size()> outs;
+  EightPoints places;
+  EightFloats radii;
+  radii.fill(static_cast<float>(kBetweenStarts * radius_));
   for (std::size_t i = 0; i < outs.size(); ++i) {
     outs[i] = model_from_shape_.rotate({kStarts[i][0], kStarts[i][1], 0.0});
+    places.set(i, static_cast<Vec3f>(centre + radius_ * outs[i]));
   }
-  EightFloats radii;
-  radii.fill(within);
-  for (const double along : {-half_length_, half_length_}) {
-    const Vec3 centre = middle_ + along * axis_;
-    const float bound = grid.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius_));
-    if (!(static_cast<double>(bound - lift) < reach_)) continue;
-    EightPoints places;
-    for (std::size_t i = 0; i < outs.size(); ++i) {
-      places.set(i, static_cast<Vec3f>(centre + radius_ * outs[i]));
+  const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;
+  for (std::size_t i = 0; i < outs.size(); ++i) {
+    if (!may_touch(bounds[i])) continue;
+    const Vec3 direction = approach(along, outs[i]);
+    if (is_faced(along, direction)) continue;
+    if (aside > 0.0) {
+      const float distance = grid.distance(static_cast<Vec3f>(centre + radius_ * direction));
+      if (!may_touch(distance) || is_over_line(along, direction, static_cast<double>(distance))) {
+        continue;
+      }
     }
-    const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;
-    for (std::size_t i = 0; i < outs.size(); ++i) {
-      if (!(static_cast<double>(bounds[i] - lift) < reach_)) continue;
-      const Vec3 direction = approach(along, outs[i]);
-      if (is_faced(along, direction)) continue;
-      const auto section = face(along, direction);
-      if (section && find_known(*section) == nullptr) add(*section);
+    const auto section = face(along, direction);
+    if (!section) continue;
+    if (aside > 0.0) {
+      find_touch(*section);
+    } else if (find_known(*section) == nullptr) {
+      add(*section);
     }
   }
 }
@@ -179,8 +199,13 @@ bool CylinderContacts::leads(const Contact& contact, const std::vector<Feature>&
   const auto start = face(along, direction);
   // Another wall.
   if (!start || start->distance > distance + lift + tolerance_) return false;
-  if (is_covered(*start)) return true;
-  const Section end = go_down(*start);
+  return find_touch(*start);
+}
+
+/// Adds what a section leads to, if it is new. Whether that holds.
+bool CylinderContacts::find_touch(const Section& start) {
+  if (is_covered(start)) return true;
+  const Section end = go_down(start);
   if (is_covered(end)) return true;
   const Touch* touch = find_known(end);
   if (touch == nullptr) touch = &add(end);

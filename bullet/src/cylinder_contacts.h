@@ -47,7 +47,9 @@ class CylinderContacts {
   };
 
   bool set_shape(const PosedPair& pair);
-  void look_over_ends();
+  void look_over();
+  void look_over(double along, double aside);
+  bool find_touch(const Section& start);
   Touch& add(const Section& section);
   Vec3 arm_of(const Contact& contact, const std::vector<Feature>& features) const;
   bool may_be_of_side(const Contact& contact, const std::vector<Feature>& features) const;
