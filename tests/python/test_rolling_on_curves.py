@@ -335,3 +335,17 @@ def test_cylinders_of_bullets_slide_along_a_trough(name, rate):
     world.step(rate)
     assert body.linear_velocity[0] == pytest.approx(0.4, rel=1e-3)
     assert np.abs(body.pose[:3, 3] - (-0.1, 0.0, -0.04)).max() < 1e-5
+
+
+@pytest.mark.parametrize("rate", [200, 60])
+@pytest.mark.parametrize("seed", [1, 19, 31, 43, 61, 67])
+def test_cylinders_of_bullets_stop_at_a_thin_bar(seed, rate):
+    """The place that is nearest before the step passes beside the bar, and others hit it."""
+    world = vx.World(gravity=(0.0, 0.0, 0.0), time_step=1 / rate)
+    world.add(thin_bar(), mass=0.0, pose=pose_of((0, 0, 0), ALONG_X))
+    turned = Rotation.random(random_state=seed)
+    body = world.add(vx.Cylinder(0.02, 0.05), mass=0.1, pose=pose_of((0.0, 0.0, 0.3), turned))
+    body.linear_velocity = (0.0, 0.0, -20.0)
+    body.angular_velocity = np.random.default_rng(seed).normal(size=3) * 5.0
+    world.step(max(2, int(0.03 * rate)))
+    assert body.linear_velocity[2] > -18.0
