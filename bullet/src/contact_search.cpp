@@ -303,11 +303,14 @@ void ContactSearch::append_features(const Question& question, const PosedPair& p
     balls_.append(features_, pair, question.reach, question.slides ? question.touch : TouchScale{},
                   contacts_, exact_);
     if (question.slides) balls_.drop_covered(contacts_, pair.shell(), exact_);
-    return;
+  } else {
+    append_feature_contacts(features_, pair, question.reach, contacts_);
+    if (question.slides) first_.on_round.slide_features(contacts_, features_, exact_);
+    std::ranges::sort(exact_);
   }
-  append_feature_contacts(features_, pair, question.reach, contacts_);
-  if (question.slides) first_.on_round.slide_features(contacts_, features_, exact_);
-  std::ranges::sort(exact_);
+  if (question.slides) {
+    cylinder_.slide(features_, *question.step, question.reach, question.touch, contacts_, exact_);
+  }
 }
 
 void ContactSearch::append_inner(const PosedPair& pair, const PairStep* step,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ball_contacts.h"
+#include "cylinder_contacts.h"
 #include "facing_normals.h"
 #include "flat_elements.h"
 #include "pair_step.h"
@@ -77,6 +78,7 @@ class ContactSearch {
   TriangleContacts triangle_contacts_;
   std::vector<Feature> features_;
   BallContacts balls_;
+  CylinderContacts cylinder_;
   std::vector<Contact> contacts_;
   std::vector<Contact> second_found_;  ///< those of the second shell
   std::vector<std::uint32_t> exact_;

@@ -17,6 +17,14 @@ SmoothField::SmoothField(const Side& side) : field_(side.participant().field) {
   deepest_ = kSmoothOfLift * walk_within_;
 }
 
+void SmoothField::start_from(std::uint32_t triangle) {
+  if (!round_) return;
+  constexpr double kThird = 1.0 / 3.0;
+  const SmoothSurface::Place middle{triangle, {kThird, kThird, kThird}};
+  const SmoothSurface& surface = round_->model()->smooth_surface();
+  before_ = RoundSide::Place{surface.position(middle), surface.normal(middle), middle};
+}
+
 /// None beyond the end of a round part, whose edge is nearest.
 std::optional<SmoothField::Value> SmoothField::value_at(const Vec3& place,
                                                         const RoundSide::Place& nearest) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "round_side.h"
@@ -21,6 +22,10 @@ class SmoothField {
 
   /// Whether some of it is a smooth surface.
   bool is_smooth() const { return round_.has_value(); }
+
+  /// Of the smooth surface, a triangle near the first place that will be asked about, which makes
+  /// the search for that short.
+  void start_from(std::uint32_t triangle);
 
   struct Value {
     double distance;  ///< metres
