@@ -14,29 +14,13 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "pose_arrays.h"
 #include "voxshell/batch.h"
 
 namespace nb = nanobind;
 
 namespace voxshell::python {
 namespace {
-
-using PosesArray = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
-using OptionalPoses = std::optional<PosesArray>;
-
-/// One pose, or none, stands for every one of `count`.
-std::vector<Pose> read_poses(const OptionalPoses& array, bool is_one, std::size_t count,
-                             const char* name) {
-  if (!array) return std::vector<Pose>(count);
-  if (is_one) return std::vector<Pose>(count, read_matrix(array->data(), name));
-  std::vector<Pose> poses;
-  poses.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    poses.push_back(
-        read_matrix(array->data() + 16 * i, std::string(name) + "[" + std::to_string(i) + "]"));
-  }
-  return poses;
-}
 
 struct PosePairs {
   std::vector<Pose> world_from_a;

@@ -13,6 +13,7 @@ NB_MODULE(_core, module) {
   bind_contact_set(module);
   bind_contacts(module);
   bind_distance(module);
+  bind_sweep(module);
   bind_wrench(module);
   bind_batch(module);
 }

@@ -63,6 +63,7 @@ from voxshell.queries import (
 from voxshell.query_scratch import QueryScratch
 from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plane, Sphere
 from voxshell.shell import PointShell, PointSphereTree
+from voxshell.sweeps import Sweep, SweepBatch, interpolate_pose, sweep, sweep_batch
 
 if TYPE_CHECKING:
     from voxshell.body import Body
@@ -148,6 +149,8 @@ __all__ = [
     "SettingsError",
     "SliderJoint",
     "Sphere",
+    "Sweep",
+    "SweepBatch",
     "VoxshellError",
     "World",
     "WorldState",
@@ -160,8 +163,11 @@ __all__ = [
     "contacts_batch",
     "deepest_per_segment",
     "distance",
+    "interpolate_pose",
     "load_urdf",
     "manifold",
+    "sweep",
+    "sweep_batch",
     "testing",
     "wrench",
 ]

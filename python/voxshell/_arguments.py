@@ -126,6 +126,25 @@ def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
     return None if value is None else as_floats(value, name, _POSE_SHAPE, PoseError)
 
 
+def as_pose_array(value: Any, name: str) -> tuple[NDArray[np.float64] | None, bool]:
+    """(k, 4, 4), or None, and whether it is one pose for all."""
+    if value is None:
+        return None, True
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError) as failure:
+        # Rows of different shapes: the first that is no pose says so by its index.
+        for i, pose in enumerate(value):
+            as_floats(pose, f"{name}[{i}]", (4, 4), PoseError)
+        raise PoseError(f"{name} must be (k, 4, 4) or (4, 4) numbers: {failure}") from None
+    if array.dtype.kind not in "fiu" or array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
+        raise PoseError(
+            f"{name} must be (k, 4, 4) or (4, 4) numbers, not {describe(array.shape)} {array.dtype}"
+        )
+    poses = array[None] if array.ndim == 2 else array
+    return np.ascontiguousarray(poses, dtype=np.float64), array.ndim == 2
+
+
 def as_path(value: Any, name: str) -> bytes:
     """The name of a file as the system has it."""
     try:

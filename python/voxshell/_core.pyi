@@ -279,6 +279,17 @@ def distance(field_a: Field, model_a: Model | None, field_b: Field, model_b: Mod
     Distance, point on a, point on b, normal, whether a's shell is nearest; or None.
     """
 
+def sweep(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, a_end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, tolerance: float | None, scratch: QueryScratch | None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """As sweep_batch() of one. Without an end, a body stays."""
+
+def sweep_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_ends: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_ends: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, tolerance: float | None, threads: int, progress: object | None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Fractions, distances, points on a and b, normals, shells (0: a's, 1: b's, -1: none), poses of a and b.
+    """
+
+def interpolate(start: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, at: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    """(k, 4, 4)."""
+
 def wrench(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
     """
     Force and torque on a about its origin, world frame; of both shells, the mean.

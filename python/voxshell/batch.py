@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_floats, as_threads, describe
+from voxshell._arguments import as_pose_array, as_threads
 from voxshell._pairs import (
     Collidable,
     Shell,
@@ -18,7 +18,7 @@ from voxshell._pairs import (
     as_pair,
 )
 from voxshell.contact_set import Contacts, name_shells
-from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -242,29 +242,11 @@ def _as_pose_pairs(
     a_poses: ArrayLike | None, b_poses: ArrayLike | None
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, bool, bool]:
     """Both as (k, 4, 4), None where they are not given, and whether each is one pose for all."""
-    a, a_is_one = _as_poses(a_poses, "a_poses")
-    b, b_is_one = _as_poses(b_poses, "b_poses")
+    a, a_is_one = as_pose_array(a_poses, "a_poses")
+    b, b_is_one = as_pose_array(b_poses, "b_poses")
     if a is not None and b is not None and not (a_is_one or b_is_one) and len(a) != len(b):
         raise SettingsError(
             f"a_poses and b_poses must be equally many, or one of them a single (4, 4) pose; "
             f"they are {len(a)} and {len(b)}"
         )
     return a, b, a_is_one, b_is_one
-
-
-def _as_poses(value: Any, name: str) -> tuple[NDArray[np.float64] | None, bool]:
-    if value is None:
-        return None, True
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError) as failure:
-        # Rows of different shapes: the first that is no pose says so by its index.
-        for i, pose in enumerate(value):
-            as_floats(pose, f"{name}[{i}]", (4, 4), PoseError)
-        raise PoseError(f"{name} must be (k, 4, 4) or (4, 4) numbers: {failure}") from None
-    if array.dtype.kind not in "fiu" or array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
-        raise PoseError(
-            f"{name} must be (k, 4, 4) or (4, 4) numbers, not {describe(array.shape)} {array.dtype}"
-        )
-    poses = array[None] if array.ndim == 2 else array
-    return np.ascontiguousarray(poses, dtype=np.float64), array.ndim == 2

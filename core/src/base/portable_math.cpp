@@ -7,6 +7,33 @@
 #include <numbers>
 
 namespace voxshell {
+namespace {
+
+/// Of the sine of an angle of up to a quarter of pi, or its cosine: the series of powers, which go
+/// up by two, divided by the first.
+double sum_series(double x, int first) {
+  constexpr int kTerms = 9;
+  double series = 1.0;
+  for (int i = kTerms; i > 0; --i) {
+    const int power = first + 2 * i;
+    series = 1.0 - x * x * (1.0 / (power * (power - 1))) * series;
+  }
+  return series;
+}
+
+/// The sine of an angle and of as many right angles more.
+double sine_after_quarters(double x, int quarters) {
+  // Half of pi in two parts; the multiples of the first that can occur are exact.
+  constexpr double kHigh = 0x1.921fb5444p+0;
+  constexpr double kLow = 0x1.68c234c4c6629p-39;
+  const double turns = std::floor(x / (std::numbers::pi / 2.0) + 0.5);
+  const double rest = (x - turns * kHigh) - turns * kLow;
+  const int quarter = static_cast<int>(std::fmod(turns, 4.0)) + quarters + 4;
+  const double value = quarter % 2 == 0 ? rest * sum_series(rest, 1) : sum_series(rest, 0);
+  return quarter % 4 < 2 ? value : -value;
+}
+
+}  // namespace
 
 double portable_atan2(double y, double x) {
   // Of i / 8. What is left is an angle whose tangent is at most 1 / 16.
@@ -61,5 +88,9 @@ double portable_exp(double x) {
   for (int i = kTerms; i > 0; --i) series = 1.0 + rest / i * series;
   return std::ldexp(series, static_cast<int>(power));
 }
+
+double portable_sin(double x) { return sine_after_quarters(x, 0); }
+
+double portable_cos(double x) { return sine_after_quarters(x, 1); }
 
 }  // namespace voxshell

@@ -2,8 +2,8 @@
 
 namespace voxshell {
 
-// The same bits on every processor and with every C library, for what is stored in models: the last
-// bits of the library's own functions differ. Within 4 units in the last place, for finite
+// The same bits on every processor and with every C library, for what is stored in models and for
+// motions: the last bits of the library's own functions differ. Within 4 units in the last place, for finite
 // arguments.
 
 /// std::atan2.
@@ -14,5 +14,9 @@ double portable_log(double x);
 
 /// std::exp, where the result is a normal number.
 double portable_exp(double x);
+
+/// std::sin and std::cos, of at most 1e5 radians; within 1e-15 of zero absolutely.
+double portable_sin(double x);
+double portable_cos(double x);
 
 }  // namespace voxshell

@@ -102,6 +102,12 @@ struct QueryKernels {
   bool (*find_any_edge)(const PosedView<V>&, const EdgeView&, float margin);
   /// The deepest of them, ties to the smaller id.
   FoundPoint (*find_deepest_edge)(const PosedView<V>&, const EdgeView&, float margin);
+  /// Whether any of listed points may come below `margin` when it moves by up to `growth`. They are
+  /// those that sift() lists for that: near the surface this tells more.
+  bool (*may_come_below)(const PosedView<V>&, const PointList& sifted, float margin, float growth);
+  /// The same of pieces of edges.
+  bool (*may_edges_come_below)(const PosedView<V>&, const EdgeView&, const PointList& pieces,
+                               float margin, float growth);
 };
 
 /// The views that there are kernels for.

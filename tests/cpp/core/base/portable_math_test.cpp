@@ -46,5 +46,18 @@ TEST(PortableMath, LogarithmsAndExponentialsAreThoseOfTheLibrary) {
   EXPECT_EQ(portable_log(1.0), 0.0);
 }
 
+TEST(PortableMath, SinesAndCosinesAreThoseOfTheLibrary) {
+  Random random(33);
+  for (int i = 0; i < 100'000; ++i) {
+    const double x = random.uniform(-1.0, 1.0) * (i % 3 == 0 ? 1.0 : i % 3 == 1 ? 10.0 : 1e5);
+    ASSERT_NEAR(portable_sin(x), std::sin(x), 1e-15) << x;
+    ASSERT_NEAR(portable_cos(x), std::cos(x), 1e-15) << x;
+  }
+  for (const double x : {1e-300, 1e-10, 1e-4}) EXPECT_NEAR(portable_sin(x), x, 2e-9 * x);
+  EXPECT_EQ(portable_sin(0.0), 0.0);
+  EXPECT_EQ(portable_cos(0.0), 1.0);
+  EXPECT_EQ(portable_sin(std::numbers::pi / 2.0), 1.0);
+}
+
 }  // namespace
 }  // namespace voxshell

@@ -12,6 +12,7 @@
 #include "support/random.h"
 #include "voxshell/contacts.h"
 #include "voxshell/manifold.h"
+#include "voxshell/sweep.h"
 
 namespace {
 
@@ -86,6 +87,8 @@ TEST(Allocation, HappensInNoWarmQuery) {
         contacts += found.size() + manifold.count + deepest.size();
         contacts += collides(field, shell, pose, 0.01f);
         contacts += find_manifold(field, shell, pose, 0.01f, scratch).size();
+        const RigidMotion motion{pose, {0.02, 0.01, -0.03}, {0.0, 0.1, 0.0}};
+        contacts += sweep(field, shell, {}, motion, {.tolerance = 1e-3}, scratch).contact ? 1u : 0u;
       };
       const std::size_t cold = allocation_count;
       for (const Pose& pose : poses) ask(pose);
