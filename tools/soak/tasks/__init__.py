@@ -15,6 +15,7 @@ from soak.tasks import (
     mutated_meshes,
     random_worlds,
     real_geometry,
+    swept_motions,
     tree_poses,
     write_faults,
     wrong_arguments,
@@ -22,6 +23,7 @@ from soak.tasks import (
 
 TASKS: dict[str, Task] = {
     "tree_poses": tree_poses.TASK,
+    "swept_motions": swept_motions.TASK,
     "real_geometry": real_geometry.TASK,
     "field_values": field_values.TASK,
     "mutated_meshes": mutated_meshes.TASK,
