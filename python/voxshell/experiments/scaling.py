@@ -1,4 +1,4 @@
-"""How the time of the narrow phase grows with points and voxels."""
+"""How the time of the narrow phase grows with points and voxels, and that of steps with bodies."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
+from voxshell.experiments import crowd
+from voxshell.experiments.crowd import Engine, list_engines, time_bodies
 from voxshell.experiments.part import Part
 from voxshell.experiments.timing import pinned, time_poses
 from voxshell.model import Model
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 BLOCK_HALF_EXTENTS = (0.3, 0.3, 0.05)
 """Metres."""
 
+_SECONDS_A_STEP = {"default": 1.5e-3, "uniform": 3e-4, "hulls": 5e-4, "mujoco": 5e-4}
+"""Of a body."""
+
 
 @dataclass(frozen=True)
 class ScalingSettings(BunnySettings):
@@ -33,6 +38,8 @@ class ScalingSettings(BunnySettings):
         depth: How far the bunny's lowest vertex is in the ground, metres,
         shift: and how far it moves to and fro along it between steps, metres.
         steps: How many are timed of each.
+        bodies: In heaps that are tried, ascending,
+        poured: and how long they are poured before, seconds.
     """
 
     orientations: int = 4
@@ -41,24 +48,43 @@ class ScalingSettings(BunnySettings):
     depth: float = 0.0005
     shift: float = 0.0001
     steps: int = 400
+    bodies: tuple[int, ...] = (10, 30, 100, 300)
+    poured: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("depth", "shift"):
+        for name in ("depth", "shift", "poured"):
             as_positive(getattr(self, name), name)
         as_integer(self.steps, "steps", 10, 1_000_000)
         if len(self.points) < 2 or sorted(set(self.points)) != list(self.points):
             raise SettingsError(f"points must be at least two, ascending, not {self.points}")
         if not self.voxel_sizes or min(self.voxel_sizes) <= 0.0:
             raise SettingsError(f"voxel_sizes must be above 0, not {self.voxel_sizes}")
+        if not self.bodies or sorted(set(self.bodies)) != list(self.bodies):
+            raise SettingsError(f"bodies must be ascending, not {self.bodies}")
+        for count in self.bodies:
+            as_integer(count, "bodies", 1, 10_000)
 
 
 def plan(settings: ScalingSettings) -> list[Part]:
-    """One part over points, one over voxel sizes."""
-    return [
+    """One part over points, one over voxel sizes, and one for each engine and number of bodies."""
+    parts = [
         Part("points", time_points, {"settings": settings}, timed=True, cost=10.0),
         Part("voxels", time_voxels, {"settings": settings}, timed=True, cost=5.0),
     ]
+    for engine in list_engines():
+        for count in settings.bodies:
+            arguments = {"engine": engine, "count": count, "seconds": settings.poured}
+            cost = _SECONDS_A_STEP[engine] * count * (crowd.RATE * settings.poured + 200.0)
+            parts.append(
+                Part(name_crowd(engine, count), time_bodies, arguments, timed=True, cost=cost)
+            )
+    return parts
+
+
+def name_crowd(engine: Engine, count: int) -> str:
+    """Of the part that times so many bodies."""
+    return f"{count}-bodies-{engine}"
 
 
 def time_points(settings: ScalingSettings) -> Tables:

@@ -32,8 +32,8 @@ METHODS: tuple[Method, ...] = ("voxshell", "decomposition", "gimpact")
 """Models in a bin that is a model, and Bullet's ways with a mesh in a bin of five of its boxes."""
 
 _WALL = 0.03
-_ROW = 3
-"""Bodies along a side of each layer at the start."""
+_PITCH = 1.4
+"""Of bodies at the start, in sizes."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +103,12 @@ class PourSettings:
 
         rng = np.random.default_rng(self.seed)
         poses = np.array([random_rotation_matrix(rng.random(3)) for _ in range(self.count)])
-        pitch = 1.4 * self.size
+        pitch = _PITCH * self.size
+        row = max(int(min(self.bin_size[:2]) / pitch), 1)
         numbers = np.arange(self.count)
-        poses[:, 0, 3] = (numbers % _ROW - 0.5 * (_ROW - 1)) * pitch
-        poses[:, 1, 3] = (numbers // _ROW % _ROW - 0.5 * (_ROW - 1)) * pitch
-        poses[:, 2, 3] = (numbers // _ROW**2 + 0.8) * pitch
+        poses[:, 0, 3] = (numbers % row - 0.5 * (row - 1)) * pitch
+        poses[:, 1, 3] = (numbers // row % row - 0.5 * (row - 1)) * pitch
+        poses[:, 2, 3] = (numbers // row**2 + 0.8) * pitch
         return poses
 
     def find_lost(self, poses: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -155,7 +156,7 @@ def build_world(
             Model.from_mesh(settings.build_bin(), voxel_size=settings.bin_voxel_size), mass=0.0
         )
     else:
-        for middle, half in _plates(settings):
+        for middle, half in find_plates(settings):
             pose = np.eye(4)
             pose[:3, 3] = middle
             world.add(Box(half), mass=0.0, pose=pose)
@@ -172,7 +173,7 @@ def _build_shape(settings: PourSettings, method: Method) -> Shape:
     return settings.build_model() if method == "voxshell" else GImpact(settings.build_mesh())
 
 
-def _plates(settings: PourSettings) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def find_plates(settings: PourSettings) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Middles and half extents of the bin's floor and walls."""
     inside = 0.5 * np.array(settings.bin_size)
     half = np.add(inside, (_WALL, _WALL, 0.0))

@@ -111,6 +111,8 @@ points = [500, 1000]
 voxel_sizes = [0.01, 0.006]
 voxel_size = 0.006
 steps = 20
+bodies = [2]
+poured = 0.1
 """
 CLI = (sys.executable, "-c", "from voxshell.cli import main; main()", "reproduce")
 PATIENCE = 240

@@ -457,10 +457,17 @@ def test_time_grows_less_than_the_points(tmp_path):
         voxel_sizes=(0.008, 0.004),
         voxel_size=0.004,
         steps=50,
+        bodies=(3,),
+        poured=0.4,
     )
     results = compute(SCALING, settings)
     rows = {row.quantity: row for row in SCALING.reduce(settings, results)}
     assert rows["growth of time with points, exponent"].here < 0.9
+    for name in ("models at default settings", "models of voxels of 2 mm", "eight hulls in Bullet"):
+        heap = rows[f"heaps, {name}: step with 3 bodies, median"]
+        assert 0.0 < heap.here < 1e3
+        assert "lost" not in heap.note
+    assert "heaps, 3 bodies: eight hulls in Bullet over models at default settings" in rows
     table = results["points"]["times"] | {"seconds": results["points"]["times"]["points"] * 1e-9}
     rows = {
         r.quantity: r for r in SCALING.reduce(settings, {**results, "points": {"times": table}})

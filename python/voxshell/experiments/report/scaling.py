@@ -9,8 +9,8 @@ import numpy as np
 
 from voxshell.experiments import scaling
 from voxshell.experiments.experiment import Experiment, Picture
-from voxshell.experiments.report.figures import FAINT, OURS, open_figure
-from voxshell.experiments.scaling import ScalingSettings
+from voxshell.experiments.report.figures import FAINT, OURS, OURS_COARSE, PEERS, open_figure
+from voxshell.experiments.scaling import ScalingSettings, name_crowd
 from voxshell.experiments.verdict import Row, format_value
 
 if TYPE_CHECKING:
@@ -18,7 +18,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from voxshell.experiments.crowd import Engine
     from voxshell.experiments.experiment import Results
+    from voxshell.experiments.part import Tables
+
+
+ENGINE_NAMES: dict[Engine, str] = {
+    "default": "models at default settings",
+    "uniform": "models of voxels of 2 mm",
+    "hulls": "eight hulls in Bullet",
+    "mujoco": "eight hulls in MuJoCo",
+}
 
 
 def describe(settings: ScalingSettings) -> str:
@@ -28,7 +38,11 @@ def describe(settings: ScalingSettings) -> str:
         f"{settings.shift * 1e3:g} mm, {settings.steps} steps in {settings.orientations} orientations: "
         f"the narrow phase with {settings.points[0]:,} to {settings.points[-1]:,} points, and with "
         f"voxels of {settings.voxel_sizes[0] * 1e3:g} to {settings.voxel_sizes[-1] * 1e3:g} mm. "
-        "Medians; one core, nothing else running."
+        "Medians; one core, nothing else running. "
+        f"And {settings.bodies[0]:,} to {settings.bodies[-1]:,} bunnies of 0.1 m, poured for "
+        f"{settings.poured:g} s into a bin whose floor grows with their number: whole steps at 200 Hz of the "
+        "heap that they make, with models at default settings, models of voxels of 2 mm and the shell of fewest points, "
+        "eight hulls each in Bullet, and the same hulls in MuJoCo, where it is installed. Nothing sleeps."
     )
 
 
@@ -63,12 +77,84 @@ def reduce(settings: ScalingSettings, results: Results) -> list[Row]:
                 f"{table['field_bytes'][mine][0] / 1e6:.1f} MB",
             )
         )
+    return rows + _reduce_bodies(settings, results)
+
+
+def _reduce_bodies(settings: ScalingSettings, results: Results) -> list[Row]:
+    rows = []
+    for engine, name in ENGINE_NAMES.items():
+        counts, steps = _heaps(settings, results, engine)
+        for count in counts:
+            tables = results[name_crowd(engine, count)]
+            rows.append(_describe_heap(engine, count, tables))
+        if len(counts) > 1:
+            exponent = float(np.polyfit(np.log(counts), np.log(steps), 1)[0])
+            rows.append(
+                Row(
+                    f"heaps, {name}: growth of step time with bodies, exponent",
+                    None,
+                    exponent,
+                    "",
+                    group="Heaps",
+                )
+            )
+    for ours in ("default", "uniform"):
+        for other in ("hulls", "mujoco"):
+            counts, steps = _heaps(settings, results, other)
+            if not counts:
+                continue
+            mine = results[name_crowd(ours, counts[-1])]["heap"]["step"]
+            rows.append(
+                Row(
+                    f"heaps, {counts[-1]:,} bodies: {ENGINE_NAMES[other]} over {ENGINE_NAMES[ours]}",
+                    None,
+                    steps[-1] / float(np.median(mine)),
+                    "",
+                    note="of the times of a step; above 1, ours is faster",
+                    group="Heaps",
+                )
+            )
     return rows
 
 
+def _describe_heap(engine: Engine, count: int, tables: Tables) -> Row:
+    heap, pouring, end = tables["heap"]["step"], tables["pouring"]["step"], tables["end"]
+    notes = [f"99 % {np.percentile(heap, 99) * 1e3:.3g} ms"]
+    if engine != "mujoco":
+        notes.append(f"narrow phase {np.median(tables['heap']['narrow_phase']) * 1e3:.3g} ms")
+    if "all_cores" in tables:
+        notes.append(f"on all cores {np.median(tables['all_cores']['step']) * 1e3:.3g} ms")
+    poured = np.percentile(pouring, (50, 99)) * 1e3
+    notes += [
+        f"while poured {poured[0]:.3g} ms, 99 % {poured[1]:.3g} ms",
+        f"{end['contacts'][0]:,.0f} contacts",
+        f"median speed {end['speed'][0] * 1e3:.2g} mm/s",
+        f"bodies {end['height'][0] * 1e3:.3g} mm high in the mean",
+        f"{end['megabytes'][0]:.3g} MB more than before",
+    ]
+    if end["lost"][0] > 0:
+        notes.append(f"{end['lost'][0]:.0f} lost")
+    return Row(
+        f"heaps, {ENGINE_NAMES[engine]}: step with {count:,} bodies, median",
+        None,
+        float(np.median(heap)) * 1e3,
+        "ms",
+        note="; ".join(notes),
+        group="Heaps",
+    )
+
+
+def _heaps(
+    settings: ScalingSettings, results: Results, engine: Engine
+) -> tuple[list[int], list[float]]:
+    """Numbers of bodies that an engine was timed with, and its median steps, seconds."""
+    counts = [count for count in settings.bodies if name_crowd(engine, count) in results]
+    steps = [results[name_crowd(engine, count)]["heap"]["step"] for count in counts]
+    return counts, [float(np.median(step)) for step in steps]
+
+
 def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Picture]:
-    """Time over points and over the voxel size."""
-    del settings
+    """Time over points, over the voxel size, and over bodies."""
     from matplotlib.ticker import LogLocator
 
     with open_figure(folder / "scaling.png", width=9, height=3.8) as figure:
@@ -88,7 +174,25 @@ def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Pict
         left.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         left.yaxis.set_major_formatter("{x:g}")
         right.set_xlabel("voxel size, mm")
-    return [Picture("scaling.png", "Narrow-phase time over points and over the voxel size; grey: orientations.")]  # fmt: skip
+    with open_figure(folder / "bodies.png", width=7, height=4.2) as figure:
+        axes = figure.subplots()
+        colors = dict(zip(ENGINE_NAMES, (OURS, OURS_COARSE, *PEERS[:2]), strict=True))
+        for engine, name in ENGINE_NAMES.items():
+            counts, steps = _heaps(settings, results, engine)
+            if counts:
+                axes.plot(counts, np.array(steps) * 1e3, "o-", color=colors[engine], label=name)
+        axes.set(xscale="log", yscale="log", xlabel="bodies in the heap", ylabel="step, ms")
+        axes.minorticks_off()
+        axes.set_xticks(settings.bodies, [f"{count:,}" for count in settings.bodies])
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.axhline(5.0, color=FAINT, lw=0.8)
+        axes.annotate("real time", (settings.bodies[0], 5.0), va="bottom", color=FAINT)
+        axes.legend(frameon=False)
+    return [
+        Picture("scaling.png", "Narrow-phase time over points and over the voxel size; grey: orientations."),
+        Picture("bodies.png", "Time of a step of heaps of bunnies at 200 Hz, one core."),
+    ]  # fmt: skip
 
 
 def _by(results: Results, name: str, key: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -101,7 +205,7 @@ def _by(results: Results, name: str, key: str) -> tuple[NDArray[np.float64], NDA
 SCALING = Experiment(
     name="scaling",
     title="Scaling",
-    question="How does the time grow with points and voxels?",
+    question="How does the time grow with points, voxels and bodies?",
     describe=describe,
     settings=ScalingSettings(),
     quick=replace(
@@ -110,6 +214,8 @@ SCALING = Experiment(
         points=(1_000, 10_000, 100_000),
         voxel_sizes=(0.004, 0.002),
         steps=100,
+        bodies=(10, 30),
+        poured=1.0,
     ),
     plan=scaling.plan,
     reduce=reduce,
