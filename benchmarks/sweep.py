@@ -176,13 +176,16 @@ def time_beside_fcl() -> None:
         moving = fcl.CollisionObject(bodies[0], transform(start))
         still = fcl.CollisionObject(bodies[1], fcl.Transform())
         result = fcl.ContinuousCollisionResult()
-        return fcl.continuousCollide(moving, transform(end), still, fcl.Transform(), request, result)
+        return fcl.continuousCollide(
+            moving, transform(end), still, fcl.Transform(), request, result
+        )
 
     theirs = [seconds_of(lambda s=start, e=end: ask(s, e)) for start, end in motions]
     print(f"  fcl      {describe(theirs)}")
 
 
 def main() -> None:
+    """Runs what the arguments name."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -251,10 +251,11 @@ bool CylinderContacts::is_faced(double along, const Vec3& out) const {
 std::optional<CylinderContacts::Section> CylinderContacts::face(double along, const Vec3& out) {
   const Vec3 centre = middle_ + along * axis_;
   Vec3 outwards;
-  const auto place_at = [&](const Vec3& direction) {
+  const auto side_at = [&](const Vec3& direction) {
     const Vec3 across = direction - dot(direction, axis_) * axis_;
-    return std::optional(centre + radius_ * normalized(across));
+    return centre + radius_ * normalized(across);
   };
+  const auto place_at = [&](const Vec3& direction) { return std::optional(side_at(direction)); };
   const auto feel = [&](const Vec3& position) {
     const SmoothField::Value there = field_.at(position);
     outwards = there.outwards;
@@ -262,7 +263,7 @@ std::optional<CylinderContacts::Section> CylinderContacts::face(double along, co
     const bool is_flat = squared_length(across) < kFlatRim * kFlatRim;
     return Facing{position, is_flat ? Vec3{} : normalized(across), there.distance};
   };
-  const Vec3 direction = -feel(*place_at(out)).outwards;
+  const Vec3 direction = -feel(side_at(out)).outwards;
   if (direction == Vec3{}) return std::nullopt;
   const auto facing = face_field(direction, direction - out, kFollowsOfSmoothTurn,
                                  kSmoothSlideWithin, place_at, feel);

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from voxshell.query_scratch import QueryScratch
 
 
+_FARTHEST_FRACTION = 1e4
+"""Of motions that go on beyond their ends."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Sweep:
     """How far two bodies move until they touch; from :func:`voxshell.sweep`.
@@ -243,26 +247,25 @@ def sweep_batch(
         array([1. , 1. , 0.5])
     """
     bodies, shells = as_pair(a, b, shell)
-    poses: dict[str, NDArray[np.float64] | None] = {
-        name: as_pose_array(value, name)[0]
-        for name, value in {
-            "a_poses": a_poses,
-            "a_ends": a_ends,
-            "b_poses": b_poses,
-            "b_ends": b_ends,
-        }.items()
-    }
+    starts_a, _ = as_pose_array(a_poses, "a_poses")
+    ends_a, _ = as_pose_array(a_ends, "a_ends")
+    starts_b, _ = as_pose_array(b_poses, "b_poses")
+    ends_b, _ = as_pose_array(b_ends, "b_ends")
+    count = _count_motions(a_poses=starts_a, a_ends=ends_a, b_poses=starts_b, b_ends=ends_b)
     found = _core.sweep_batch(
         *bodies,
-        _count_motions(poses),
-        *poses.values(),
+        count,
+        starts_a,
+        ends_a,
+        starts_b,
+        ends_b,
         shells,
         as_margin(margin),
         _as_tolerance(tolerance),
         as_threads(threads),
         progress,
     )
-    fractions, distances, points_a, points_b, normals, of_shells, a_poses_there, b_poses_there = found
+    fractions, distances, points_a, points_b, normals, of_shells, poses_a, poses_b = found
     return SweepBatch(
         fractions=fractions,
         touches=of_shells >= 0,
@@ -271,8 +274,8 @@ def sweep_batch(
         points_b=points_b,
         normals=normals,
         shells=np.array(["a", "b", ""])[of_shells],
-        a_poses=a_poses_there,
-        b_poses=b_poses_there,
+        a_poses=poses_a,
+        b_poses=poses_b,
     )
 
 
@@ -295,7 +298,7 @@ def interpolate_pose(
 
     Raises:
         PoseError: A pose is not a 4x4 rigid transform of finite numbers.
-        SettingsError: A fraction is not finite, or beyond a million.
+        SettingsError: A fraction is not finite, or beyond 10,000.
 
     Example:
         >>> import numpy as np
@@ -309,11 +312,13 @@ def interpolate_pose(
                [ 0.   ,  0.   ,  1.   ,  0.   ],
                [ 0.   ,  0.   ,  0.   ,  1.   ]])
     """
-    is_one = np.ndim(fractions) == 0
-    at = as_floats([fractions] if is_one else fractions, "fractions", (None,))  # pyright: ignore[reportArgumentType]
-    most = 1e6
-    if not (np.abs(at) <= most).all():
-        raise SettingsError(f"fractions must be from {-most:g} to {most:g}")
+    try:
+        is_one = np.ndim(fractions) == 0
+    except ValueError as failure:  # rows of different lengths
+        raise SettingsError(f"fractions must be (n,) numbers: {failure}") from None
+    at = as_floats(np.atleast_1d(np.asarray(fractions)), "fractions", (None,))
+    if not (np.abs(at) <= _FARTHEST_FRACTION).all():
+        raise SettingsError(f"fractions must be within {_FARTHEST_FRACTION:g} of 0")
     poses = _core.interpolate(as_pose(start, "start"), as_pose(end, "end"), at)
     return poses[0] if is_one else poses
 
@@ -322,7 +327,7 @@ def _as_tolerance(value: Any) -> float | None:
     return None if value is None else as_length(value, "tolerance")
 
 
-def _count_motions(poses: dict[str, NDArray[np.float64] | None]) -> int:
+def _count_motions(**poses: NDArray[np.float64] | None) -> int:
     """Single poses stand for all; the others must be equally many."""
     counts = {name: len(array) for name, array in poses.items() if array is not None}
     many = {name: count for name, count in counts.items() if count != 1}

@@ -3,8 +3,8 @@
 namespace voxshell {
 
 // The same bits on every processor and with every C library, for what is stored in models and for
-// motions: the last bits of the library's own functions differ. Within 4 units in the last place, for finite
-// arguments.
+// motions: the last bits of the library's own functions differ. Within 4 units in the last place,
+// for finite arguments.
 
 /// std::atan2.
 double portable_atan2(double y, double x);
