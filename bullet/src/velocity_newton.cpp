@@ -141,7 +141,7 @@ bool VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness, int mo
     const double fraction = search_line(rows);
     for (std::size_t i = 0; i < size_; ++i) velocities_[i] += fraction * direction_[i];
     for (std::size_t i = 0; i < rows.size(); ++i) along_[i] += fraction * along_step_[i];
-    project(rows, along_);
+    project(along_);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = impulses_[i];
   return is_solved;
@@ -172,11 +172,27 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
   for (auto* of_rows : {&along_, &along_step_, &tried_, &unlimited_, &impulses_}) {
     of_rows->resize(rows.size());
   }
+  aims_.clear();
+  groups_.clear();
+  for (std::size_t i = 0; i < rows.size();) {
+    const VelocityRow& first = rows[i];
+    const Group group{i,
+                      row_count(first),
+                      stiffness_ * first.unit_impulse,
+                      first.lower,
+                      first.upper,
+                      first.friction,
+                      first.is_contact};
+    for (const std::size_t end = i + group.count; i < end; ++i) {
+      aims_.push_back({rows[i].impulse, rows[i].target, 1.0 + group.impulse * rows[i].softness});
+    }
+    groups_.push_back(group);
+  }
   for (const VelocityRow& row : rows) add_impulse(row, offset_, row.impulse, velocities_);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     along_[i] = velocity_along(rows[i], offset_, velocities_);
   }
-  project(rows, along_);
+  project(along_);
 }
 
 /// Sets `direction_` to minus the gradient.
@@ -224,7 +240,7 @@ void VelocityNewton::assemble(std::span<const VelocityRow> rows) {
 void VelocityNewton::add_contact(std::span<const VelocityRow> rows, std::size_t normal) {
   const VelocityRow& row = rows[normal];
   const double impulse = stiffness_ * row.unit_impulse;
-  const double aside = friction_at(row, normal);
+  const double aside = friction_at(normal, row_count(row));
   const double friction = row.friction;
   if (is_in_cone(unlimited_[normal], aside, friction)) {
     for (std::size_t k = 0; k < row_count(row); ++k) add_square(rows[normal + k], impulse);
@@ -338,7 +354,7 @@ double VelocityNewton::slope_at(double fraction, std::span<const VelocityRow> ro
     slope += (velocities_[i] + fraction * direction_[i]) * direction_[i];
   }
   for (std::size_t i = 0; i < rows.size(); ++i) tried_[i] = along_[i] + fraction * along_step_[i];
-  project(rows, tried_);
+  project(tried_);
   for (std::size_t i = 0; i < rows.size(); ++i) slope -= impulses_[i] * along_step_[i];
   return slope;
 }
@@ -347,43 +363,49 @@ double VelocityNewton::slope_at(double fraction, std::span<const VelocityRow> ro
 // --------------------------------------------------------------------------------------
 
 /// The impulses by which rows answer to velocities along them.
-void VelocityNewton::project(std::span<const VelocityRow> rows,
-                             std::span<const double> velocities) {
-  for (std::size_t i = 0; i < rows.size();) {
-    const VelocityRow& first = rows[i];
-    const double impulse = stiffness_ * first.unit_impulse;
-    const std::size_t end = i + row_count(first);
-    for (std::size_t k = i; k < end; ++k) {
-      unlimited_[k] = (rows[k].impulse - impulse * (velocities[k] - rows[k].target)) /
-                      (1.0 + impulse * rows[k].softness);
-      impulses_[k] = unlimited_[k];
+void VelocityNewton::project(std::span<const double> velocities) {
+  for (const Group& group : groups_) {
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      const Aim& aim = aims_[k];
+      double impulse = aim.impulse - group.impulse * (velocities[k] - aim.target);
+      if (aim.divisor != 1.0) impulse /= aim.divisor;
+      unlimited_[k] = impulse;
+      impulses_[k] = impulse;
     }
-    if (first.is_contact) {
-      project_contact(first, i);
+    if (group.is_contact) {
+      project_contact(group);
     } else {
-      impulses_[i] = std::clamp(unlimited_[i], first.lower, first.upper);
+      impulses_[group.first] = std::clamp(unlimited_[group.first], group.lower, group.upper);
     }
-    i = end;
   }
 }
 
 /// The place of the cone that is nearest to the contact's unlimited impulse.
-void VelocityNewton::project_contact(const VelocityRow& normal, std::size_t first) {
-  const double aside = friction_at(normal, first);
-  const double friction = normal.friction;
-  if (is_in_cone(unlimited_[first], aside, friction)) return;
-  const double onto =
-      std::max((unlimited_[first] + friction * aside) / (1.0 + friction * friction), 0.0);
-  impulses_[first] = onto;
-  for (std::size_t k = first + 1; k < first + row_count(normal); ++k) {
-    impulses_[k] = aside > 0.0 ? friction * onto * unlimited_[k] / aside : 0.0;
+void VelocityNewton::project_contact(const Group& contact) {
+  const double normal = unlimited_[contact.first];
+  const double friction = contact.friction;
+  const bool has_first = contact.count > 1;
+  const bool has_second = contact.count > 2;
+  const double x = has_first ? unlimited_[contact.first + 1] : 0.0;
+  const double y = has_second ? unlimited_[contact.first + 2] : 0.0;
+  double onto = 0.0;
+  double share = 0.0;
+  // Most are open, and need no root to tell.
+  if (normal + friction * (std::abs(x) + std::abs(y)) > 0.0) {
+    const double aside = std::sqrt(x * x + y * y);
+    if (is_in_cone(normal, aside, friction)) return;
+    onto = std::max((normal + friction * aside) / (1.0 + friction * friction), 0.0);
+    if (aside > 0.0) share = friction * onto / aside;
   }
+  impulses_[contact.first] = onto;
+  if (has_first) impulses_[contact.first + 1] = share * x;
+  if (has_second) impulses_[contact.first + 2] = share * y;
 }
 
 /// The size of a contact's friction before limits.
-double VelocityNewton::friction_at(const VelocityRow& normal, std::size_t first) const {
+double VelocityNewton::friction_at(std::size_t normal, std::size_t count) const {
   double squared = 0.0;
-  for (std::size_t k = first + 1; k < first + row_count(normal); ++k) {
+  for (std::size_t k = normal + 1; k < normal + count; ++k) {
     squared += unlimited_[k] * unlimited_[k];
   }
   return std::sqrt(squared);

@@ -55,6 +55,23 @@ class VelocityNewton {
 
  private:
   void order(std::size_t body_count, std::span<const VelocityRow> rows);
+  /// What projecting reads of a row, close together: line searches project again and again.
+  struct Aim {
+    double impulse;
+    double target;
+    double divisor;
+  };
+  /// The same of a contact with its friction, or of one other row.
+  struct Group {
+    std::size_t first;  ///< of its rows
+    std::size_t count;
+    double impulse;  ///< by which its rows answer to a velocity along them of 1
+    double lower;
+    double upper;
+    double friction;
+    bool is_contact;
+  };
+
   void start(std::span<const VelocityRow> rows, double stiffness);
   double find_gradient(std::span<const VelocityRow> rows);
   void find_direction(std::span<const VelocityRow> rows);
@@ -65,11 +82,13 @@ class VelocityNewton {
   void substitute();
   double search_line(std::span<const VelocityRow> rows);
   double slope_at(double fraction, std::span<const VelocityRow> rows);
-  void project(std::span<const VelocityRow> rows, std::span<const double> velocities);
-  void project_contact(const VelocityRow& normal, std::size_t first);
-  double friction_at(const VelocityRow& normal, std::size_t first) const;
+  void project(std::span<const double> velocities);
+  void project_contact(const Group& contact);
+  double friction_at(std::size_t normal, std::size_t count) const;
 
   double stiffness_ = 0.0;
+  std::vector<Aim> aims_;            ///< one a row
+  std::vector<Group> groups_;        ///< of all rows
   std::size_t size_ = 0;             ///< six times the number of bodies
   std::vector<std::size_t> offset_;  ///< of each body's six numbers in vectors of that size
   std::vector<std::size_t> last_;    ///< column of the last entry in each row of the matrix
