@@ -21,6 +21,7 @@
 #include "pose_arrays.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
+#include "voxshell/distance.h"
 #include "voxshell/parallel.h"
 #include "voxshell/sweep.h"
 
@@ -29,8 +30,10 @@ namespace nb = nanobind;
 namespace voxshell::python {
 namespace {
 
-/// Of the shortest side of the smaller body: what counts as touching.
+/// What counts as touching, of the shortest side of the smaller body; and of the sizes of both
+/// models' voxels where they have no tolerance.
 constexpr double kToleranceOfSide = 1e-3;
+constexpr double kToleranceOfVoxel = 0.1;
 
 struct PairMotion {
   RigidMotion a;
@@ -53,11 +56,21 @@ struct Question {
   double tolerance;
 };
 
-Question make_question(const Bodies& bodies, ShellChoice shells, float margin,
+/// To which a body's own surface is known, metres.
+double tolerance_of(const Model* model) {
+  if (model == nullptr) return 0.0;
+  const double tolerance = model->settings().tolerance;
+  return tolerance > 0.0 ? tolerance : kToleranceOfVoxel * model->grid().voxel_size();
+}
+
+Question make_question(const Field& field_a, const Model* model_a, const Field& field_b,
+                       const Model* model_b, ShellChoice shells, float margin,
                        std::optional<double> tolerance) {
+  const Bodies bodies{field_a, model_a, field_b, model_b};
   const Roles roles = choose_roles(bodies, shells);
   const double side = unwrap(decide_role(bodies.a, bodies.b, shells)).side;
-  return {bodies, roles, margin, tolerance.value_or(kToleranceOfSide * side)};
+  const double of_models = tolerance_of(model_a) + tolerance_of(model_b);
+  return {bodies, roles, margin, tolerance.value_or(std::max(kToleranceOfSide * side, of_models))};
 }
 
 /// `scratch_of(body)` is for queries about that body's shell.
@@ -65,29 +78,40 @@ template <class ScratchOf>
 PairSweep sweep_pair(const Question& question, const PairMotion& motion,
                      const ScratchOf& scratch_of) {
   const Bodies& bodies = question.bodies;
-  PairSweep first{1.0, std::nullopt};
+  // With the shell of fewest points, either may be asked, pose by pose.
+  const PairBody first = question.roles.shell_bodies[0];
+  const bool asks_other = question.roles.shell_bodies.size() > 1 ||
+                          (question.roles.may_swap && bodies.shell_of(other(first)) != nullptr);
+  PairSweep result{1.0, std::nullopt};
   const auto ask = [&](PairBody body) {
-    const PairBody with_field = other(body);
     const SweepOptions options{
-        .margin = question.margin, .tolerance = question.tolerance, .end = first.fraction};
+        .margin = question.margin, .tolerance = question.tolerance, .end = result.fraction};
     const auto scratch = scratch_of(body);
-    const Sweep found = sweep(*bodies.field_of(with_field), *bodies.shell_of(body),
-                              motion.of(with_field), motion.of(body), options, *scratch);
-    const bool is_first = found.contact && (!first.nearest || found.fraction < first.fraction ||
-                                            found.contact->depth > first.nearest->contact.depth);
-    if (is_first) first = {found.fraction, ShellContact{body, *found.contact}};
+    const Sweep found = sweep(*bodies.field_of(other(body)), *bodies.shell_of(body),
+                              motion.of(other(body)), motion.of(body), options, *scratch);
+    if (!found.contact) return;
+    const bool is_deeper = !result.nearest || found.fraction < result.fraction ||
+                           found.contact->depth > result.nearest->contact.depth;
+    result.fraction = found.fraction;
+    if (is_deeper) result.nearest = ShellContact{body, *found.contact};
   };
-  for (const PairBody body : question.roles.shell_bodies) ask(body);
-  if (first.fraction <= 0.0) return first;
-  // One that begins inside the other.
-  const PairPose start = motion.at(0.0);
-  const PairBody inner = other(question.roles.shell_bodies[0]);
-  if (question.roles.may_swap && is_enclosed(bodies, start, inner)) ask(inner);
-  if (question.roles.asks_inside) {
-    const auto inside = find_inner_contacts(bodies, start, question.margin);
+  ask(first);
+  if (asks_other) ask(other(first));
+  if (result.fraction > 0.0 && question.roles.asks_inside) {
+    // One that begins inside the other.
+    const auto inside = find_inner_contacts(bodies, motion.at(0.0), question.margin);
     if (!inside.empty()) return {0.0, inside[0]};
   }
-  return first;
+  if (result.nearest && asks_other) {
+    // The shell that stops later, or nowhere, may be the nearer one all the same.
+    const PairBody body = other(result.nearest->shell_body);
+    const auto scratch = scratch_of(body);
+    const auto nearer = find_nearest(*bodies.field_of(other(body)), *bodies.shell_of(body),
+                                     motion.at(result.fraction).field_from_shell(body),
+                                     -result.nearest->contact.depth, *scratch);
+    if (nearer) result.nearest = ShellContact{body, *nearer};
+  }
+  return result;
 }
 
 using Matrix = std::array<double, 16>;
@@ -185,7 +209,7 @@ Sweeps sweep_one(const Field& field_a, const Model* model_a, const Field& field_
   const PairMotion motion{read_motion(a_pose, "a_pose", a_end, "a_end"),
                           read_motion(b_pose, "b_pose", b_end, "b_end")};
   const Question question =
-      make_question({field_a, model_a, field_b, model_b}, shells, margin, tolerance);
+      make_question(field_a, model_a, field_b, model_b, shells, margin, tolerance);
   SweepArrays arrays(1);
   {
     const nb::gil_scoped_release released;
@@ -209,7 +233,7 @@ Sweeps sweep_batch(const Field& field_a, const Model* model_a, const Field& fiel
   const std::vector<Pose> a_last = a_ends ? read(a_ends, "a_ends") : a_starts;
   const std::vector<Pose> b_last = b_ends ? read(b_ends, "b_ends") : b_starts;
   const Question question =
-      make_question({field_a, model_a, field_b, model_b}, shells, margin, tolerance);
+      make_question(field_a, model_a, field_b, model_b, shells, margin, tolerance);
   SweepArrays arrays(count);
   BuildWatch watch(progress);
   {

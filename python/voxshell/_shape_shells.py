@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,51 +23,64 @@ def find_shell(shape: Field) -> _core.Model | None:
 
     A shell by tolerance has few points where the mesh is flat, so a shape may lie between them.
     With a shell of its own, the shape is found by its points in the model's field as well. It is
-    built once for each shape, from an inscribed mesh.
+    built once for each shape, from an inscribed mesh, and equal shapes share it.
     """
     if shape._shell_model is None:
-        mesh = _make_mesh(shape)
-        if mesh is None:
-            return None
-        vertices, faces = mesh
-        shape._shell_model = _core.Model.build(
-            np.ascontiguousarray(vertices, np.float64),
-            np.ascontiguousarray(faces, np.uint32),
-            tolerance=0.0,
-            voxel_size=0.0,
-            resolution=0,
-            point_spacing=0.0,
-            target_points=0,
-            padding=-1.0,
-            sign="closed",
-            open="solid",
-            sheet_thickness=0.0,
-            threads=0,
-            progress=None,
-        )
+        if isinstance(shape, ConvexPolyhedron):
+            shape._shell_model = _build(*shape.mesh)
+        elif (sizes := _sizes_of(shape)) is not None:
+            shape._shell_model = _build_of_sizes(type(shape), *sizes)
     return shape._shell_model
 
 
-def _make_mesh(shape: Field) -> tuple[np.ndarray, np.ndarray] | None:
-    if isinstance(shape, ConvexPolyhedron):
-        return shape.mesh
+def _sizes_of(shape: Field) -> tuple[float, ...] | None:
     match shape:
         case Box():
-            mesh = trimesh.creation.box(2.0 * np.asarray(shape.half_extents))
+            return tuple(float(extent) for extent in shape.half_extents)
         case Sphere():
-            mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS, radius=shape.radius)
-        case Capsule():
-            # Of radius 1 first: trimesh merges the corners of small ones.
-            mesh = trimesh.creation.capsule(
-                height=shape.length / shape.radius, radius=1.0, count=[_AROUND, _AROUND]
-            )
-            mesh.apply_translation((0.0, 0.0, -mesh.bounds.mean(axis=0)[2]))
-            mesh.apply_scale(shape.radius)
-        case Cylinder():
-            mesh = trimesh.creation.cylinder(shape.radius, shape.length, sections=_AROUND)
+            return (shape.radius,)
+        case Capsule() | Cylinder():
+            return (shape.radius, shape.length)
         case Cone():
-            mesh = trimesh.creation.cone(shape.radius, shape.height, sections=_AROUND)
-            mesh.apply_translation((0.0, 0.0, -0.5 * shape.height))
+            return (shape.radius, shape.height)
         case _:
             return None
-    return mesh.vertices, mesh.faces
+
+
+@lru_cache(maxsize=64)
+def _build_of_sizes(kind: type[Field], *sizes: float) -> _core.Model:
+    if kind is Box:
+        mesh = trimesh.creation.box(2.0 * np.asarray(sizes))
+        return _build(mesh.vertices, mesh.faces)
+    # Of radius 1 first: trimesh merges the corners of small ones.
+    radius = sizes[0]
+    length = sizes[-1] / radius
+    if kind is Sphere:
+        mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS)
+    elif kind is Capsule:
+        mesh = trimesh.creation.capsule(height=length, radius=1.0, count=[_AROUND, _AROUND])
+        mesh.apply_translation((0.0, 0.0, -mesh.bounds.mean(axis=0)[2]))
+    elif kind is Cylinder:
+        mesh = trimesh.creation.cylinder(1.0, length, sections=_AROUND)
+    else:
+        mesh = trimesh.creation.cone(1.0, length, sections=_AROUND)
+        mesh.apply_translation((0.0, 0.0, -0.5 * length))
+    return _build(radius * mesh.vertices, mesh.faces)
+
+
+def _build(vertices: np.ndarray, faces: np.ndarray) -> _core.Model:
+    return _core.Model.build(
+        np.ascontiguousarray(vertices, np.float64),
+        np.ascontiguousarray(faces, np.uint32),
+        tolerance=0.0,
+        voxel_size=0.0,
+        resolution=0,
+        point_spacing=0.0,
+        target_points=0,
+        padding=-1.0,
+        sign="closed",
+        open="solid",
+        sheet_thickness=0.0,
+        threads=0,
+        progress=None,
+    )

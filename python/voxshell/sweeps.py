@@ -123,9 +123,13 @@ def sweep(
         b_end: (4, 4) float64, ``world_from_b``. None: b stays where it is.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`: above 0, bodies that come that near touch; below 0 they may
-            overlap by so much.
-        tolerance: Metres, above 0: bodies that come within this of touching may count as touching.
-            Smaller ones take longer. None: a thousandth of the shortest side of the smaller body.
+            overlap by so much. Where it reaches beyond the grid of a model's field (by default 16
+            voxels around it), bodies stop too early, by up to as much as the grid reaches: build models
+            with ``padding`` of at least the margin.
+        tolerance: Metres, above 0: bodies that come within this of touching may count as touching; so may
+            those within the tolerance of the models, where their fields are not continuous. Smaller ones
+            take longer. None: that of both models together, for uniform ones a tenth of their
+            voxels, or, if that is more, a thousandth of the shortest side of the smaller body.
         scratch: Saves a series of queries from allocating memory; see :class:`QueryScratch`.
 
     Returns:

@@ -14,6 +14,7 @@ from trimesh.transformations import (
     rotation_matrix,
     translation_matrix,
 )
+from voxshell import _shape_shells
 
 COUNT = 60
 
@@ -50,11 +51,11 @@ def motions() -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_nothing_touches_before_and_bodies_are_near_then(torus, box, motions):
-    tolerance = 1e-3 * 0.02
+    tolerance = 2e-5
     rng = np.random.default_rng(8)
     touching = 0
     for start, end in zip(*motions, strict=True):
-        found = vx.sweep(box, torus, start, a_end=end)
+        found = vx.sweep(box, torus, start, a_end=end, tolerance=tolerance)
         before = found.fraction * np.concatenate(
             [rng.random(100), 1.0 - 10.0 ** rng.uniform(-7.0, 0.0, 100)]
         )
@@ -154,6 +155,70 @@ def test_margin_keeps_away_or_lets_in(box):
         for margin in (0.02, 0.0, -0.005)
     ]
     np.testing.assert_allclose(heights, (0.03, 0.01, 0.005), atol=3e-5)
+
+
+@pytest.mark.parametrize("uniform", [False, True])
+@pytest.mark.parametrize("margin", [0.002, 0.005, 0.01, 0.02])
+def test_bodies_that_pass_beyond_the_margin_do_not_touch(uniform, margin):
+    """Cubes of 10 cm, face beside face; fields reach 25 mm around them."""
+    options = {"voxel_size": 0.002} if uniform else {}
+    cube = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)), padding=0.025, **options)
+    for gap, touches in ((margin - 3e-4, True), (margin + 5e-4, False)):
+        found = vx.sweep(
+            cube,
+            cube,
+            translation_matrix((-0.4, 0.1 + gap, 0.003)),
+            a_end=translation_matrix((0.4, 0.1 + gap, 0.003)),
+            margin=margin,
+        )
+        assert found.touches == touches
+        if touches:
+            # Corners come within the margin a little before faces are side by side.
+            along = 0.1 + math.sqrt(margin**2 - gap**2)
+            assert found.a_pose[0, 3] == pytest.approx(-along, abs=2e-3)
+
+
+def test_the_shell_of_fewest_points_misses_nothing_on_the_way():
+    """Which shell that is may change from pose to pose."""
+    plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.002)))
+    block = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.1, 0.05)))
+    rng = np.random.default_rng(11)
+    for _ in range(100):
+        start = moved(random_rotation_matrix(rng.random(3)), rng.uniform(-0.25, 0.25, 3))
+        end = moved(random_rotation_matrix(rng.random(3)), rng.uniform(-0.25, 0.25, 3))
+        found = vx.sweep(block, plate, start, a_end=end, shell="fewest")
+        before = found.fraction * (1.0 - 10.0 ** rng.uniform(-5.0, 0.0, 100))
+        poses = vx.interpolate_pose(start, end, before)
+        touches = vx.collide_batch(block, plate, poses, shell="fewest")
+        assert found.fraction == 0.0 or not touches.any()
+
+
+@pytest.mark.parametrize("radius", [1e-5, 4e-4, 0.01])
+def test_shapes_may_be_thin_and_are_made_ready_once(box, radius):
+    for make in (vx.Cylinder, vx.Cone, vx.Capsule):
+        down = vx.sweep(
+            make(radius, 0.02),
+            box,
+            translation_matrix((0, 0, 0.1)),
+            a_end=translation_matrix((0, 0, 0)),
+        )
+        reach = 0.01 + (radius if make is vx.Capsule else 0.0)
+        assert down.a_pose[2, 3] == pytest.approx(0.01 + reach, abs=2e-4)
+    assert _shape_shells.find_shell(vx.Cone(radius, 0.02)) is _shape_shells.find_shell(
+        vx.Cone(radius, 0.02)
+    )
+
+
+def test_plates_come_to_lie_on_each_other():
+    """Flush: all along their edges at the same time."""
+    plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.001)))
+    found = vx.sweep(
+        plate,
+        plate,
+        translation_matrix((0.01, 0.02, 0.1)),
+        a_end=translation_matrix((0.01, 0.02, 0)),
+    )
+    assert found.a_pose[2, 3] == pytest.approx(0.001, abs=5e-4)
 
 
 def test_what_overlaps_at_the_start_touches_at_once(torus, box):

@@ -65,8 +65,9 @@ template <class V>
 VOXSHELL_INLINE float bound_small_ball(const PosedView<V>&, const Triple<float>&, float) {
   return -__builtin_inff();
 }
-/// A cube that is smaller than a voxel has a corner in each cell that it meets. The field is
-/// continuous within each of them, so it is bounded by what each says of p itself.
+/// A cube that is smaller than the cells that it meets has a corner in each of them. The field is
+/// continuous within each, so it is bounded by what each says of the cube's middle. Where that lies
+/// beyond the grid, so is the nearest point of the grid, as the cube seen from there is no larger.
 template <class G>
   requires kIsGrid<G>
 VOXSHELL_INLINE float bound_small_ball(const PosedView<G>& posed, const Triple<float>& p,
@@ -74,37 +75,45 @@ VOXSHELL_INLINE float bound_small_ball(const PosedView<G>& posed, const Triple<f
   constexpr F8 kX = {-1, 1, -1, 1, -1, 1, -1, 1};
   constexpr F8 kY = {-1, -1, 1, 1, -1, -1, 1, 1};
   constexpr F8 kZ = {-1, -1, -1, -1, 1, 1, 1, 1};
-  constexpr float kMost = 0.499f;  // half of the cube's side, voxels
+  constexpr float kMost = 0.499f;  // half of the cube's side, in cells
   const G& grid = posed.field;
   const float half_side = radius + posed.slack;
   const float in_voxels = half_side * grid.inverse_voxel_size;
-  if (in_voxels > kMost) return -__builtin_inff();
+  if (in_voxels > kMost * kBrickCells) return -__builtin_inff();
   const Triple<float> q = to_field(posed, p);
-  const Triple<F8> middle{splat<F8>(q.x), splat<F8>(q.y), splat<F8>(q.z)};
   const Triple<F8> corners{q.x + half_side * kX, q.y + half_side * kY, q.z + half_side * kZ};
   const auto place = locate(grid, corners);
   const I8 entry = gather(grid.entries, place.brick);
-  GridCell<F8> cell = load_cell<F8>(grid, place, entry);
-  const F8 beyond = in_voxels / cell.size;
-  cell.t = {cell.t.x - beyond * kX, cell.t.y - beyond * kY, cell.t.z - beyond * kZ};
-  F8 bound = bound_cell(grid, cell, beyond, half_side);
   const I8 is_plane = (entry & kPlaneBit) != 0;
+  GridCell<F8> cell = load_cell<F8>(grid, place, entry);
+  F8 size = select(is_plane, splat<F8>(kBrickCells), cell.size);
+  if constexpr (kHasExactCells<G>) {
+    size = select(find_exact_bricks(grid, place) != 0, splat<F8>(1.0f), size);
+  }
+  if (in_voxels > kMost * find_least(size)) return -__builtin_inff();
+
+  const auto of_middle = locate(grid, q);
+  const Triple<float> outside = measure_outside(grid, of_middle);
+  const Triple<float> middle = subtract(q, outside);
+  // From the middle to the corners, as far as the grid reaches.
+  const F8 beyond = in_voxels / cell.size;
+  cell.t = {cell.t.x - (in_voxels * kX - place.outside.x + of_middle.outside.x) / cell.size,
+            cell.t.y - (in_voxels * kY - place.outside.y + of_middle.outside.y) / cell.size,
+            cell.t.z - (in_voxels * kZ - place.outside.z + of_middle.outside.z) / cell.size};
+  F8 bound = bound_cell(grid, cell, beyond, half_side);
   if (any(is_plane)) {
     const I8 index = select(is_plane, as_payload(entry) * 4, I8{});
-    const Triple<F8> normal{gather(grid.planes, index), gather(grid.planes, index + 1),
-                            gather(grid.planes, index + 2)};
-    const F8 by_plane = dot(normal, middle) - gather(grid.planes, index + 3) - half_side;
-    bound = select(is_plane, by_plane, bound);
+    const F8 along = gather(grid.planes, index) * middle.x +
+                     gather(grid.planes, index + 1) * middle.y +
+                     gather(grid.planes, index + 2) * middle.z;
+    bound = select(is_plane, along - gather(grid.planes, index + 3) - half_side, bound);
   }
-  bound_exact_cells(grid, place, corners, q, half_side, bound);
-  const auto is_outside = is_beyond(place.outside);
-  if (any(is_outside)) {
-    constexpr float kCorners = 3.4642f;  // the cube's diagonal, in half sides
-    const auto value = evaluate_in_grid<Wanted::kDistance>(grid, corners, place);
-    const F8 of_ball = find_lower_bound(grid, place, value, splat<F8>(kCorners * half_side));
-    bound = select(is_outside, of_ball, bound);
-  }
-  return find_least(bound) - posed.slack;
+  const Triple<F8> places = subtract(corners, measure_outside(grid, place));
+  bound_exact_cells(grid, place, places, middle, half_side, bound);
+  const float least = find_least(bound) - posed.slack;
+  const float away = length(outside) - half_side;
+  if (!(least > 0.0f) || !(away > 0.0f)) return least;
+  return square_root(least * least + away * away) - posed.slack;
 }
 
 /// Whether a place within `radius` of one that bound_points() does not clear may be below the
