@@ -26,7 +26,10 @@ struct Sweep {
 /// (Mirtich 1996) on the point-sphere tree: a time is passed over where no element can come below
 /// the margin within it, by the field's own lower bounds about the places in its middle and a bound
 /// of how far an element moves. So nothing is missed however thin it is and however fast bodies
-/// move. The motion may be of any length; turns count as given, also beyond a whole one.
+/// move (docs/decisions/0042-swept-queries.md). The motion may be of any length; turns count as
+/// given, also beyond a whole one. Where fields are not continuous, bodies may stop by their step
+/// earlier than the tolerance says; where the margin reaches beyond a grid, by as much as that
+/// reaches.
 Sweep sweep(const Field& field, const PointShell& shell, const RigidMotion& world_from_field,
             const RigidMotion& world_from_shell, const SweepOptions& options,
             QueryScratch& scratch);
