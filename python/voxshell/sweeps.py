@@ -150,7 +150,7 @@ def sweep(
         >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
         >>> start, end = np.eye(4), np.eye(4)
         >>> start[2, 3], end[2, 3] = 1.0, -1.0
-        >>> fall = vx.sweep(ball, vx.Plane(), start, a_end=end)
+        >>> fall = vx.sweep(ball, vx.Plane(), start, a_end=end, tolerance=1e-4)
         >>> fall.touches, round(fall.fraction, 3), round(fall.a_pose[2, 3], 3)
         (True, 0.45, 0.1)
         >>> fall.normal

@@ -128,7 +128,7 @@ class Clearing {
   /// its parent in the binary tree.
   float radius_at(const simd::TreeView& tree, int level) const {
     const int depth = tree.depth - 3 * (tree.level_count - 1 - level);
-    return shell_.tree().spheres(1)[0].radius * std::exp2(-0.5f * static_cast<float>(depth));
+    return std::sqrt(std::ldexp(1.0f, -depth)) * shell_.tree().spheres(1)[0].radius;
   }
 
   static constexpr float kSmallOfMotion = 0.25f;
