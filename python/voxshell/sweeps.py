@@ -151,7 +151,7 @@ def sweep(
         >>> start, end = np.eye(4), np.eye(4)
         >>> start[2, 3], end[2, 3] = 1.0, -1.0
         >>> fall = vx.sweep(ball, vx.Plane(), start, a_end=end, tolerance=1e-4)
-        >>> fall.touches, round(fall.fraction, 3), round(fall.a_pose[2, 3], 3)
+        >>> fall.touches, round(fall.fraction, 3), round(float(fall.a_pose[2, 3]), 3)
         (True, 0.45, 0.1)
         >>> fall.normal
         array([0., 0., 1.])
