@@ -9,24 +9,15 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "eight_directions.h"
 #include "face_field.h"
 #include "second_shell.h"
 
 namespace voxshell::bullet {
 namespace {
 
-constexpr double kHalf = 0.70710678118654752;  // the cosine of 45 degrees
-
-/// From which the circle at an end is looked over: no place of it is farther from all of them than
-/// kBetweenStarts radii.
-constexpr std::array<std::array<double, 2>, 8> kStarts{{{1, 0},
-                                                        {kHalf, kHalf},
-                                                        {0, 1},
-                                                        {-kHalf, kHalf},
-                                                        {-1, 0},
-                                                        {-kHalf, -kHalf},
-                                                        {0, -1},
-                                                        {kHalf, -kHalf}}};
+/// The circle at an end is looked over from kEightDirections: no place of it is farther from all of
+/// them than this, radii.
 constexpr double kBetweenStarts = 0.4;
 constexpr int kApproachSteps = 2;
 /// Of a long side, between places that are looked over: a radius apart each, if they are not more.
@@ -125,12 +116,13 @@ void CylinderContacts::look_over(double along, double aside) {
   const Vec3 centre = middle_ + along * axis_;
   const auto may_touch = [&](float bound) { return static_cast<double>(bound) < reach; };
   if (!may_touch(grid.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius_)))) return;
-  std::array<Vec3, kStarts.size()> outs;
+  std::array<Vec3, kEightDirections.size()> outs;
   EightPoints places;
   EightFloats radii;
   radii.fill(static_cast<float>(kBetweenStarts * radius_));
   for (std::size_t i = 0; i < outs.size(); ++i) {
-    outs[i] = model_from_shape_.rotate({kStarts[i][0], kStarts[i][1], 0.0});
+    const auto& [x, y] = kEightDirections[i];
+    outs[i] = model_from_shape_.rotate({x, y, 0.0});
     places.set(i, static_cast<Vec3f>(centre + radius_ * outs[i]));
   }
   const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;

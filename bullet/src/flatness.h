@@ -9,6 +9,7 @@
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
+#include "eight_directions.h"
 #include "voxshell/field.h"
 
 namespace voxshell::bullet {
@@ -25,19 +26,10 @@ inline std::array<Vec3, 2> tangents_of(const Vec3& normal) {
 template <class F>
 double bend_of(const F& field, const Vec3& place, const Vec3& normal, double distance) {
   if constexpr (std::is_same_v<F, PlaneField>) return 0.0;
-  constexpr std::size_t kAround = 8;
-  constexpr double kHalf = 0.70710678118654752;  // the cosine of 45 degrees
-  constexpr std::array<std::array<double, 2>, kAround> kDirections{{{1, 0},
-                                                                    {kHalf, kHalf},
-                                                                    {0, 1},
-                                                                    {-kHalf, kHalf},
-                                                                    {-1, 0},
-                                                                    {-kHalf, -kHalf},
-                                                                    {0, -1},
-                                                                    {kHalf, -kHalf}}};
+  constexpr std::size_t kAround = kEightDirections.size();
   const auto tangents = tangents_of(normal);
   const auto at = [&](std::size_t i) {
-    const auto& [u, v] = kDirections[i];
+    const auto& [u, v] = kEightDirections[i];
     return static_cast<Vec3f>(place + distance * (u * tangents[0] + v * tangents[1]));
   };
   float farthest = 0.0f;

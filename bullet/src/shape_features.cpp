@@ -9,6 +9,7 @@
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
+#include "eight_directions.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -17,19 +18,10 @@ namespace {
 /// the model's field as its centre sees it.
 void add_rim(double radius, double height, const Pose& model_from_shape, const GridField& field,
              std::vector<Feature>& features) {
-  constexpr double kHalf = 0.70710678118654752;  // the cosine of 45 degrees
-  constexpr std::array<std::array<double, 2>, 8> kAround{{{1, 0},
-                                                          {kHalf, kHalf},
-                                                          {0, 1},
-                                                          {-kHalf, kHalf},
-                                                          {-1, 0},
-                                                          {-kHalf, -kHalf},
-                                                          {0, -1},
-                                                          {kHalf, -kHalf}}};
   const auto add = [&](double x, double y) {
     features.push_back({model_from_shape.transform_point({radius * x, radius * y, height}), 0.0});
   };
-  for (const auto& [x, y] : kAround) add(x, y);
+  for (const auto& [x, y] : kEightDirections) add(x, y);
   const Vec3 centre = model_from_shape.transform_point({0, 0, height});
   const Matrix3 shape_from_model = model_from_shape.rotation.transposed();
   const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(centre)));
