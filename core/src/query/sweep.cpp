@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "query/edge_search.h"
 #include "query/posed.h"
 #include "query/scratch.h"
 #include "query/walk.h"
@@ -93,23 +92,23 @@ class Clearing {
     // Poses within the motion are rounded, too.
     const float growth = static_cast<float>(motion * kSafety) + posed.slack;
     const simd::TreeView tree = view_tree(shell_);
-    if (!is_clear(posed, tree, growth, state_, [&](const simd::PointList& points) {
+    const bool are_points_clear =
+        is_tree_clear(posed, tree, growth, state_, [&](const simd::PointList& points) {
           return kernels_.may_come_below(posed, points, margin_, growth);
-        })) {
-      return false;
-    }
-    if (shell_.edges() == nullptr) return true;
+        });
+    if (!are_points_clear || shell_.edges() == nullptr) return are_points_clear;
     const simd::EdgeView edges = shell_.edges()->view();
-    return is_clear(posed, edges.tree, growth + edges.reach, state_.of_edges(),
-                    [&](const simd::PointList& pieces) {
-                      return kernels_.may_edges_come_below(posed, edges, pieces, margin_, growth);
-                    });
+    return is_tree_clear(posed, edges.tree, growth + edges.reach, state_.of_edges(),
+                         [&](const simd::PointList& pieces) {
+                           return kernels_.may_edges_come_below(posed, edges, pieces, margin_,
+                                                                growth);
+                         });
   }
 
  private:
   template <class Posed, class MayComeBelow>
-  bool is_clear(const Posed& posed, const simd::TreeView& tree, float growth,
-                QueryScratch::State& state, const MayComeBelow& may_come_below) {
+  bool is_tree_clear(const Posed& posed, const simd::TreeView& tree, float growth,
+                     QueryScratch::State& state, const MayComeBelow& may_come_below) {
     // Spheres that are small against the motion would not tell more. Of the first, none has been
     // looked at yet.
     const auto go_on = [&](const simd::Seeds& left) {

@@ -128,7 +128,11 @@ TEST(Sweep, NothingTouchesBeforeAndSomethingIsNearThen) {
         if (!(end > 0.0)) continue;
         const Sweep part = sweep(field, shell, of_field, of_shell,
                                  {.margin = margin, .tolerance = kTolerance, .end = end}, scratch);
-        if (!part.contact) {
+        ASSERT_LE(part.fraction, end);
+        if (part.contact) {
+          const double gap = -static_cast<double>(part.contact->depth);
+          ASSERT_LT(gap, static_cast<double>(margin) + kTolerance + step);
+        } else {
           ASSERT_EQ(part.fraction, end);
         }
       }
