@@ -38,13 +38,9 @@ struct PosePairs {
   }
 };
 
-PosePairs read_pose_pairs(const OptionalPoses& a_poses, const OptionalPoses& b_poses, bool a_is_one,
-                          bool b_is_one) {
-  std::size_t count = 1;
-  if (a_poses && !a_is_one) count = a_poses->shape(0);
-  if (b_poses && !b_is_one) count = b_poses->shape(0);
-  return {read_poses(a_poses, a_is_one, count, "a_poses"),
-          read_poses(b_poses, b_is_one, count, "b_poses")};
+PosePairs read_pose_pairs(std::size_t count, const OptionalPoses& a_poses,
+                          const OptionalPoses& b_poses) {
+  return {read_poses(a_poses, count, "a_poses"), read_poses(b_poses, count, "b_poses")};
 }
 
 /// The poses that found nothing, of bodies that may lie inside the ones asked about.
@@ -174,13 +170,13 @@ Result<ContactBatchSet> ask_contacts(const SharedBodies& bodies, PosePairs poses
 
 ContactBatchSet contacts_batch(const SharedField& field_a, const SharedModel& model_a,
                                const SharedField& field_b, const SharedModel& model_b,
-                               const OptionalPoses& a_poses, const OptionalPoses& b_poses,
-                               bool a_is_one, bool b_is_one, ShellChoice shells,
+                               std::size_t count, const OptionalPoses& a_poses,
+                               const OptionalPoses& b_poses, ShellChoice shells,
                                RoundedInside margin, int level,
                                std::optional<std::size_t> max_points, unsigned threads,
                                nb::handle progress) {
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
-  PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
+  PosePairs poses = read_pose_pairs(count, a_poses, b_poses);
   const Roles roles = choose_roles(bodies.view(), shells);
   BuildWatch watch(progress);
   auto result = [&] {
@@ -226,10 +222,10 @@ Result<std::vector<char>> ask_collisions(const Bodies& bodies, const PosePairs& 
 
 nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
     const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
-    const OptionalPoses& a_poses, const OptionalPoses& b_poses, bool a_is_one, bool b_is_one,
+    std::size_t count, const OptionalPoses& a_poses, const OptionalPoses& b_poses,
     ShellChoice shells, RoundedInside margin, unsigned threads, nb::handle progress) {
   const Bodies bodies{field_a, model_a, field_b, model_b};
-  const PosePairs poses = read_pose_pairs(a_poses, b_poses, a_is_one, b_is_one);
+  const PosePairs poses = read_pose_pairs(count, a_poses, b_poses);
   const Roles roles = choose_roles(bodies, shells);
   BuildWatch watch(progress);
   auto result = [&] {
@@ -260,14 +256,14 @@ void bind_batch(nb::module_& module) {
           InOrdinaryFloats());
 
   module.def("contacts_batch", &contacts_batch, nb::arg("field_a"), nb::arg("model_a").none(),
-             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
-             nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("count"),
+             nb::arg("a_poses").none(), nb::arg("b_poses").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(), nb::arg("threads"),
              nb::arg("progress").none(), InOrdinaryFloats(),
-             "(k, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
+             "(count, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
   module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("model_a").none(),
-             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_poses").none(),
-             nb::arg("b_poses").none(), nb::arg("a_is_one"), nb::arg("b_is_one"), nb::arg("shells"),
+             nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("count"),
+             nb::arg("a_poses").none(), nb::arg("b_poses").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), InOrdinaryFloats(),
              "(k,) bool.");
 }

@@ -225,13 +225,10 @@ Sweeps sweep_batch(const Field& field_a, const Model* model_a, const Field& fiel
                    const OptionalPoses& a_ends, const OptionalPoses& b_poses,
                    const OptionalPoses& b_ends, ShellChoice shells, RoundedInside margin,
                    std::optional<double> tolerance, unsigned threads, nb::handle progress) {
-  const auto read = [&](const OptionalPoses& poses, const char* name) {
-    return read_poses(poses, poses && poses->shape(0) == 1, count, name);
-  };
-  const std::vector<Pose> a_starts = read(a_poses, "a_poses");
-  const std::vector<Pose> b_starts = read(b_poses, "b_poses");
-  const std::vector<Pose> a_last = a_ends ? read(a_ends, "a_ends") : a_starts;
-  const std::vector<Pose> b_last = b_ends ? read(b_ends, "b_ends") : b_starts;
+  const std::vector<Pose> a_starts = read_poses(a_poses, count, "a_poses");
+  const std::vector<Pose> b_starts = read_poses(b_poses, count, "b_poses");
+  const std::vector<Pose> a_last = a_ends ? read_poses(a_ends, count, "a_ends") : a_starts;
+  const std::vector<Pose> b_last = b_ends ? read_poses(b_ends, count, "b_ends") : b_starts;
   const Question question =
       make_question(field_a, model_a, field_b, model_b, shells, margin, tolerance);
   SweepArrays arrays(count);

@@ -16,11 +16,12 @@ using PosesArray = nanobind::ndarray<const double, nanobind::shape<-1, 4, 4>, na
                                      nanobind::device::cpu>;
 using OptionalPoses = std::optional<PosesArray>;
 
-/// One pose, or none, stands for every one of `count`.
-inline std::vector<Pose> read_poses(const OptionalPoses& array, bool is_one, std::size_t count,
+/// `count` poses. An array of one pose, or none for the identity, stands for every one.
+inline std::vector<Pose> read_poses(const OptionalPoses& array, std::size_t count,
                                     const char* name) {
   if (!array) return std::vector<Pose>(count);
-  if (is_one) return std::vector<Pose>(count, read_matrix(array->data(), name));
+  if (array->shape(0) == 1) return std::vector<Pose>(count, read_matrix(array->data(), name));
+  if (array->shape(0) != count) throw nanobind::value_error("not as many poses as counted");
   std::vector<Pose> poses;
   poses.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {

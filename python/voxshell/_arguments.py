@@ -126,10 +126,28 @@ def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
     return None if value is None else as_floats(value, name, _POSE_SHAPE, PoseError)
 
 
-def as_pose_array(value: Any, name: str) -> tuple[NDArray[np.float64] | None, bool]:
-    """(k, 4, 4), or None, and whether it is one pose for all."""
+def as_pose_arrays(**values: Any) -> tuple[int, list[NDArray[np.float64] | None]]:
+    """How many poses are meant, and (count, 4, 4) arrays, by their names.
+
+    One of (1, 4, 4), from a single (4, 4) pose, stands for all; so does None, for the identity.
+    """
+    arrays = {name: _as_pose_array(value, name) for name, value in values.items()}
+    counts = {
+        name: len(array)
+        for name, array in arrays.items()
+        if array is not None and np.ndim(values[name]) != len(_POSE_SHAPE)
+    }
+    if len(set(counts.values())) > 1:
+        raise SettingsError(
+            f"{' and '.join(counts)} must be equally many, or single (4, 4) poses; they are "
+            f"{' and '.join(map(str, counts.values()))}"
+        )
+    return next(iter(counts.values()), 1), list(arrays.values())
+
+
+def _as_pose_array(value: Any, name: str) -> NDArray[np.float64] | None:
     if value is None:
-        return None, True
+        return None
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
@@ -142,7 +160,7 @@ def as_pose_array(value: Any, name: str) -> tuple[NDArray[np.float64] | None, bo
             f"{name} must be (k, 4, 4) or (4, 4) numbers, not {describe(array.shape)} {array.dtype}"
         )
     poses = array[None] if array.ndim == 2 else array
-    return np.ascontiguousarray(poses, dtype=np.float64), array.ndim == 2
+    return np.ascontiguousarray(poses, dtype=np.float64)
 
 
 def as_path(value: Any, name: str) -> bytes:

@@ -330,8 +330,8 @@ class ContactBatch:
 
     def at(self, arg: int, /) -> ContactSet: ...
 
-def contacts_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
-    """(k, 4, 4) poses; one that is to stand for all is (1, 4, 4)."""
+def contacts_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
+    """(count, 4, 4) poses; one that is to stand for all is (1, 4, 4)."""
 
-def collide_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_is_one: bool, b_is_one: bool, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
+def collide_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
     """(k,) bool."""

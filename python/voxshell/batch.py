@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_pose_array, as_threads
+from voxshell._arguments import as_pose_arrays, as_threads
 from voxshell._pairs import (
     Collidable,
     Shell,
@@ -18,7 +18,7 @@ from voxshell._pairs import (
     as_pair,
 )
 from voxshell.contact_set import Contacts, name_shells
-from voxshell.errors import InputTypeError, SettingsError
+from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -170,12 +170,14 @@ def contacts_batch(
         >>> round(max(deepest), 4)
         0.05
     """
-    poses = _as_pose_pairs(a_poses, b_poses)
+    count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     bodies, shells = as_pair(a, b, shell)
     return ContactBatch(
         _core.contacts_batch(
             *bodies,
-            *poses,
+            count,
+            of_a,
+            of_b,
             shells,
             as_margin(margin),
             as_level(level),
@@ -228,25 +230,14 @@ def collide_batch(
         array([False,  True,  True])
     """
     bodies, shells = as_pair(a, b, shell)
+    count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     return _core.collide_batch(
         *bodies,
-        *_as_pose_pairs(a_poses, b_poses),
+        count,
+        of_a,
+        of_b,
         shells,
         as_margin(margin),
         as_threads(threads),
         progress,
     )
-
-
-def _as_pose_pairs(
-    a_poses: ArrayLike | None, b_poses: ArrayLike | None
-) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, bool, bool]:
-    """Both as (k, 4, 4), None where they are not given, and whether each is one pose for all."""
-    a, a_is_one = as_pose_array(a_poses, "a_poses")
-    b, b_is_one = as_pose_array(b_poses, "b_poses")
-    if a is not None and b is not None and not (a_is_one or b_is_one) and len(a) != len(b):
-        raise SettingsError(
-            f"a_poses and b_poses must be equally many, or one of them a single (4, 4) pose; "
-            f"they are {len(a)} and {len(b)}"
-        )
-    return a, b, a_is_one, b_is_one

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_floats, as_length, as_pose, as_pose_array, as_threads
+from voxshell._arguments import as_floats, as_length, as_pose, as_pose_arrays, as_threads
 from voxshell._pairs import Collidable, Shell, as_margin, as_pair, as_scratch
 from voxshell.errors import SettingsError
 
@@ -251,11 +251,9 @@ def sweep_batch(
         array([1. , 1. , 0.5])
     """
     bodies, shells = as_pair(a, b, shell)
-    starts_a, _ = as_pose_array(a_poses, "a_poses")
-    ends_a, _ = as_pose_array(a_ends, "a_ends")
-    starts_b, _ = as_pose_array(b_poses, "b_poses")
-    ends_b, _ = as_pose_array(b_ends, "b_ends")
-    count = _count_motions(a_poses=starts_a, a_ends=ends_a, b_poses=starts_b, b_ends=ends_b)
+    count, (starts_a, ends_a, starts_b, ends_b) = as_pose_arrays(
+        a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends
+    )
     found = _core.sweep_batch(
         *bodies,
         count,
@@ -329,15 +327,3 @@ def interpolate_pose(
 
 def _as_tolerance(value: Any) -> float | None:
     return None if value is None else as_length(value, "tolerance")
-
-
-def _count_motions(**poses: NDArray[np.float64] | None) -> int:
-    """Single poses stand for all; the others must be equally many."""
-    counts = {name: len(array) for name, array in poses.items() if array is not None}
-    many = {name: count for name, count in counts.items() if count != 1}
-    if len(set(many.values())) > 1:
-        told = ", ".join(f"{count} {name}" for name, count in many.items())
-        raise SettingsError(
-            f"there must be equally many poses, or single (4, 4) ones; there are {told}"
-        )
-    return next(iter(many.values()), 1)

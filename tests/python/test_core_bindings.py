@@ -154,8 +154,7 @@ def test_batches(parts: dict, query, own: dict):
         **bodies,
         "a_poses": np.eye(4)[None],
         "b_poses": None,
-        "a_is_one": False,
-        "b_is_one": True,
+        "count": 1,
         "margin": 0.0,
         "threads": 1,
         "progress": None,
@@ -166,13 +165,15 @@ def test_batches(parts: dict, query, own: dict):
         "field_a": [None],
         "a_poses": ["pose", np.eye(4), np.zeros((2, 4, 3)), np.eye(4, dtype=complex)[None]],
         "b_poses": [1.0, np.eye(4)],
-        "a_is_one": [None, "yes"],
+        "count": [None, "yes", -1],
         "threads": [None, -1, "1"],
         "shells": ["a"],
     }.items():
         for value in wrong:
             with pytest.raises(TypeError):
                 query(**{**arguments, name: value})
+    with pytest.raises(ValueError, match="not as many poses"):
+        query(**{**arguments, "count": 3, "a_poses": np.tile(np.eye(4), (2, 1, 1))})
     with pytest.raises(IndexError):
         _core.contacts_batch(**arguments, **({} if own else {"level": 1, "max_points": None})).at(1)
 
