@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import voxshell as vx
 from trimesh.transformations import random_rotation_matrix
+from voxshell.experiments.crowd import Engine, build_heap, measure_memory
 from voxshell.experiments.timing import pinned
 from voxshell.scenes.bunny import BunnySettings
 from voxshell.scenes.pour import PourSettings
@@ -44,10 +45,15 @@ def build(mesh: vx.Mesh, uniform: float | None, points: int | None = None) -> vx
     return vx.Model.from_mesh(mesh, voxel_size=uniform, target_points=points)
 
 
-def make_world(is_uniform: bool, threads: int = 1) -> vx.World:
+def make_world(is_uniform: bool) -> vx.World:
     """An empty world for models of that kind."""
     shell = "fewest" if is_uniform else "auto"
-    return vx.World(time_step=1 / RATE, sleeping=False, shell=shell, threads=threads)
+    return vx.World(time_step=1 / RATE, sleeping=False, shell=shell, threads=1)
+
+
+def engine_of(is_uniform: bool) -> Engine:
+    """What heaps of models of that kind are called."""
+    return "uniform" if is_uniform else "default"
 
 
 def describe(values: np.ndarray, unit: float) -> str:
@@ -83,33 +89,15 @@ def time_falls(is_uniform: bool) -> None:
         print(f"{speed:6.1f}  {len(seconds):6d}  {describe(np.array(seconds), 1e-6)}")
 
 
-def memory() -> float:
-    """Of this process, MB."""
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    return pages * 4096 / 1e6
-
-
 def print_stages(what: str, timings: np.ndarray) -> None:
     """A line for each stage of the steps."""
     for stage in STAGES:
         print(f"{what:>8}  {stage:>13}  {describe(timings[stage], 1e-3)}")
 
 
-def fill(
-    settings: PourSettings, is_uniform: bool, threads: int, poses: np.ndarray
-) -> tuple[vx.World, list[vx.Body]]:
-    """The bin and the bodies in given poses."""
-    body = build(settings.build_mesh(), settings.voxel_size if is_uniform else None)
-    container = build(settings.build_bin(), settings.bin_voxel_size if is_uniform else None)
-    matter = body.mass_properties(settings.mass)
-    world = make_world(is_uniform, threads)
-    world.add(container, mass=0)
-    return world, [world.add(body, mass=settings.mass, pose=p, inertia=matter) for p in poses]
-
-
 def pour(settings: PourSettings, is_uniform: bool, threads: int) -> dict[str, np.ndarray]:
     """Times the steps of the pouring. The poses and velocities of the heap that it leaves."""
-    world, bodies = fill(settings, is_uniform, threads, settings.compute_starts())
+    world, bodies = build_heap(engine_of(is_uniform), settings, settings.compute_starts(), threads)
     world.step(round(settings.seconds * RATE))
     print_stages("pouring", world.timings)
     return {
@@ -122,10 +110,10 @@ def time_heap(
     settings: PourSettings, is_uniform: bool, threads: int, heap: Mapping[str, np.ndarray]
 ) -> None:
     """Times the steps of a heap, and prints what a comparison has to have in common."""
-    world, bodies = fill(settings, is_uniform, threads, heap["poses"])
+    world, bodies = build_heap(engine_of(is_uniform), settings, heap["poses"], threads)
     for each, (linear, angular) in zip(bodies, heap["velocities"], strict=True):
         each.linear_velocity, each.angular_velocity = linear, angular
-    before = memory()
+    before = measure_memory()
     world.step(SETTLED_AFTER)
     world.step(TIMED)
     print_stages("heap", world.timings[-TIMED:])
@@ -134,7 +122,7 @@ def time_heap(
     height = np.mean([b.pose[2, 3] for b in bodies])
     print(
         f"{len(contacts)} contacts, 99 % of them less deep than {depth * 1e6:.3g} um; bodies are "
-        f"{height * 1e3:.4g} mm high; {memory() - before:.0f} MB more memory than before the steps"
+        f"{height * 1e3:.4g} mm high; {measure_memory() - before:.0f} MB more memory than before the steps"
     )
 
 

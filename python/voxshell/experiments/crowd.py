@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -44,7 +44,7 @@ _PAGE = 4096
 def list_engines() -> list[Engine]:
     """Those that can run: MuJoCo where it is installed."""
     engines: list[Engine] = ["default", "uniform", "hulls"]
-    if importlib.util.find_spec("mujoco") is not None:
+    if find_spec("mujoco") is not None:
         engines.append("mujoco")
     return engines
 
@@ -76,15 +76,15 @@ def time_bodies(engine: Engine, count: int, seconds: float) -> Tables:
 def _time_world(engine: Engine, settings: PourSettings, seconds: float) -> Tables:
     starts = settings.compute_starts()
     with pinned():
-        world, bodies = _build(engine, settings, starts, threads=1)
-        before = _memory()
+        world, bodies = build_heap(engine, settings, starts, threads=1)
+        before = measure_memory()
         world.step(round(seconds * RATE))
         pouring = world.timings.copy()
         world.step(SETTLING)
         world.step(TIMED)
         heap = world.timings[-TIMED:].copy()
         contacts = len(world.contacts())
-        memory = _memory() - before
+        memory = measure_memory() - before
         poses = np.array([body.pose for body in bodies])
         speeds = np.linalg.norm([body.linear_velocity for body in bodies], axis=1)
     tables = {
@@ -93,7 +93,7 @@ def _time_world(engine: Engine, settings: PourSettings, seconds: float) -> Table
         "end": _end(settings, poses, speeds, contacts, memory),
     }
     if engine != "hulls":
-        again, others = _build(engine, settings, poses, threads=None)
+        again, others = build_heap(engine, settings, poses, threads=None)
         for body, known in zip(others, bodies, strict=True):
             body.linear_velocity = known.linear_velocity
             body.angular_velocity = known.angular_velocity
@@ -104,9 +104,17 @@ def _time_world(engine: Engine, settings: PourSettings, seconds: float) -> Table
     return tables
 
 
-def _build(
+def build_heap(
     engine: Engine, settings: PourSettings, poses: NDArray[np.float64], threads: int | None
 ) -> tuple[World, list[Body]]:
+    """The bin and the bodies in given poses, (count, 4, 4). Nothing sleeps.
+
+    Args:
+        engine: Any but "mujoco".
+        settings: Of the bodies and the bin.
+        poses: ``world_from_body``, metres.
+        threads: Of worlds of models; None: one a core. Hulls are on one.
+    """
     if engine == "hulls":
         return build_world(settings, "decomposition", poses)
     is_uniform = engine == "uniform"
@@ -167,10 +175,10 @@ def _time_mujoco(settings: PourSettings, seconds: float) -> Tables:
     model = spec.compile()
     data = mujoco.MjData(model)
     with pinned():
-        before = _memory()
+        before = measure_memory()
         pouring = _clock(round(seconds * RATE), lambda: mujoco.mj_step(model, data))
         heap = _clock(SETTLING + TIMED, lambda: mujoco.mj_step(model, data))[SETTLING:]
-        memory = _memory() - before
+        memory = measure_memory() - before
     speeds = np.linalg.norm(data.qvel.reshape(-1, 6)[:, :3], axis=1)
     poses = np.tile(np.eye(4), (settings.count, 1, 1))
     poses[:, :3, 3] = data.qpos.reshape(-1, 7)[:, :3]
@@ -217,7 +225,7 @@ def _end(
     return {name: np.array([value], dtype=np.float64) for name, value in values.items()}
 
 
-def _memory() -> float:
+def measure_memory() -> float:
     """Of this process, megabytes; not a number where the system does not tell."""
     status = Path("/proc/self/statm")
     if not status.exists():
