@@ -178,6 +178,23 @@ def test_bodies_that_pass_beyond_the_margin_do_not_touch(uniform, margin):
             assert found.a_pose[0, 3] == pytest.approx(-along, abs=2e-3)
 
 
+@pytest.mark.parametrize("margin", [0.03, 0.05])
+def test_a_margin_beyond_the_grid_stops_no_earlier_than_the_grid_reaches(margin):
+    cube = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)))
+    reach = 24 * cube.field.voxel_size  # 16 voxels, filled up to bricks of 8
+    assert reach < margin
+    gap = margin + reach
+    for aside, touches in ((margin - 1e-3, True), (gap, False)):
+        found = vx.sweep(
+            cube,
+            cube,
+            translation_matrix((-0.4, 0.1 + aside, 0.003)),
+            a_end=translation_matrix((0.4, 0.1 + aside, 0.003)),
+            margin=margin,
+        )
+        assert found.touches == touches
+
+
 def test_the_shell_of_fewest_points_misses_nothing_on_the_way():
     """Which shell that is may change from pose to pose."""
     plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.002)))
@@ -322,7 +339,9 @@ def test_wrong_arguments_are_named(box, options, error, message):
 
 def test_wrong_batches_are_named(box, motions):
     starts, ends = motions
-    with pytest.raises(vx.SettingsError, match="there are 60 a_poses, 59 a_ends"):
+    with pytest.raises(
+        vx.SettingsError, match=r"^a_poses and a_ends must be equally many.*they are 60 and 59$"
+    ):
         vx.sweep_batch(box, vx.Plane(), starts, a_ends=ends[1:])
     bad = ends.copy()
     bad[7, 3, 0] = 1.0
