@@ -45,15 +45,10 @@ def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
 
 WORDS = ("field off by", "surface seen to", "normals", "proved bound")
 
-# Within these factors of what is measured when the models are really built.
-FACTORS = {
-    "field_bytes": 1.6,
-    "points": 1.1,
-    "error": 2.0,
-    "build_seconds": 4.0,
-    "contacts_seconds": 4.0,
-    "collide_seconds": 4.0,
-}
+# Within these factors of what is measured when the models are really built. Times are left out: on a
+# machine that others use they say nothing about the estimate.
+FACTORS = {"field_bytes": 1.6, "points": 1.1, "error": 2.0}
+TIMES = ("build_seconds", "contacts_seconds", "collide_seconds")
 
 
 @pytest.mark.parametrize(
@@ -77,6 +72,7 @@ def test_estimates_are_near_what_is_built(mesh):
         least = 1e-6 * float(np.ptp(arrays.vertices)) if name == "error" else 0.0
         one, other = (max(asdict(each)[name], least) for each in (guess, real))
         assert 1.0 / factor <= one / other <= factor, (name, one, other)
+    assert all(asdict(guess)[name] > 0.0 for name in TIMES)
 
 
 @pytest.mark.parametrize("name", ["bunny", "box"])
@@ -116,7 +112,7 @@ def test_advice_is_the_finest_that_is_cheap_enough():
     def make(resolution, **costs):
         cheap = dict.fromkeys(("field_bytes", "points", "error", "coverage"), 1.0)
         cheap |= dict.fromkeys(("field_bound", "shell_bound"), 1.0)
-        cheap |= dict.fromkeys(("build_seconds", "contacts_seconds", "collide_seconds"), 1e-6)
+        cheap |= dict.fromkeys(TIMES, 1e-6)
         return advice.Estimate(resolution, 1.0 / resolution, False, **(cheap | costs))
 
     dear = {"build_seconds": 31.0}, {"field_bytes": 1.1e8}, {"contacts_seconds": 2.1e-4}
