@@ -76,7 +76,7 @@ std::shared_ptr<const SurfaceCutter> find_hidden(const TriangleMesh& mesh,
     suspects.insert(suspects.end(), crossed.begin(), crossed.end());
   }
   if (suspects.empty()) return nullptr;
-  auto cutter = std::make_shared<const SurfaceCutter>(mesh, std::move(crossings));
+  auto cutter = std::make_shared<const SurfaceCutter>(mesh, true, std::move(crossings));
   return cutter->hides_any(suspects, settings.threads) ? cutter : nullptr;
 }
 
@@ -213,7 +213,7 @@ Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFiel
         return finish(std::move(closed));
     }
   }
-  if (!cutter) cutter = std::make_shared<const SurfaceCutter>(mesh);
+  if (!cutter) cutter = std::make_shared<const SurfaceCutter>(mesh, repaired.is_balanced);
   return finish(build_by_winding(mesh, repaired.is_balanced, cutter, *plan, settings, report,
                                  visible, progress));
 }

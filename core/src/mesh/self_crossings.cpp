@@ -97,29 +97,34 @@ std::vector<SelfCrossings::Line> SelfCrossings::find_lines(std::uint32_t triangl
   return lines;
 }
 
-bool SelfCrossings::clip(std::span<const Vec3> polygon, const Vec3& normal, Line& line) const {
-  double begin = 0.0;
-  double end = 1.0;
-  const Vec3 way = line.to - line.from;
+void SelfCrossings::clip(std::span<const Vec3> polygon, const Vec3& normal,
+                         std::vector<Line>& lines) const {
+  std::vector<Vec3> inwards(polygon.size());
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3& a = polygon[i];
     const Vec3& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
-    const Vec3 inward = normalized(cross(normal, b - a));
-    const double height = dot(line.from - a, inward) - 2.0 * rounding_;
-    const double slope = dot(way, inward);
-    if (height < 0.0 && height + slope < 0.0) return false;
-    if (height < 0.0) begin = std::max(begin, -height / slope);
-    if (height + slope < 0.0) end = std::min(end, -height / slope);
+    inwards[i] = normalized(cross(normal, b - polygon[i]));
   }
-  if ((end - begin) * length(way) <= 2.0 * rounding_) return false;
-  line = {line.from + begin * way, line.from + end * way};
-  return true;
+  std::size_t kept = 0;
+  for (const Line& line : lines) {
+    double begin = 0.0;
+    double end = 1.0;
+    const Vec3 way = line.to - line.from;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const double height = dot(line.from - polygon[i], inwards[i]) - 2.0 * rounding_;
+      const double slope = dot(way, inwards[i]);
+      if (height < 0.0) begin = height + slope < 0.0 ? 1.0 : std::max(begin, -height / slope);
+      if (height + slope < 0.0) end = std::min(end, -height / slope);
+    }
+    if ((end - begin) * length(way) <= 2.0 * rounding_) continue;
+    lines[kept++] = {line.from + begin * way, line.from + end * way};
+  }
+  lines.resize(kept);
 }
 
 bool SelfCrossings::is_crossed(std::uint32_t triangle) const {
-  return std::ranges::any_of(find_lines(triangle), [&](Line line) {
-    return clip(corners_[triangle], normals_[triangle], line);
-  });
+  std::vector<Line> lines = find_lines(triangle);
+  clip(corners_[triangle], normals_[triangle], lines);
+  return !lines.empty();
 }
 
 std::vector<std::uint32_t> SelfCrossings::find_crossed(unsigned threads) const {

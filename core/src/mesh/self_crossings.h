@@ -35,9 +35,9 @@ class SelfCrossings {
 
   /// Where other triangles meet the plane of a triangle, of those that may meet it.
   std::vector<Line> find_lines(std::uint32_t triangle) const;
-  /// Cuts a line down to what lies well within a convex polygon in the plane of a triangle,
-  /// counter-clockwise. False where nothing does.
-  bool clip(std::span<const Vec3> polygon, const Vec3& normal, Line& line) const;
+  /// Cuts lines down to what lies well within a convex polygon in the plane of a triangle,
+  /// counter-clockwise, and drops those that do not.
+  void clip(std::span<const Vec3> polygon, const Vec3& normal, std::vector<Line>& lines) const;
   bool is_crossed(std::uint32_t triangle) const;
 
   /// The triangles that are crossed, ascending.

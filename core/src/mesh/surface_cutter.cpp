@@ -72,28 +72,41 @@ class SurfaceCutter::Division {
 
   Division(const SurfaceCutter& cutter, std::uint32_t triangle, double finest)
       : cutter_(cutter),
+        triangle_(triangle),
         normal_(cutter.crossings_.normal(triangle)),
         finest_(finest),
         smallest_(kSmallest *
                   length(bound_triangle(cutter.crossings_.corners(triangle)).extents())) {}
 
-  void divide(const Polygon& polygon, const std::vector<Cut>& all) {
+  /// What touches one of its longer sides touches both: its neighbours are as near.
+  bool is_narrow(const Polygon& polygon) const { return width_of(polygon) <= cutter_.rounding(); }
+
+  void divide(const Polygon& polygon) {
+    divide(polygon, cutter_.crossings_.find_lines(triangle_), 0);
+  }
+
+  void divide(const Polygon& polygon, std::vector<Cut> cuts, int vain) {
     if (polygon.size() < kCorners) return;
-    std::vector<Cut> cuts;
-    for (Cut cut : all) {
-      if (cutter_.crossings_.clip(polygon, normal_, cut)) cuts.push_back(cut);
-    }
+    const std::size_t before = cuts.size();
+    cutter_.crossings_.clip(polygon, normal_, cuts);
     if (cuts.empty()) return decide(polygon);
     // Of many, most are far from one another.
     constexpr std::size_t kMany = 8;
-    if (cuts.size() > kMany && size_of(polygon) > smallest_) return halve(polygon, cuts);
+    if (cuts.size() > kMany) {
+      if (is_deep_inside(polygon, cuts.size())) {
+        has_hidden_ = true;
+        return;
+      }
+      vain = cuts.size() < before ? 0 : vain + 1;
+      if (vain <= kMostInVain && size_of(polygon) > smallest_) return halve(polygon, cuts, vain);
+    }
     const auto longest = std::ranges::max_element(
         cuts, {}, [](const Cut& cut) { return squared_length(cut.to - cut.from); });
     const Cut along = *longest;
     cuts.erase(longest);
     const Vec3 across = normalized(cross(normal_, along.to - along.from));
-    divide(keep_above(polygon, along.from, across), cuts);
-    divide(keep_above(polygon, along.from, -across), cuts);
+    divide(keep_above(polygon, along.from, across), cuts, 0);
+    divide(keep_above(polygon, along.from, -across), cuts, 0);
   }
 
   std::vector<std::array<Vec3, 3>> take_pieces() { return std::move(pieces_); }
@@ -102,6 +115,8 @@ class SurfaceCutter::Division {
 
  private:
   static constexpr double kSmallest = 1e-4;  // of the triangle
+  /// How often pieces are halved of which no part has fewer cuts.
+  static constexpr int kMostInVain = 4;
 
   static double size_of(const Polygon& polygon) {
     Bounds box;
@@ -129,7 +144,7 @@ class SurfaceCutter::Division {
   }
 
   /// Across its longest side's direction.
-  void halve(const Polygon& polygon, const std::vector<Cut>& cuts) {
+  void halve(const Polygon& polygon, const std::vector<Cut>& cuts, int vain) {
     Vec3 along{};
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Vec3 side = polygon[i + 1 == polygon.size() ? 0 : i + 1] - polygon[i];
@@ -143,27 +158,43 @@ class SurfaceCutter::Division {
       most = std::max(most, dot(corner - polygon[0], along));
     }
     const Vec3 middle = polygon[0] + 0.5 * (least + most) * along;
-    divide(keep_above(polygon, middle, along), cuts);
-    divide(keep_above(polygon, middle, -along), cuts);
+    divide(keep_above(polygon, middle, along), cuts, vain);
+    divide(keep_above(polygon, middle, -along), cuts, vain);
   }
 
-  void decide(const Polygon& polygon) {
-    Vec3 middle{};
+  /// Twice the area over the length of the rim.
+  static double width_of(const Polygon& polygon) {
     Vec3 doubled{};
     double rim = 0.0;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Vec3& a = polygon[i];
       const Vec3& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
-      middle += a / static_cast<double>(polygon.size());
       doubled += cross(a - polygon[0], b - polygon[0]);
       rim += length(b - a);
     }
-    const double width = length(doubled) / rim;
-    if (width <= cutter_.rounding()) return;  // the others are as near
-    const double aside = std::min(cutter_.aside_, kAsideOfWidth * width);
-    const SurfaceSides sides{cutter_.compute_number(middle + aside * normal_),
-                             cutter_.compute_number(middle - aside * normal_)};
-    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_) return halve(polygon, {});
+    return length(doubled) / rim;
+  }
+
+  SurfaceSides look_at(const Polygon& polygon) const {
+    Vec3 middle{};
+    for (const Vec3& corner : polygon) middle += corner / static_cast<double>(polygon.size());
+    const double aside = std::min(cutter_.aside_, kAsideOfWidth * width_of(polygon));
+    return {cutter_.compute_number(middle + aside * normal_),
+            cutter_.compute_number(middle - aside * normal_)};
+  }
+
+  /// Whole winding numbers change by one across each triangle that crosses the polygon: nowhere on
+  /// it do they come down to zero.
+  bool is_deep_inside(const Polygon& polygon, std::size_t crossing) const {
+    if (!cutter_.is_balanced_) return false;
+    const SurfaceSides sides = look_at(polygon);
+    return std::min(sides.front, sides.back) > static_cast<double>(crossing) + 1.5;
+  }
+
+  void decide(const Polygon& polygon) {
+    if (is_narrow(polygon)) return;
+    const SurfaceSides sides = look_at(polygon);
+    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_) return halve(polygon, {}, 0);
     if (sides.is_hidden()) {
       has_hidden_ = true;
     } else {
@@ -179,6 +210,7 @@ class SurfaceCutter::Division {
   }
 
   const SurfaceCutter& cutter_;
+  std::uint32_t triangle_;
   Vec3 normal_;
   double finest_;
   double smallest_;
@@ -186,8 +218,9 @@ class SurfaceCutter::Division {
   std::vector<std::array<Vec3, 3>> pieces_;
 };
 
-SurfaceCutter::SurfaceCutter(const TriangleMesh& mesh, SelfCrossings crossings)
-    : aside_(std::max(kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()],
+SurfaceCutter::SurfaceCutter(const TriangleMesh& mesh, bool is_balanced, SelfCrossings crossings)
+    : is_balanced_(is_balanced),
+      aside_(std::max(kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()],
                       2.0 * crossings.rounding())),
       winding_(mesh),
       crossings_(std::move(crossings)) {}
@@ -205,7 +238,8 @@ std::vector<std::array<Vec3, 3>> SurfaceCutter::cut(std::uint32_t triangle, doub
                                                     bool& is_hidden) const {
   Division division(*this, triangle, finest);
   const auto& corners = crossings_.corners(triangle);
-  division.divide({corners.begin(), corners.end()}, crossings_.find_lines(triangle));
+  const Division::Polygon whole(corners.begin(), corners.end());
+  if (!division.is_narrow(whole)) division.divide(whole);
   is_hidden = division.has_hidden() && !division.has_visible();
   if (!division.has_hidden() || !division.has_visible()) return {};
   return division.take_pieces();

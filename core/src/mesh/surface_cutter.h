@@ -36,9 +36,12 @@ struct VisibleTriangle {
 /// Keeps no reference to the mesh. Metres.
 class SurfaceCutter {
  public:
-  explicit SurfaceCutter(const TriangleMesh& mesh) : SurfaceCutter(mesh, SelfCrossings(mesh)) {}
+  /// `is_balanced`: at each edge of the mesh as many triangles run one way as the other, so that its
+  /// winding numbers are whole.
+  SurfaceCutter(const TriangleMesh& mesh, bool is_balanced)
+      : SurfaceCutter(mesh, is_balanced, SelfCrossings(mesh)) {}
   /// `crossings` are those of the mesh.
-  SurfaceCutter(const TriangleMesh& mesh, SelfCrossings crossings);
+  SurfaceCutter(const TriangleMesh& mesh, bool is_balanced, SelfCrossings crossings);
 
   /// What lies nearer together counts as touching, metres.
   double rounding() const { return crossings_.rounding(); }
@@ -70,6 +73,7 @@ class SurfaceCutter {
  private:
   class Division;
 
+  bool is_balanced_;
   double aside_;  ///< how far off the surface its sides are looked at
   WindingNumberTree winding_;
   SelfCrossings crossings_;

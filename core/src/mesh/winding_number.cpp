@@ -17,16 +17,40 @@ constexpr std::size_t kMaxDepth = 64;
 /// A group counts as one from this many of its radii away.
 constexpr double kFarAway = 3.0;
 
-/// The solid angle of a triangle (Van Oosterom and Strackee 1983).
-double solid_angle(const std::array<Vec3, 3>& corners, const Vec3& p) {
+/// Adds up angles of vectors in the plane, each from -pi to pi, by multiplying these as complex
+/// numbers and counting how often the product passes the negative axis: one arc tangent for many.
+class AngleSum {
+ public:
+  /// The angle of (x, y), whose length is about one. A vector of zeros has none.
+  void add(double x, double y) {
+    if (x == 0.0 && y == 0.0) return;
+    const bool was_below = std::signbit(y_);
+    const double product = x_ * x - y_ * y;
+    y_ = x_ * y + y_ * x;
+    x_ = product;
+    if (was_below == std::signbit(y) && std::signbit(y_) != was_below) turns_ += was_below ? -1 : 1;
+  }
+
+  double total() const { return portable_atan2(y_, x_) + 2.0 * std::numbers::pi * turns_; }
+
+ private:
+  double x_ = 1.0;
+  double y_ = 0.0;
+  int turns_ = 0;
+};
+
+/// Adds half the solid angle of a triangle (Van Oosterom and Strackee 1983).
+void add_half_angle(const std::array<Vec3, 3>& corners, const Vec3& p, AngleSum& sum) {
   const Vec3 a = corners[0] - p;
   const Vec3 b = corners[1] - p;
   const Vec3 c = corners[2] - p;
   const double la = length(a);
   const double lb = length(b);
   const double lc = length(c);
-  return 2.0 * portable_atan2(dot(a, cross(b, c)),
-                              la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  const double product = la * lb * lc;
+  if (product == 0.0) return;  // as seen from a corner
+  sum.add((product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb) / product,
+          dot(a, cross(b, c)) / product);
 }
 
 }  // namespace
@@ -101,9 +125,11 @@ double WindingNumberTree::compute(const Vec3& p) const {
     if (squared > kFarAway * kFarAway * node.radius * node.radius) {
       sum += dot(to_centre, node.area) / (squared * std::sqrt(squared));
     } else if (node.count > 0) {
+      AngleSum halves;
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-        sum += solid_angle(corners_[i], p);
+        add_half_angle(corners_[i], p, halves);
       }
+      sum += 2.0 * halves.total();
     } else {
       stack[waiting++] = node.first;
       stack[waiting++] = index + 1;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -153,10 +154,9 @@ class Measurement {
               const AccuracySettings& settings)
       : around_(mesh), visible_(visible), field_(field), settings_(settings) {
     if (visible != nullptr) {
-      is_whole_.assign(mesh.triangles().size(), 0);
-      for (const VisibleTriangle& of : visible->triangles) {
-        is_whole_[of.triangle] = of.is_whole ? 1 : 0;
-      }
+      pieces_.resize(visible->triangles.size());
+      std::iota(pieces_.begin(), pieces_.end(), 0u);
+      std::ranges::sort(pieces_, {}, [&](std::uint32_t piece) { return origin_of(piece); });
     }
     const Bounds& bounds = mesh.bounds();
     double farthest = 0.0;
@@ -325,9 +325,26 @@ class Measurement {
   /// The surface there does not bound the body: meshes that overlap themselves have such parts.
   bool is_hidden(const Place& place) const {
     if (visible_ == nullptr) return false;
-    const bool is_clear = std::ranges::all_of(
-        place.own, [&](std::uint32_t triangle) { return is_whole_[triangle] != 0; });
-    return !is_clear && visible_->cutter->look_at(place.point, place.normal).is_hidden();
+    return !std::ranges::all_of(place.own, [&](std::uint32_t triangle) {
+      return is_visible(triangle, place.point);
+    });
+  }
+
+  /// Of which triangle of the mesh it is a piece, or the whole.
+  std::uint32_t origin_of(std::uint32_t piece) const {
+    return visible_->triangles[piece].triangle;
+  }
+
+  /// Of a place on the triangle.
+  bool is_visible(std::uint32_t triangle, const Vec3& p) const {
+    const double rounding = visible_->cutter->rounding();
+    const auto own = std::ranges::equal_range(
+        pieces_, triangle, {}, [&](std::uint32_t piece) { return origin_of(piece); });
+    return std::ranges::any_of(own, [&](std::uint32_t piece) {
+      if (visible_->triangles[piece].is_whole) return true;
+      const Vec3 closest = closest_point_on_triangle(p, visible_->mesh.corners(piece));
+      return squared_length(closest - p) <= rounding * rounding;
+    });
   }
 
   void measure_field(std::size_t begin, std::size_t end) {
@@ -465,7 +482,7 @@ class Measurement {
 
   Surroundings around_;
   const VisibleSurface* visible_;
-  std::vector<std::uint8_t> is_whole_;  ///< triangles that are visible as a whole
+  std::vector<std::uint32_t> pieces_;  ///< of `visible_`, by the triangle that they are pieces of
   const GridField& field_;
   const AccuracySettings& settings_;
   double least_push_ = 0.0;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -57,6 +58,25 @@ TEST(Sign, WindingNumbersAreThoseOfTheFullSum) {
     for (int i = 0; i < 500; ++i) {
       const Vec3 p = random.in_cube(1.0);
       ASSERT_NEAR(tree.compute(p), winding_number(p, mesh), 0.04);
+    }
+  }
+}
+
+TEST(Sign, WindingNumbersOfFewTrianglesAreThoseOfTheFormula) {
+  Random random(9);
+  for (int round = 0; round < 200; ++round) {
+    Soup soup;
+    // As many as are summed as one, most of them seen under large angles.
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      for (int k = 0; k < 3; ++k) soup.vertices.push_back(random.in_cube(1.0));
+      soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const TriangleMesh mesh = soup.mesh();
+    const WindingNumberTree tree(mesh);
+    for (int i = 0; i < 20; ++i) {
+      const auto [a, b, c] = mesh.corners(static_cast<std::size_t>(i % 8));
+      const Vec3 near = (a + b + c) / 3.0 + random.in_cube(i < 10 ? 0.5 : 1e-3);
+      ASSERT_NEAR(tree.compute(near), winding_number(near, mesh), 1e-12);
     }
   }
 }

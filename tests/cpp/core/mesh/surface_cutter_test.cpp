@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ double area_of(const std::array<Vec3, 3>& t) {
 
 /// All that is visible of a mesh.
 std::vector<std::array<Vec3, 3>> cut_all(const TriangleMesh& mesh) {
-  const SurfaceCutter cutter(mesh);
+  const SurfaceCutter cutter(mesh, true);
   std::vector<std::array<Vec3, 3>> visible;
   for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
     bool is_hidden = false;
@@ -87,6 +88,27 @@ TEST(SurfaceCutter, SidesAndCornersThatCoincideAreCutAsOthers) {
   }
 }
 
+TEST(SurfaceCutter, ManyBarsTurnedAboutOneAxisLeaveAStar) {
+  // Square bars: each side is crossed along its whole length, near its edges by all others.
+  constexpr int kBars = 20;
+  constexpr double kStep = 0.5 * std::numbers::pi / kBars;
+  Soup bars;
+  for (int i = 0; i < kBars; ++i) {
+    const double c = std::cos(i * kStep);
+    const double s = std::sin(i * kStep);
+    const Matrix3 turn{{c, s, 0.0}, {-s, c, 0.0}, {0.0, 0.0, 1.0}};
+    bars = together(bars, transformed(make_box({1.0, 1.0, 20.0}), Pose{turn, {}}));
+  }
+  double area = 0.0;
+  for (const auto& piece : cut_all(bars.mesh())) {
+    const Vec3 normal = cross(piece[1] - piece[0], piece[2] - piece[0]);
+    if (std::abs(normal.z) < 0.5 * length(normal)) area += area_of(piece);
+  }
+  // Of each side, what lies beyond the last bar that crosses it, at both ends.
+  const double tip = 1.0 - std::tan(0.25 * std::numbers::pi - 0.5 * kStep);
+  EXPECT_NEAR(area / (4 * kBars * 2.0 * tip * 40.0), 1.0, 1e-4);
+}
+
 TEST(SurfaceCutter, AFineMeshIsCutOutOfALargeTriangle) {
   // A ball amid the side of a box: half of it, and the side less a disk.
   const Soup ball = make_icosphere(0.3, 4);
@@ -105,7 +127,7 @@ TEST(SurfaceCutter, AFineMeshIsCutOutOfALargeTriangle) {
 
 TEST(SurfaceCutter, LinesEndWhereTheyEnterOtherParts) {
   const TriangleMesh mesh = make_pierced_box().soup().mesh();
-  const SurfaceCutter cutter(mesh);
+  const SurfaceCutter cutter(mesh, true);
   // An edge of the rod.
   const Vec3 from{-0.14, 0.017, 0.01};
   const Vec3 to{0.16, 0.017, 0.01};
@@ -121,7 +143,7 @@ TEST(SurfaceCutter, CavitiesAreNoneOfItsBusiness) {
   const Soup cavity = together(make_box({0.5, 0.5, 0.5}), inverted(make_box({0.2, 0.2, 0.2})));
   const TriangleMesh mesh = cavity.mesh();
   EXPECT_EQ(find_near_parts(mesh).size(), 12u);
-  EXPECT_FALSE(SurfaceCutter(mesh).hides_any(find_near_parts(mesh), 1));
+  EXPECT_FALSE(SurfaceCutter(mesh, true).hides_any(find_near_parts(mesh), 1));
   EXPECT_EQ(cut_all(mesh).size(), 24u);
   EXPECT_TRUE(find_near_parts(make_blob(0.5, 3).mesh()).empty());
 }
@@ -129,7 +151,7 @@ TEST(SurfaceCutter, CavitiesAreNoneOfItsBusiness) {
 TEST(SurfaceCutter, TellsShallowOverlapsAndSidesThatTouch) {
   for (const BoxUnion& boxes : {make_touching_boxes(), make_shallow_boxes()}) {
     const TriangleMesh mesh = boxes.soup().mesh();
-    EXPECT_TRUE(SurfaceCutter(mesh).hides_any(find_near_parts(mesh), 1));
+    EXPECT_TRUE(SurfaceCutter(mesh, true).hides_any(find_near_parts(mesh), 1));
   }
 }
 
