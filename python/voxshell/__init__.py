@@ -44,6 +44,7 @@ from voxshell.errors import (
     RecordingError,
     RobotError,
     SettingsError,
+    SimulationError,
     VoxshellError,
 )
 from voxshell.field import DistanceField, Field
@@ -147,6 +148,7 @@ __all__ = [
     "Robot",
     "RobotError",
     "SettingsError",
+    "SimulationError",
     "SliderJoint",
     "Sphere",
     "Sweep",

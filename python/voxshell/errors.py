@@ -43,5 +43,9 @@ class RecordingError(VoxshellError, ValueError):
     """A recording, or a request to replay one, does not make sense."""
 
 
+class SimulationError(VoxshellError, RuntimeError):
+    """A simulation has diverged: a body's pose or velocity is no longer a finite number."""
+
+
 class MissingExtraError(VoxshellError, ImportError):
     """An optional part of voxshell is not installed; the message says how to install it."""

@@ -27,7 +27,7 @@ from voxshell.body import MOTIONS, Body, as_mass_and_motion, check_surface, make
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
 from voxshell.compound import Compound
-from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.errors import InputTypeError, PoseError, SettingsError, SimulationError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.model import Model
 from voxshell.recorder import Recorder
@@ -185,7 +185,7 @@ class World:
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._moves_surfaces = solver == "coulomb" and directions == 2
-        self._takes_joints = solver != "nncg"
+        self._solver = solver
         self._recorders: list[Recorder] = []
         self._judges = shell == "auto"
         # Bodies ever added, by the model's serial and whether they may move.
@@ -434,7 +434,7 @@ class World:
             >>> bool(abs(hinge.position - 1.5) < 0.01)
             True
         """
-        if not self._takes_joints:
+        if self._solver == "nncg":
             raise SettingsError(
                 "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
             )
@@ -497,33 +497,42 @@ class World:
 
         Raises:
             SettingsError: ``n`` is below 0.
+            SimulationError: The simulation has diverged; the world stays as it is after that step.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
-            self._warn_of_motions()
+            self._look_at_motions()
             return
         for _ in range(count):
             if before is not None:
                 before(self)
             self._simulation.step(1)
-            self._warn_of_motions()
+            self._look_at_motions()
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
 
-    def _warn_of_motions(self) -> None:
-        """Warns of bodies that move or turn too far in a step, once a body."""
+    def _look_at_motions(self) -> None:
+        """Refuses what is not finite; warns of bodies that move or turn too far, once a body."""
+        lost = self._simulation.lost_body()
+        if lost is not None:
+            name = next(body.name for body in self.bodies if body.number == lost)
+            other = "" if self._solver == "coulomb" else ", or the solver 'coulomb'"
+            raise SimulationError(
+                f"the simulation has diverged: the pose or velocity of {name!r} is no longer finite; "
+                f"lower forces and velocities, use a time_step below {self.time_step:g} s{other}"
+            )
         spins, ways = self._simulation.take_fast_spins(), self._simulation.take_long_ways()
         if not spins and not ways:
             return
         names = {body.number: body.name for body in self.bodies}
         for number, turn in spins:
             warnings.warn(
-                f"{names[number]!r} turns by {turn:.2f} rad a step; contacts are looked for as if "
+                f"{names[number]!r} turns by {turn:.3g} rad a step; contacts are looked for as if "
                 f"bodies turned by at most an eighth of a turn, {_bullet.most_turn:.3f} rad, and may "
                 "be missed: use a shorter time_step",
                 AccuracyWarning,

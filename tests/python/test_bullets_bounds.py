@@ -73,6 +73,31 @@ def test_a_body_that_moves_too_far_in_a_step_is_told_of_once():
         world.step()
 
 
+def test_a_body_that_bullet_stops_is_told_of():
+    """It stood still under a large force, and nothing said so."""
+    world = vx.World(gravity=(0, 0, 0))
+    body = world.add(vx.Sphere(1.0), mass=1.0, name="ball")
+    body.apply_force((1e12, 0, 0))
+    with pytest.warns(vx.AccuracyWarning, match=r"'ball' moves by 1e\+06 m a step"):
+        world.step()
+
+
+def test_a_simulation_that_diverges_is_an_error():
+    world = vx.World(gravity=(0, 0, 0), solver="nncg")
+    body = world.add(vx.Sphere(1.0), mass=1e-3, name="ball")
+    before = world.save_state()
+    body.apply_torque((1e308, 0, 0))
+    steps = []
+    with pytest.raises(vx.SimulationError, match=r"'ball' is no longer finite.*'coulomb'"):
+        world.step(5, steps.append)
+    assert not steps
+    with pytest.raises(vx.SimulationError, match="diverged"):
+        world.step(5)
+    world.restore_state(before)
+    world.step(5)
+    assert np.isfinite(body.pose).all()
+
+
 def test_a_body_too_heavy_for_any_contact_is_refused():
     """It fell through the ground."""
     world = vx.World()

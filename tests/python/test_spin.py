@@ -84,7 +84,7 @@ def test_a_body_that_turns_by_more_than_an_eighth_of_a_turn_a_step_is_named_once
         warnings.simplefilter("error")
         world.step(5)
     body.angular_velocity = (0.0, 0.0, 100.0)
-    with pytest.warns(vx.AccuracyWarning, match=r"'rotor' turns by 1\.00 rad a step.*0\.785 rad"):
+    with pytest.warns(vx.AccuracyWarning, match=r"'rotor' turns by 1 rad a step.*0\.785 rad"):
         world.step(5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

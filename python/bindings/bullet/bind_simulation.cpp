@@ -26,7 +26,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Steps until `count` are done or Python has not been asked for signals for a while; returns how
-/// many are left. Without the GIL. Other threads have their turns between steps.
+/// many are left: none where a body is lost. Without the GIL. Other threads have their turns between
+/// steps.
 std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   constexpr auto kSignalCheckEvery = std::chrono::milliseconds(10);
   const nb::gil_scoped_release released;
@@ -34,7 +35,12 @@ std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   const auto end = Clock::now() + kSignalCheckEvery;
   while (count > 0 && Clock::now() < end) {
     const std::lock_guard turn(simulation.lock);
-    simulation.change([](Simulation& own) { own.step(); });
+    bool goes_on = true;
+    simulation.change([&](Simulation& own) {
+      own.step();
+      goes_on = !own.lost_body();
+    });
+    if (!goes_on) return 0;
     --count;
   }
   return count;
@@ -207,6 +213,7 @@ void bind_simulation(nb::module_& module) {
       .def("set_motor", &Simulation::set_motor)
       .def("take_fast_spins", &Simulation::take_fast_spins)
       .def("take_long_ways", &Simulation::take_long_ways)
+      .def("lost_body", &Simulation::lost_body)
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })

@@ -299,13 +299,30 @@ void Simulation::step() {
   for (const auto& [number, joint] : joints_) joint->finish_step();
   note_spins();
   note_ways();
+  lost_body_ = find_lost_body();
+}
+
+std::optional<std::size_t> Simulation::find_lost_body() const {
+  const auto is_finite = [](const btVector3& v) { return std::isfinite(v.x() + v.y() + v.z()); };
+  for (const auto& [number, body] : bodies_) {
+    const btTransform& pose = body->rigid_body.getWorldTransform();
+    if (!is_finite(pose.getOrigin()) || !is_finite(pose.getBasis()[0]) ||
+        !is_finite(body->rigid_body.getLinearVelocity()) ||
+        !is_finite(body->rigid_body.getAngularVelocity())) {
+      return number;
+    }
+  }
+  return std::nullopt;
 }
 
 void Simulation::note_ways() {
   for (const auto& [number, body] : bodies_) {
     if (body->moves_far || body->motion != Motion::kDynamic) continue;
-    const double way = body->rigid_body.getLinearVelocity().length() * settings_.time_step;
-    if (way <= kMostWay) continue;  // NaN goes on
+    double way = body->rigid_body.getLinearVelocity().length() * settings_.time_step;
+    if (body->rigid_body.getActivationState() == DISABLE_SIMULATION) {
+      way = std::max(way, kWayThatBulletStops);  // it has been stopped
+    }
+    if (!(way > kMostWay)) continue;
     body->moves_far = true;
     long_ways_.push_back({number, way});
   }
