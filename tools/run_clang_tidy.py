@@ -3,7 +3,9 @@
 
 A source that is compiled for several builds of Bullet is analysed once, as the first of them.
 
-usage: tools/run_clang_tidy.py CLANG_TIDY BUILD_DIR
+usage: tools/run_clang_tidy.py [--deep] CLANG_TIDY BUILD_DIR
+
+--deep also follows the paths that a program can take (clang-analyzer), for four times as long.
 
 BUILD_DIR is a finished Ninja build: it knows the compile commands and which headers each source
 includes. The tests are not analysed: they are compiled with all warnings, and run.
@@ -61,13 +63,15 @@ def commands_by_source(build: Path) -> dict[str, dict[str, str]]:
     return commands
 
 
-def keys_by_source(build: Path, commands: dict[str, dict[str, str]]) -> dict[str, str]:
+def keys_by_source(
+    build: Path, commands: dict[str, dict[str, str]], checks: list[str]
+) -> dict[str, str]:
     """For each source, a hash of all that decides what clang-tidy says about it."""
     included = included_by_object(build)
     keys: dict[str, str] = {}
     for name, entry in commands.items():
         command = shlex.split(entry["command"])
-        digest = hashlib.sha256(entry["command"].encode())
+        digest = hashlib.sha256("\0".join([entry["command"], *checks]).encode())
         for file in sorted({*SETTINGS, name, *included[command[command.index("-o") + 1]]}):
             digest.update(file.encode() + b"\0" + (ROOT / file).read_bytes())
         keys[name] = digest.hexdigest()
@@ -76,11 +80,13 @@ def keys_by_source(build: Path, commands: dict[str, dict[str, str]]) -> dict[str
 
 def main(arguments: list[str]) -> int:
     """The command line; returns the exit code."""
-    clang_tidy, build = arguments[0], (ROOT / arguments[1]).resolve()
+    checks = [] if "--deep" in arguments else ["--checks=-clang-analyzer-*"]
+    clang_tidy, folder = (each for each in arguments if each != "--deep")
+    build = (ROOT / folder).resolve()
     passed = build / "clang-tidy-passed"
     passed.mkdir(exist_ok=True)
     commands = commands_by_source(build)
-    keys = keys_by_source(build, commands)
+    keys = keys_by_source(build, commands, checks)
     # clang-tidy analyses a source once for each entry that it finds.
     database = build / "clang-tidy"
     database.mkdir(exist_ok=True)
@@ -97,7 +103,7 @@ def main(arguments: list[str]) -> int:
         result = subprocess.run(
             [
                 *(clang_tidy, "-p", str(database), "--quiet"),
-                *("--extra-arg=-Wno-unknown-warning-option", str(ROOT / name)),
+                *("--extra-arg=-Wno-unknown-warning-option", *checks, str(ROOT / name)),
             ],
             capture_output=True,
             text=True,

@@ -194,7 +194,8 @@ class SurfaceCutter::Division {
   void decide(const Polygon& polygon) {
     if (is_narrow(polygon)) return;
     const SurfaceSides sides = look_at(polygon);
-    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_) return halve(polygon, {}, 0);
+    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_)
+      return halve(polygon, {}, 0);
     if (sides.is_hidden()) {
       has_hidden_ = true;
     } else {

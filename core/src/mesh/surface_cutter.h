@@ -36,8 +36,8 @@ struct VisibleTriangle {
 /// Keeps no reference to the mesh. Metres.
 class SurfaceCutter {
  public:
-  /// `is_balanced`: at each edge of the mesh as many triangles run one way as the other, so that its
-  /// winding numbers are whole.
+  /// `is_balanced`: at each edge of the mesh as many triangles run one way as the other, so that
+  /// its winding numbers are whole.
   SurfaceCutter(const TriangleMesh& mesh, bool is_balanced)
       : SurfaceCutter(mesh, is_balanced, SelfCrossings(mesh)) {}
   /// `crossings` are those of the mesh.

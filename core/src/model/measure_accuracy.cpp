@@ -325,15 +325,12 @@ class Measurement {
   /// The surface there does not bound the body: meshes that overlap themselves have such parts.
   bool is_hidden(const Place& place) const {
     if (visible_ == nullptr) return false;
-    return !std::ranges::all_of(place.own, [&](std::uint32_t triangle) {
-      return is_visible(triangle, place.point);
-    });
+    return !std::ranges::all_of(
+        place.own, [&](std::uint32_t triangle) { return is_visible(triangle, place.point); });
   }
 
   /// Of which triangle of the mesh it is a piece, or the whole.
-  std::uint32_t origin_of(std::uint32_t piece) const {
-    return visible_->triangles[piece].triangle;
-  }
+  std::uint32_t origin_of(std::uint32_t piece) const { return visible_->triangles[piece].triangle; }
 
   /// Of a place on the triangle.
   bool is_visible(std::uint32_t triangle, const Vec3& p) const {

@@ -26,8 +26,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Steps until `count` are done or Python has not been asked for signals for a while; returns how
-/// many are left: none where a body is lost. Without the GIL. Other threads have their turns between
-/// steps.
+/// many are left: none where a body is lost. Without the GIL. Other threads have their turns
+/// between steps.
 std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   constexpr auto kSignalCheckEvery = std::chrono::milliseconds(10);
   const nb::gil_scoped_release released;
