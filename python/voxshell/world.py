@@ -66,6 +66,7 @@ _SOLVERS = {
 }
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
+_LEAST_MASS = 1e-100  # kg; the inverse of a far smaller one is not finite
 
 
 class World:
@@ -294,6 +295,11 @@ class World:
             raise SettingsError(
                 f"mass of {label} is {kilograms:g} kg, and Bullet lets what is above "
                 f"{_bullet.most_mass:g} kg through all others; give less, or 0 for a body that nothing moves"
+            )
+        if 0.0 < kilograms < _LEAST_MASS:
+            raise SettingsError(
+                f"mass of {label} is {kilograms:g} kg; give at least {_LEAST_MASS:g} kg, or 0 for a body "
+                "that nothing moves"
             )
         if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane has no end and cannot move: pass mass=0")

@@ -105,6 +105,11 @@ def test_a_body_too_heavy_for_any_contact_is_refused():
         world.add(vx.Sphere(1.0), mass=1e20, name="sun")
 
 
+def test_a_body_too_light_to_have_an_inverse_mass_is_refused():
+    with pytest.raises(vx.SettingsError, match=r"mass of 'dust' is .*; give at least 1e-100 kg"):
+        vx.World().add(vx.Sphere(1.0), mass=1e-320, name="dust")
+
+
 @pytest.mark.parametrize("solver", ["coulomb", "sequential_impulse"])
 def test_the_heaviest_bodies_rest(solver):
     world = vx.World(solver=solver)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell._settings import make, parse_toml, read_text
-from voxshell.errors import MeshError, PoseError, SettingsError
+from voxshell.errors import MeshError, PoseError, SettingsError, SimulationError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings
 from voxshell.scenes.scene_settings import MeshSettings, OutputSettings, WorldSettings
@@ -57,11 +57,11 @@ class Scene:
         """Lets errors of what is made of a table name file, line and key.
 
         Raises:
-            SettingsError: The block raised an error of a mesh, a pose or settings.
+            SettingsError: The block raised an error of a mesh, a pose, settings or a simulation.
         """
         try:
             yield
-        except (MeshError, PoseError, SettingsError) as error:
+        except (MeshError, PoseError, SettingsError, SimulationError) as error:
             raise self.describe_error(keys, str(error)) from error
 
 
