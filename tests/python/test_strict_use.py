@@ -206,6 +206,7 @@ def test_errors_and_warnings(tmp_path: Path):
         vx.RecordingError,
         vx.RobotError,
         vx.SettingsError,
+        vx.SimulationError,
     ]
     assert all(issubclass(kind, vx.VoxshellError) for kind in kinds)
     with pytest.raises(vx.FileAccessError):

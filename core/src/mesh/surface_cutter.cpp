@@ -115,7 +115,7 @@ class SurfaceCutter::Division {
 
  private:
   static constexpr double kSmallest = 1e-4;  // of the triangle
-  /// How often pieces are halved of which no part has fewer cuts.
+  /// How often in a row pieces are halved that have no fewer cuts than before.
   static constexpr int kMostInVain = 4;
 
   static double size_of(const Polygon& polygon) {
@@ -194,9 +194,9 @@ class SurfaceCutter::Division {
   void decide(const Polygon& polygon) {
     if (is_narrow(polygon)) return;
     const SurfaceSides sides = look_at(polygon);
-    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_)
-      return halve(polygon, {}, 0);
-    if (sides.is_hidden()) {
+    if (!sides.is_surely_hidden_or_not() && size_of(polygon) > finest_) {
+      halve(polygon, {}, 0);
+    } else if (sides.is_hidden()) {
       has_hidden_ = true;
     } else {
       add_pieces(polygon);

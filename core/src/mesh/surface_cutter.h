@@ -83,7 +83,7 @@ class SurfaceCutter {
 /// the visible pieces of others.
 struct VisibleSurface {
   TriangleMesh mesh;
-  std::vector<VisibleTriangle> triangles;  ///< one a triangle of `mesh`
+  std::vector<VisibleTriangle> triangles;  ///< one a triangle of `mesh`, in ascending order
   std::shared_ptr<const SurfaceCutter> cutter;
 };
 

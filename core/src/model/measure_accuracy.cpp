@@ -8,7 +8,6 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -153,11 +152,6 @@ class Measurement {
   Measurement(const TriangleMesh& mesh, const VisibleSurface* visible, const GridField& field,
               const AccuracySettings& settings)
       : around_(mesh), visible_(visible), field_(field), settings_(settings) {
-    if (visible != nullptr) {
-      pieces_.resize(visible->triangles.size());
-      std::iota(pieces_.begin(), pieces_.end(), 0u);
-      std::ranges::sort(pieces_, {}, [&](std::uint32_t piece) { return origin_of(piece); });
-    }
     const Bounds& bounds = mesh.bounds();
     double farthest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -329,18 +323,15 @@ class Measurement {
         place.own, [&](std::uint32_t triangle) { return is_visible(triangle, place.point); });
   }
 
-  /// Of which triangle of the mesh it is a piece, or the whole.
-  std::uint32_t origin_of(std::uint32_t piece) const { return visible_->triangles[piece].triangle; }
-
   /// Of a place on the triangle.
   bool is_visible(std::uint32_t triangle, const Vec3& p) const {
     const double rounding = visible_->cutter->rounding();
-    const auto own = std::ranges::equal_range(
-        pieces_, triangle, {}, [&](std::uint32_t piece) { return origin_of(piece); });
-    return std::ranges::any_of(own, [&](std::uint32_t piece) {
-      if (visible_->triangles[piece].is_whole) return true;
-      const Vec3 closest = closest_point_on_triangle(p, visible_->mesh.corners(piece));
-      return squared_length(closest - p) <= rounding * rounding;
+    const std::vector<VisibleTriangle>& all = visible_->triangles;
+    const auto pieces = std::ranges::equal_range(all, triangle, {}, &VisibleTriangle::triangle);
+    return std::ranges::any_of(pieces, [&](const VisibleTriangle& piece) {
+      if (piece.is_whole) return true;
+      const auto corners = visible_->mesh.corners(static_cast<std::size_t>(&piece - all.data()));
+      return squared_length(closest_point_on_triangle(p, corners) - p) <= rounding * rounding;
     });
   }
 
@@ -479,7 +470,6 @@ class Measurement {
 
   Surroundings around_;
   const VisibleSurface* visible_;
-  std::vector<std::uint32_t> pieces_;  ///< of `visible_`, by the triangle that they are pieces of
   const GridField& field_;
   const AccuracySettings& settings_;
   double least_push_ = 0.0;
