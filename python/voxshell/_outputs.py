@@ -308,7 +308,7 @@ def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
 
 @contextmanager
 def _unfinished(
-    parent: Path, asked: Path, create: Callable[[Path], int], suffix: str = ""
+    parent: Path, asked: Path, create: Callable[[Path], int | None], suffix: str = ""
 ) -> Iterator[Path]:
     """Something that is locked until the block ends, and removed unless it has another name by then."""
     for _ in range(_MOST_TRIALS):
@@ -320,7 +320,7 @@ def _unfinished(
             except OSError as error:
                 raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
             # A program that sweeps may have found it before it was locked.
-            if _lock(descriptor) and _is_at(descriptor, temporary):
+            if descriptor is not None and _lock(descriptor) and _is_at(descriptor, temporary):
                 yield temporary
                 return
         finally:
@@ -335,9 +335,13 @@ def _create_file(path: Path) -> int:
     return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
 
 
-def _create_folder(path: Path) -> int:
+def _create_folder(path: Path) -> int | None:
+    """None where a program that sweeps has removed it before it could be opened."""
     path.mkdir()
-    return os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        return os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except FileNotFoundError:
+        return None
 
 
 def _lock(descriptor: int) -> bool:

@@ -14,7 +14,13 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell._outputs import check_output_file, check_output_folder, filling, replacing
+from voxshell._outputs import (
+    check_output_file,
+    check_output_folder,
+    filling,
+    replacing,
+    unfinished_folder,
+)
 from voxshell.errors import FileAccessError, InputTypeError, SettingsError, VoxshellError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
@@ -288,3 +294,24 @@ def test_nothing_else_writes_files():
                 found.add((str(path.relative_to(package)), node.func.attr))
     found = {each for each in found if each[0] != "_outputs.py"}
     assert found == ALLOWED
+
+
+def test_a_folder_that_another_program_sweeps_before_it_is_opened_is_made_again(
+    tmp_path, monkeypatch
+):
+    """The writer failed; of processes that asked for one model, a second one built it."""
+    really_open, swept = os.open, []
+
+    def open_late(path, *args, **kwargs):
+        if not swept:
+            os.rmdir(path)
+            swept.append(path)
+        return really_open(path, *args, **kwargs)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "open", open_late)
+        with unfinished_folder(tmp_path, tmp_path) as folder:
+            assert folder.is_dir()
+            assert folder not in swept
+    assert len(swept) == 1
+    assert not list(tmp_path.iterdir())
