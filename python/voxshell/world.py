@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections import Counter
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
@@ -22,16 +21,16 @@ from voxshell._arguments import (
     as_threads,
     as_vector,
 )
-from voxshell.accuracy import AccuracyWarning
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, check_surface, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
 from voxshell.compound import Compound
-from voxshell.errors import InputTypeError, PoseError, SettingsError, SimulationError
+from voxshell.errors import InputTypeError, PoseError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.model import Model
 from voxshell.recorder import Recorder
 from voxshell.shapes import Plane
+from voxshell.world_limits import check_extent, check_fall, check_mass, check_motions
 from voxshell.world_part import check_own
 from voxshell.world_state import WorldState, check_same
 from voxshell.world_tables import as_contacts, as_hits, as_timings
@@ -66,7 +65,6 @@ _SOLVERS = {
 }
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
-_LEAST_MASS = 1e-100  # kg; the inverse of a far smaller one is not finite
 
 
 class World:
@@ -105,9 +103,10 @@ class World:
         solver: The solver of constraints. "coulomb" is Bullet's sequential impulse solver with
             Coulomb's friction, the same in every direction. The others are Bullet's own, under which
             bodies with many contact points slide with too much friction: "sequential_impulse" is
-            Bullet's default; "nncg" follows conjugate gradients and takes no joints; "dantzig" solves
-            all of an island's constraints as one problem, exactly, in a time that grows with the cube
-            of their number; "projected_gauss_seidel" solves that problem step by step.
+            Bullet's default; "nncg" follows conjugate gradients, takes no joints, and may diverge;
+            "dantzig" solves all of an island's constraints as one problem, exactly, in a time that
+            grows with the cube of their number; "projected_gauss_seidel" solves that problem step by
+            step.
         iterations: Of the solver a step, at least 1; exactly as many as given. By default "coulomb"
             does 10 and, where bodies that touch are not solved by then, as with heavy bodies on light
             ones, goes on with Newton's method until they are; the others do 50, pybullet's default, and in longer
@@ -179,14 +178,15 @@ class World:
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self.time_step: float = as_positive(time_step, "time_step")
-        _check_fall(as_vector(gravity, "gravity"), self.time_step)
+        check_fall(as_vector(gravity, "gravity"), self.time_step)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._moves_surfaces = solver == "coulomb" and directions == 2
-        self._solver = solver
+        self._takes_joints = solver != "nncg"
+        self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
         self._recorders: list[Recorder] = []
         self._judges = shell == "auto"
         # Bodies ever added, by the model's serial and whether they may move.
@@ -291,16 +291,7 @@ class World:
         """
         kilograms, motion = as_mass_and_motion(mass, motion)
         label = "the body" if name is None else repr(name)
-        if kilograms > _bullet.most_mass:
-            raise SettingsError(
-                f"mass of {label} is {kilograms:g} kg, and Bullet lets what is above "
-                f"{_bullet.most_mass:g} kg through all others; give less, or 0 for a body that nothing moves"
-            )
-        if 0.0 < kilograms < _LEAST_MASS:
-            raise SettingsError(
-                f"mass of {label} is {kilograms:g} kg; give at least {_LEAST_MASS:g} kg, or 0 for a body "
-                "that nothing moves"
-            )
+        check_mass(kilograms, label)
         if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane has no end and cannot move: pass mass=0")
         material = make_material(
@@ -328,13 +319,12 @@ class World:
             pose=world_from_body,
             material=material,
         )
-        extent = float(np.linalg.norm(np.ptp(self._simulation.bounds(number), axis=0)))
-        if motion != "static" and extent > _bullet.most_extent:
-            self._simulation.remove_body(number)
-            raise SettingsError(
-                f"{label} has a box with a diagonal of {extent:g} m, and Bullet moves none of more than "
-                f"{_bullet.most_extent:g} m; scale the scene down, or pass motion='static'"
-            )
+        if motion != "static":
+            try:
+                check_extent(self._simulation.bounds(number), label)
+            except SettingsError:
+                self._simulation.remove_body(number)
+                raise
         body = Body(
             self._simulation,
             number,
@@ -440,7 +430,7 @@ class World:
             >>> bool(abs(hinge.position - 1.5) < 0.01)
             True
         """
-        if self._solver == "nncg":
+        if not self._takes_joints:
             raise SettingsError(
                 "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
             )
@@ -503,54 +493,25 @@ class World:
 
         Raises:
             SettingsError: ``n`` is below 0.
-            SimulationError: The simulation has diverged; the world stays as it is after that step.
+            SimulationError: A body's pose or velocity is no longer finite. The world keeps the state
+                that the failed step left.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
-            self._look_at_motions()
+            check_motions(self._simulation, self.bodies, self._advice)
             return
         for _ in range(count):
             if before is not None:
                 before(self)
             self._simulation.step(1)
-            self._look_at_motions()
+            check_motions(self._simulation, self.bodies, self._advice)
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
-
-    def _look_at_motions(self) -> None:
-        """Refuses what is not finite; warns of bodies that move or turn too far, once a body."""
-        lost = self._simulation.lost_body()
-        if lost is not None:
-            name = next(body.name for body in self.bodies if body.number == lost)
-            other = "" if self._solver == "coulomb" else ", or the solver 'coulomb'"
-            raise SimulationError(
-                f"the simulation has diverged: the pose or velocity of {name!r} is no longer finite; "
-                f"lower forces and velocities, use a time_step below {self.time_step:g} s{other}"
-            )
-        spins, ways = self._simulation.take_fast_spins(), self._simulation.take_long_ways()
-        if not spins and not ways:
-            return
-        names = {body.number: body.name for body in self.bodies}
-        for number, turn in spins:
-            warnings.warn(
-                f"{names[number]!r} turns by {turn:.3g} rad a step; contacts are looked for as if "
-                f"bodies turned by at most an eighth of a turn, {_bullet.most_turn:.3f} rad, and may "
-                "be missed: use a shorter time_step",
-                AccuracyWarning,
-                stacklevel=3,
-            )
-        for number, way in ways:
-            warnings.warn(
-                f"{names[number]!r} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
-                "leaves what moves by 1e+06 m where it is: use a shorter time_step, or lower velocities",
-                AccuracyWarning,
-                stacklevel=3,
-            )
 
     def _judge_models(self) -> None:
         """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""
@@ -783,15 +744,6 @@ def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
     with suppress(TypeError, ValueError):  # as_points says what is wrong
         value = np.atleast_2d(value)
     return as_points(value, name)
-
-
-def _check_fall(gravity: ArrayLike, time_step: float) -> None:
-    way = float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
-    if not way <= _bullet.most_way:
-        raise SettingsError(
-            f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s, and at most "
-            f"{_bullet.most_way:g} m can be followed; use a shorter time_step, or less gravity"
-        )
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:

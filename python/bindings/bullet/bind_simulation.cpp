@@ -38,7 +38,7 @@ std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
     bool goes_on = true;
     simulation.change([&](Simulation& own) {
       own.step();
-      goes_on = !own.lost_body();
+      goes_on = !own.find_lost_body();
     });
     if (!goes_on) return 0;
     --count;
@@ -213,7 +213,7 @@ void bind_simulation(nb::module_& module) {
       .def("set_motor", &Simulation::set_motor)
       .def("take_fast_spins", &Simulation::take_fast_spins)
       .def("take_long_ways", &Simulation::take_long_ways)
-      .def("lost_body", &Simulation::lost_body)
+      .def("find_lost_body", &Simulation::find_lost_body)
       .def("timings", &timings)
       .def("clear_timings", &Simulation::clear_timings)
       .def("contacts", [](const Simulation& s) { return to_rows(s.compute_contacts()); })

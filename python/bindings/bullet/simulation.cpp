@@ -299,17 +299,17 @@ void Simulation::step() {
   for (const auto& [number, joint] : joints_) joint->finish_step();
   note_spins();
   note_ways();
-  lost_body_ = find_lost_body();
 }
 
 std::optional<std::size_t> Simulation::find_lost_body() const {
   const auto is_finite = [](const btVector3& v) { return std::isfinite(v.x() + v.y() + v.z()); };
   for (const auto& [number, body] : bodies_) {
     const btTransform& pose = body->rigid_body.getWorldTransform();
-    if (!is_finite(pose.getOrigin()) || !is_finite(pose.getBasis()[0]) ||
-        !is_finite(body->rigid_body.getLinearVelocity()) ||
-        !is_finite(body->rigid_body.getAngularVelocity())) {
-      return number;
+    const btMatrix3x3& basis = pose.getBasis();
+    for (const btVector3& v :
+         {basis[0], basis[1], basis[2], pose.getOrigin(), body->rigid_body.getLinearVelocity(),
+          body->rigid_body.getAngularVelocity()}) {
+      if (!is_finite(v)) return number;
     }
   }
   return std::nullopt;

@@ -147,8 +147,8 @@ class Simulation {
   std::vector<std::pair<std::size_t, double>> take_long_ways() {
     return std::exchange(long_ways_, {});
   }
-  /// A body whose pose or velocity is not finite after the last step.
-  const std::optional<std::size_t>& lost_body() const { return lost_body_; }
+  /// A body whose pose or velocity is not finite.
+  std::optional<std::size_t> find_lost_body() const;
   /// Metres a step, and diagonal of a moving body's box, metres. Bullet takes what moves out of the
   /// simulation where the diagonal of its box and its way in a step reaches 1e6 m
   /// (btCollisionWorld::updateSingleAabb); turned, a box of this diagonal has one of 8.7e5 m.
@@ -207,7 +207,6 @@ class Simulation {
 
   void note_spins();
   void note_ways();
-  std::optional<std::size_t> find_lost_body() const;
   void make_solver();
   void move_surface(const Body& body);
   void make_world();
@@ -238,7 +237,6 @@ class Simulation {
   std::deque<StepTimings> timings_;
   std::vector<std::pair<std::size_t, double>> fast_spins_;
   std::vector<std::pair<std::size_t, double>> long_ways_;
-  std::optional<std::size_t> lost_body_;
 };
 
 }  // namespace voxshell::python
