@@ -76,7 +76,8 @@ std::shared_ptr<const SurfaceCutter> find_hidden(const TriangleMesh& mesh,
     suspects.insert(suspects.end(), crossed.begin(), crossed.end());
   }
   if (suspects.empty()) return nullptr;
-  auto cutter = std::make_shared<const SurfaceCutter>(mesh, true, std::move(crossings));
+  constexpr bool kIsBalanced = true;  // as what is closed is
+  auto cutter = std::make_shared<const SurfaceCutter>(mesh, kIsBalanced, std::move(crossings));
   return cutter->hides_any(suspects, settings.threads) ? cutter : nullptr;
 }
 
@@ -90,9 +91,8 @@ Error refuse_crossings(const TriangleMesh& mesh, unsigned threads) {
                            crossed.size(), format_point((a + b + c) / 3.0).c_str())};
 }
 
-/// `visible` becomes what of the mesh bounds the body, where that is not all of it. `is_balanced`
-/// says that the mesh has no openings.
-Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balanced,
+/// `visible` becomes what of the mesh bounds the body, where that is not all of it.
+Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
                                        const std::shared_ptr<const SurfaceCutter>& cutter,
                                        const BrickGridPlan& plan, const GridFieldSettings& settings,
                                        SignReport& report, std::optional<VisibleSurface>& visible,
@@ -133,7 +133,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balance
   const BrickGridPlan of_surface{grid, find_least_cells(surface->mesh, grid)};
   // Only of closed surfaces do the normals of edges and corners tell inside from outside.
   GridFieldSettings of_field = settings;
-  if (!is_balanced || surface->caps > 0) of_field.tolerance = 0.0;
+  if (!cutter->is_balanced() || surface->caps > 0) of_field.tolerance = 0.0;
   Features features;
   if (of_field.tolerance > 0.0) {
     features =
@@ -142,7 +142,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh, bool is_balance
   // Without openings, crossings of rows tell the same, much sooner.
   std::optional<RowWinding> rows;
   std::optional<InsideByRows> by_rows;
-  if (is_balanced) {
+  if (cutter->is_balanced()) {
     if (auto built = build_rows(mesh, grid)) {
       rows = *std::move(built);
       by_rows.emplace(grid, *rows, cutter->rounding());
@@ -214,8 +214,7 @@ Result<BuiltField> build_grid_field(const RepairedMesh& repaired, const GridFiel
     }
   }
   if (!cutter) cutter = std::make_shared<const SurfaceCutter>(mesh, repaired.is_balanced);
-  return finish(build_by_winding(mesh, repaired.is_balanced, cutter, *plan, settings, report,
-                                 visible, progress));
+  return finish(build_by_winding(mesh, cutter, *plan, settings, report, visible, progress));
 }
 
 Result<GridField> GridField::build(const TriangleMesh& mesh, const GridFieldSettings& settings,

@@ -45,6 +45,7 @@ class SurfaceCutter {
 
   /// What lies nearer together counts as touching, metres.
   double rounding() const { return crossings_.rounding(); }
+  bool is_balanced() const { return is_balanced_; }
 
   double compute_number(const Vec3& p) const { return winding_.compute(p); }
 

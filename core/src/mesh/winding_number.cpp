@@ -21,7 +21,8 @@ constexpr double kFarAway = 3.0;
 /// numbers and counting how often the product passes the negative axis: one arc tangent for many.
 class AngleSum {
  public:
-  /// The angle of (x, y), whose length is about one. A vector of zeros has none.
+  /// The angle of (x, y). A vector of zeros has none. The product of all lengths must stay in the
+  /// range of doubles.
   void add(double x, double y) {
     if (x == 0.0 && y == 0.0) return;
     const bool was_below = std::signbit(y_);
