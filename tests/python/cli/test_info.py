@@ -45,10 +45,20 @@ def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
 
 WORDS = ("field off by", "surface seen to", "normals", "proved bound")
 
-# Within these factors of what is measured when the models are really built. Times are left out: on a
-# machine that others use they say nothing about the estimate.
-FACTORS = {"field_bytes": 1.6, "points": 1.1, "error": 2.0}
-TIMES = ("build_seconds", "contacts_seconds", "collide_seconds")
+# Within these factors of what is measured when the models are really built.
+FACTORS = {
+    "field_bytes": 1.6,
+    "points": 1.1,
+    "error": 2.0,
+    "build_seconds": 4.0,
+    "contacts_seconds": 4.0,
+    "collide_seconds": 4.0,
+}
+
+
+def count(answer):
+    """The contacts in an answer, or one for a plain yes or no."""
+    return 1 if isinstance(answer, bool) else len(answer)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +69,16 @@ TIMES = ("build_seconds", "contacts_seconds", "collide_seconds")
     ],
     ids=["torus", "cone"],
 )
-def test_estimates_are_near_what_is_built(mesh):
+def test_estimates_are_near_what_is_built(mesh, monkeypatch):
+    """With a clock that shows the work done, as other programs may delay a real one."""
+    build = advice._build
+
+    def build_by_work(*args):
+        model, _ = build(*args)
+        return model, 1e-9 * model.field.nbytes + 1e-7 * len(model.shell)
+
+    monkeypatch.setattr(advice, "_build", build_by_work)
+    monkeypatch.setattr(advice, "_time", lambda ask, poses: 1e-9 * sum(map(count, map(ask, poses))))
     arrays = read_mesh(mesh)
     guessed = advice.estimate(arrays, lambda *_: None, (200,), (25, 50, 100))
     built = advice.measure(arrays, lambda *_: None, (100, 200))
@@ -72,7 +91,6 @@ def test_estimates_are_near_what_is_built(mesh):
         least = 1e-6 * float(np.ptp(arrays.vertices)) if name == "error" else 0.0
         one, other = (max(asdict(each)[name], least) for each in (guess, real))
         assert 1.0 / factor <= one / other <= factor, (name, one, other)
-    assert all(asdict(guess)[name] > 0.0 for name in TIMES)
 
 
 @pytest.mark.parametrize("name", ["bunny", "box"])
@@ -112,7 +130,7 @@ def test_advice_is_the_finest_that_is_cheap_enough():
     def make(resolution, **costs):
         cheap = dict.fromkeys(("field_bytes", "points", "error", "coverage"), 1.0)
         cheap |= dict.fromkeys(("field_bound", "shell_bound"), 1.0)
-        cheap |= dict.fromkeys(TIMES, 1e-6)
+        cheap |= dict.fromkeys(("build_seconds", "contacts_seconds", "collide_seconds"), 1e-6)
         return advice.Estimate(resolution, 1.0 / resolution, False, **(cheap | costs))
 
     dear = {"build_seconds": 31.0}, {"field_bytes": 1.1e8}, {"contacts_seconds": 2.1e-4}
