@@ -103,7 +103,8 @@ def main(arguments: list[str]) -> int:
         result = subprocess.run(
             [
                 *(clang_tidy, "-p", str(database), "--quiet", "--extra-arg=-Wno-everything"),
-                *(*checks, str(ROOT / name)),
+                *checks,
+                str(ROOT / name),
             ],
             capture_output=True,
             text=True,

@@ -69,7 +69,7 @@ def doubt(totals: Totals) -> str:
 
 TASK = Task(
     promise="p99.9 and worst time of queries for all contacts of two fine bunnies are known",
-    oracle="a clock around each query, on the machine as it is",
+    oracle="the time of each query by the clock, on a machine that other programs use, too",
     unit="queries",
     target=100_000_000,
     prepare=prepare,
