@@ -327,12 +327,15 @@ class Measurement {
   bool is_visible(std::uint32_t triangle, const Vec3& p) const {
     const double rounding = visible_->cutter->rounding();
     const std::vector<VisibleTriangle>& all = visible_->triangles;
-    const auto pieces = std::ranges::equal_range(all, triangle, {}, &VisibleTriangle::triangle);
-    return std::ranges::any_of(pieces, [&](const VisibleTriangle& piece) {
-      if (piece.is_whole) return true;
-      const auto corners = visible_->mesh.corners(static_cast<std::size_t>(&piece - all.data()));
-      return squared_length(closest_point_on_triangle(p, corners) - p) <= rounding * rounding;
-    });
+    auto piece = std::ranges::lower_bound(all, triangle, {}, &VisibleTriangle::triangle);
+    for (; piece != all.end() && piece->triangle == triangle; ++piece) {
+      if (piece->is_whole) return true;
+      const auto corners = visible_->mesh.corners(static_cast<std::size_t>(piece - all.begin()));
+      if (squared_length(closest_point_on_triangle(p, corners) - p) <= rounding * rounding) {
+        return true;
+      }
+    }
+    return false;
   }
 
   void measure_field(std::size_t begin, std::size_t end) {
