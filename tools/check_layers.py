@@ -4,7 +4,7 @@
 usage: tools/check_layers.py [ROOT]
 
 Prints one line for each violation (file:line, what, which directions are allowed) and exits 1 if
-there is one.
+there is one. A circle of Python imports is a violation, too, also if some of them only serve types.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 # ---- the directions ------------------------------------------------------------------------------
@@ -105,7 +106,7 @@ class Violation:
 
 def check(root: Path) -> list[Violation]:
     """All violations below `root`, by file and line."""
-    found = [*check_cpp(root), *check_python(root)]
+    found = [*check_cpp(root), *check_python(root), *check_circles(root)]
     return sorted(found, key=lambda violation: (violation.path, violation.line))
 
 
@@ -255,25 +256,65 @@ def _check_names(name: str, text: str) -> Iterator[Violation]:
 # ---- Python --------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class Import:
+    """One import of one of the packages."""
+
+    path: str
+    line: int
+    importer: tuple[str, ...]
+    module: tuple[str, ...]
+    excepted: bool
+
+
 def check_python(root: Path) -> Iterator[Violation]:
     """Violations in the Python packages."""
+    for each in _all_imports(root):
+        part, imported = _python_part(each.importer), _python_part(each.module)
+        if imported == part or imported in PYTHON_MAY_IMPORT[part] or each.excepted:
+            continue
+        yield Violation(
+            each.path,
+            each.line,
+            f"{part} imports {'.'.join(each.module)}, which belongs to {imported}",
+            f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
+        )
+
+
+def check_circles(root: Path) -> Iterator[Violation]:
+    """A circle of imports, if there is one. Packages' own files may collect what is below them."""
+    imports = [each for each in _all_imports(root) if not each.excepted]
+    known = {each.importer for each in imports}
+    graph: dict[tuple[str, ...], dict[tuple[str, ...], Import]] = {}
+    for each in imports:
+        module = each.module
+        while module and module not in known:
+            module = module[:-1]
+        if module and module != each.importer and "__init__" not in each.importer:
+            graph.setdefault(each.importer, {}).setdefault(module, each)
+    try:
+        TopologicalSorter({module: set(others) for module, others in graph.items()}).prepare()
+    except CycleError as error:
+        # Each module of this list is imported by the one after it.
+        circle: list[tuple[str, ...]] = error.args[1][::-1]
+        first = graph[circle[0]][circle[1]]
+        ring = " -> ".join(".".join(module) for module in circle)
+        yield Violation(first.path, first.line, f"circle of imports: {ring}", "none may be")
+
+
+def _all_imports(root: Path) -> Iterator[Import]:
     for name, folder in PYTHON_PACKAGES.items():
         package = root / folder
         for path in sorted(package.rglob("*.py")):
             inner = path.relative_to(package)
-            part = _python_part((name, *inner.with_suffix("").parts))
             tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
             for line, module, lazy in _python_imports(tree, (name, *inner.parent.parts)):
-                imported = _python_part(module)
-                if imported == part or imported in PYTHON_MAY_IMPORT[part]:
-                    continue
-                if lazy and (inner.as_posix(), imported) in PYTHON_LAZY_IMPORTS:
-                    continue
-                yield Violation(
+                yield Import(
                     path.relative_to(root).as_posix(),
                     line,
-                    f"{part} imports {'.'.join(module)}, which belongs to {imported}",
-                    f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
+                    (name, *inner.with_suffix("").parts),
+                    module,
+                    lazy and (inner.as_posix(), _python_part(module)) in PYTHON_LAZY_IMPORTS,
                 )
 
 

@@ -17,7 +17,9 @@ namespace {
 
 const ModelShape* model_shape_of(const btCollisionObjectWrapper& wrap) {
   const btCollisionShape& shape = *wrap.getCollisionShape();
-  return meeting_with(shape) == Meeting::kModel ? static_cast<const ModelShape*>(&shape) : nullptr;
+  return collision_method_of(shape) == CollisionMethod::kModel
+             ? static_cast<const ModelShape*>(&shape)
+             : nullptr;
 }
 
 Pose world_from_model(const btCollisionObjectWrapper& wrap, const ModelShape& shape) {

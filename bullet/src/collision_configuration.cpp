@@ -23,10 +23,10 @@ namespace voxshell::bullet {
 namespace {
 
 /// How the model of a pair meets the other shape; none where neither is a model.
-std::optional<Meeting> meeting_of(int type0, int type1) {
-  const Meeting meetings[] = {meeting_with(type0), meeting_with(type1)};
-  if (meetings[0] == Meeting::kModel) return meetings[1];
-  if (meetings[1] == Meeting::kModel) return meetings[0];
+std::optional<CollisionMethod> find_collision_method(int type0, int type1) {
+  const CollisionMethod methods[] = {collision_method_of(type0), collision_method_of(type1)};
+  if (methods[0] == CollisionMethod::kModel) return methods[1];
+  if (methods[1] == CollisionMethod::kModel) return methods[0];
   return std::nullopt;
 }
 
@@ -41,7 +41,8 @@ class RefusingCreateFunc : public btCollisionAlgorithmCreateFunc {
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo&,
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
-    const bool model_is_a = meeting_with(a->getCollisionShape()->getShapeType()) == Meeting::kModel;
+    const bool model_is_a =
+        collision_method_of(a->getCollisionShape()->getShapeType()) == CollisionMethod::kModel;
     throw std::logic_error(refusal_of((model_is_a ? b : a)->getCollisionShape()->getName()));
   }
 };
@@ -60,11 +61,11 @@ class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
     std::shared_ptr<const Hull> hull;
     for (const btCollisionObjectWrapper* side : {a, b}) {
       const btCollisionShape& shape = *side->getCollisionShape();
-      const Meeting meeting = meeting_with(shape);
-      if (meeting == Meeting::kUnserved) {
+      const CollisionMethod method = collision_method_of(shape);
+      if (method == CollisionMethod::kUnserved) {
         return RefusingCreateFunc().CreateCollisionAlgorithm(info, a, b);
       }
-      if (meeting == Meeting::kHull) {
+      if (method == CollisionMethod::kHull) {
         hull = hulls_.of(static_cast<const btConvexShape&>(shape));
         if (!hull) return of_bullet(*a, *b).CreateCollisionAlgorithm(info, a, b);
       }
@@ -106,7 +107,7 @@ btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo 
 }  // namespace
 
 Result<std::monostate> check_served(const btCollisionShape& shape) {
-  if (meeting_with(shape) == Meeting::kUnserved) {
+  if (collision_method_of(shape) == CollisionMethod::kUnserved) {
     return Error{ErrorCode::kInvalidArgument, refusal_of(shape.getName())};
   }
   if (shape.isCompound()) {
@@ -134,13 +135,13 @@ struct CollisionConfiguration::CreateFunctions {
 
   /// Ours for a pair of types, or null.
   btCollisionAlgorithmCreateFunc* of(int type0, int type1, ServingCreateFunc& served) {
-    switch (meeting_of(type0, type1).value_or(Meeting::kNever)) {
-      case Meeting::kModel:
-      case Meeting::kField:
-      case Meeting::kHull:
-      case Meeting::kTriangles:
+    switch (find_collision_method(type0, type1).value_or(CollisionMethod::kNever)) {
+      case CollisionMethod::kModel:
+      case CollisionMethod::kField:
+      case CollisionMethod::kHull:
+      case CollisionMethod::kTriangles:
         return &served;
-      case Meeting::kUnserved:
+      case CollisionMethod::kUnserved:
         return &refusing;
       default:
         return nullptr;

@@ -17,7 +17,7 @@ namespace voxshell::bullet {
 namespace {
 
 bool has_model(const btCollisionShape& shape) {
-  if (meeting_with(shape) == Meeting::kModel) return true;
+  if (collision_method_of(shape) == CollisionMethod::kModel) return true;
   if (!shape.isCompound()) return false;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   for (int i = 0; i < compound.getNumChildShapes(); ++i) {

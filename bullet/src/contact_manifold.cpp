@@ -16,7 +16,7 @@ namespace voxshell::bullet {
 namespace {
 
 /// What a manifold's point leaves to that of the next step with its id.
-struct Heritage {
+struct CachedImpulse {
   int id;
   int life_time;
   btScalar impulse;
@@ -27,7 +27,7 @@ struct Heritage {
   bool is_taken;
 
   /// Takes the user's data out of the point.
-  static Heritage take_from(btManifoldPoint& point) {
+  static CachedImpulse take_from(btManifoldPoint& point) {
     return {point.m_index0,
             point.m_lifeTime,
             point.m_appliedImpulse,
@@ -125,10 +125,10 @@ btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
 void ManifoldFiller::fill(btPersistentManifold& manifold,
                           std::span<const WorldContact> contacts) const {
   assert(contacts.size() <= MANIFOLD_CACHE_SIZE);
-  std::array<Heritage, MANIFOLD_CACHE_SIZE> kept;
+  std::array<CachedImpulse, MANIFOLD_CACHE_SIZE> kept;
   const int before_count = manifold.getNumContacts();
   for (int i = 0; i < before_count; ++i) {
-    kept[static_cast<std::size_t>(i)] = Heritage::take_from(manifold.getContactPoint(i));
+    kept[static_cast<std::size_t>(i)] = CachedImpulse::take_from(manifold.getContactPoint(i));
   }
   const std::span before(kept.data(), static_cast<std::size_t>(before_count));
   // Not clearManifold(), which would tell gContactEndedCallback that the bodies have parted.
@@ -137,8 +137,8 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
   for (const WorldContact& contact : contacts) {
     const auto place = static_cast<std::size_t>(manifold.getNumContacts());
     btManifoldPoint& point = add(manifold, contact);
-    const auto is_same = [&](const Heritage& heritage) {
-      return !heritage.is_taken && heritage.id == point.m_index0;
+    const auto is_same = [&](const CachedImpulse& cached) {
+      return !cached.is_taken && cached.id == point.m_index0;
     };
     // Points that carry on keep their places, most of the time.
     const auto same = place < before.size() && is_same(before[place])
@@ -151,10 +151,9 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
                             swapped ? &a_ : &b_, point.m_partId1, point.m_index1);
     }
   }
-  for (const Heritage& heritage : before) {
-    if (!heritage.is_taken && heritage.user_data != nullptr &&
-        gContactDestroyedCallback != nullptr) {
-      gContactDestroyedCallback(heritage.user_data);
+  for (const CachedImpulse& cached : before) {
+    if (!cached.is_taken && cached.user_data != nullptr && gContactDestroyedCallback != nullptr) {
+      gContactDestroyedCallback(cached.user_data);
     }
   }
   const int count = manifold.getNumContacts();

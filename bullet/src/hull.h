@@ -22,7 +22,7 @@ class Hull {
   /// None where the points enclose no volume, or have a hull of too many faces for a ConvexField.
   static std::optional<Hull> create(std::vector<Vec3> points);
 
-  /// Of shapes that are hulls: see meeting_with().
+  /// Of shapes that are hulls: see collision_method_of().
   static std::vector<Vec3> points_of(const btConvexShape& shape);
 
   const std::vector<Vec3>& points() const { return points_; }

@@ -219,7 +219,7 @@ void ModelAlgorithm::renew_hull(const btCollisionObjectWrapper& a,
                                 const btCollisionObjectWrapper& b) {
   const btCollisionShape* shape = a.getCollisionShape();
   if (!shape->isConvex()) shape = b.getCollisionShape();
-  if (meeting_with(*shape) != Meeting::kHull) return;
+  if (collision_method_of(*shape) != CollisionMethod::kHull) return;
   const auto& convex = static_cast<const btConvexShape&>(*shape);
   const Vec3 scaling = from_bullet(convex.getLocalScaling());
   const bool is_scaled = hull_scaling_ && !(*hull_scaling_ == scaling);

@@ -26,7 +26,7 @@ const btCollisionObject& object_of(const btBroadphaseProxy& proxy) {
 
 /// Bullet's triangles are read by callbacks, of which it does not say that threads may call them.
 bool has_triangles(const btCollisionObject& object) {
-  return meeting_with(*object.getCollisionShape()) == Meeting::kTriangles;
+  return collision_method_of(*object.getCollisionShape()) == CollisionMethod::kTriangles;
 }
 
 }  // namespace

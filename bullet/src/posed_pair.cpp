@@ -33,53 +33,54 @@ Pose shape_from_axis(int axis) {
 
 }  // namespace
 
-Meeting meeting_with(int shape_type) {
+CollisionMethod collision_method_of(int shape_type) {
   switch (shape_type) {
     case FAST_CONCAVE_MESH_PROXYTYPE:
-      return Meeting::kModel;
+      return CollisionMethod::kModel;
     case STATIC_PLANE_PROXYTYPE:
     case BOX_SHAPE_PROXYTYPE:
     case SPHERE_SHAPE_PROXYTYPE:
     case CAPSULE_SHAPE_PROXYTYPE:
     case CYLINDER_SHAPE_PROXYTYPE:
     case CONE_SHAPE_PROXYTYPE:
-      return Meeting::kField;
+      return CollisionMethod::kField;
     case CONVEX_HULL_SHAPE_PROXYTYPE:
     case CONVEX_POINT_CLOUD_SHAPE_PROXYTYPE:
     case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE:
     case TETRAHEDRAL_SHAPE_PROXYTYPE:
-      return Meeting::kHull;
+      return CollisionMethod::kHull;
     case TRIANGLE_MESH_SHAPE_PROXYTYPE:
     case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
     case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
     case TERRAIN_SHAPE_PROXYTYPE:
     case GIMPACT_SHAPE_PROXYTYPE:
-      return Meeting::kTriangles;
+      return CollisionMethod::kTriangles;
     case COMPOUND_SHAPE_PROXYTYPE:
-      return Meeting::kCompound;
+      return CollisionMethod::kCompound;
     case EMPTY_SHAPE_PROXYTYPE:
-      return Meeting::kNever;
+      return CollisionMethod::kNever;
     default:
       break;
   }
-  return btBroadphaseProxy::isConvex(shape_type) ? Meeting::kConvex : Meeting::kUnserved;
+  return btBroadphaseProxy::isConvex(shape_type) ? CollisionMethod::kConvex
+                                                 : CollisionMethod::kUnserved;
 }
 
-Meeting meeting_with(const btCollisionShape& shape) {
+CollisionMethod collision_method_of(const btCollisionShape& shape) {
   // Of GImpact's compounds, processAllTriangles() is empty.
   if (shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
       static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() ==
           CONST_GIMPACT_COMPOUND_SHAPE) {
-    return Meeting::kUnserved;
+    return CollisionMethod::kUnserved;
   }
-  return meeting_with(shape.getShapeType());
+  return collision_method_of(shape.getShapeType());
 }
 
 Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
     : wrap_(wrap), world_from_geometry_(from_bullet(wrap.getWorldTransform())) {
   const btCollisionShape& shape = *wrap.getCollisionShape();
-  switch (meeting_with(shape)) {
-    case Meeting::kModel: {
+  switch (collision_method_of(shape)) {
+    case CollisionMethod::kModel: {
       const auto& model_shape = static_cast<const ModelShape&>(shape);
       world_from_geometry_ = world_from_geometry_ * model_shape.body_from_model();
       model_ = &model_shape.model();
@@ -90,11 +91,11 @@ Side::Side(const btCollisionObjectWrapper& wrap, const Hull* hull)
                       .inner_point = &model_->inner_point()};
       return;
     }
-    case Meeting::kTriangles:
+    case CollisionMethod::kTriangles:
       triangles_ = static_cast<const btConcaveShape*>(&shape);
       thickness_ = static_cast<double>(triangles_->getMargin());
       return;
-    case Meeting::kHull:
+    case CollisionMethod::kHull:
       hull_ = hull;
       participant_.field = &hull_->field();
       thickness_ = static_cast<double>(shape.getMargin());
@@ -146,7 +147,7 @@ void Side::make_analytic(const btCollisionShape& shape) {
       return;
     }
     default:
-      btAssert(!"meeting_with() says which shapes have a field");
+      btAssert(!"collision_method_of() says which shapes have a field");
   }
 }
 

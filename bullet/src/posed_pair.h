@@ -17,7 +17,7 @@
 namespace voxshell::bullet {
 
 /// How a model meets a shape of some type.
-enum class Meeting {
+enum class CollisionMethod {
   kModel,      ///< by its field and shell
   kField,      ///< by an analytic field: the model is the shell
   kHull,       ///< the same by the field of its hull, where it has one; else as kConvex
@@ -27,9 +27,9 @@ enum class Meeting {
   kNever,      ///< there is nothing to touch
   kUnserved,   ///< not at all: see check_served()
 };
-Meeting meeting_with(int shape_type);
+CollisionMethod collision_method_of(int shape_type);
 /// Of shapes of one type, some may be kUnserved.
-Meeting meeting_with(const btCollisionShape& shape);
+CollisionMethod collision_method_of(const btCollisionShape& shape);
 
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes, hulls
 /// where the pair's algorithm is.

@@ -76,8 +76,8 @@ void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
     }
     return;
   }
-  const Meeting meeting = meeting_with(shape);
-  if (meeting != Meeting::kModel && meeting != Meeting::kField) return;
+  const CollisionMethod method = collision_method_of(shape);
+  if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return;
   const btCollisionObjectWrapper wrap(nullptr, &shape, &body, world_from_shape, -1, -1);
   fields.emplace_back(Side(wrap, nullptr));
 }
@@ -98,7 +98,9 @@ class Neighbor {
   const btCollisionObject& body() const { return *body_; }
   const Motion& motion() const { return motion_; }
   double radius() const { return radius_; }
-  bool is_model() const { return meeting_with(*body_->getCollisionShape()) == Meeting::kModel; }
+  bool is_model() const {
+    return collision_method_of(*body_->getCollisionShape()) == CollisionMethod::kModel;
+  }
 
   /// Whether a place may be that near, by the bounds that Bullet looks for pairs with.
   bool may_be_near(const Vec3& place, double reach) const {

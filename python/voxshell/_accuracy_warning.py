@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from voxshell import _core
 from voxshell.accuracy import AccuracyWarning
@@ -15,9 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import FrameType
 
-    from voxshell._pairs import Parts
     from voxshell.field import Field
     from voxshell.model import Model
+
+Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
+"""What the core wants of two bodies: the field and the model of each."""
 
 _OF_SIDE = 0.02  # of the smaller body's shortest side
 _OF_WALL = 0.25  # of the thinner wall, half of the way to its middle

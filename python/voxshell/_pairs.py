@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from voxshell import _core
-from voxshell._accuracy_warning import judge
+from voxshell._accuracy_warning import Parts, judge
 from voxshell._arguments import as_integer, as_real
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import Field
@@ -19,9 +19,6 @@ Collidable: TypeAlias = Model | Field
 
 Shell: TypeAlias = Literal["auto", "fewest", "a", "b", "both"]
 """Whose points are tested against the other's field."""
-
-Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
-"""What the core wants of two bodies: the field and the model of each."""
 
 SHELLS = {
     "auto": _core.Shells.AUTOMATIC,

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from voxshell.world import World
+    from voxshell import _bullet
+    from voxshell.body import Body
 
 
 class Recorder:
@@ -25,11 +26,17 @@ class Recorder:
     Bodies must be added before the recording begins; those that are removed stay where they were.
     """
 
-    def __init__(self, world: World, every: int) -> None:
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        time_step: float,
+        bodies: tuple[Body, ...],
+        every: int,
+    ) -> None:
         # Not the world: it refers to its recorders, and memory would stay until a collection.
-        self._simulation = world._simulation
-        self._time_step = world.time_step
-        self._bodies = tuple(world.bodies)
+        self._simulation = simulation
+        self._time_step = time_step
+        self._bodies = bodies
         self._every = every
         self._steps = 0
         self._poses: list[NDArray[np.float64]] = []

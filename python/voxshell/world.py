@@ -562,12 +562,7 @@ class World:
             >>> bool((ball.pose == first).all())
             True
         """
-        return WorldState(
-            self,
-            self._simulation.save(),
-            tuple(self.bodies),
-            tuple(self.joints),
-        )
+        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints))
 
     def restore_state(self, state: WorldState) -> None:
         """Goes back to a state of :meth:`save_state`, as often as one likes.
@@ -578,7 +573,7 @@ class World:
             InputTypeError: ``state`` is no state.
             SettingsError: It is of another world, or bodies or joints were added or removed since.
         """
-        check_same(self, state)
+        check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
         self._simulation.restore(state._state)
 
     def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
@@ -729,7 +724,12 @@ class World:
             >>> recorder.recording().frame_count
             6
         """
-        recorder = Recorder(self, as_integer(every, "every", 1, 2**31 - 1))
+        recorder = Recorder(
+            self._simulation,
+            self.time_step,
+            tuple(self.bodies),
+            as_integer(every, "every", 1, 2**31 - 1),
+        )
         self._recorders.append(recorder)
         return recorder
 

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from voxshell import _bullet
     from voxshell.body import Body
     from voxshell.joints import Joint
-    from voxshell.world import World
 
 
 class WorldState:
@@ -19,17 +18,16 @@ class WorldState:
     It is for the world that it was taken from, with the bodies and joints that there were.
     """
 
-    __slots__ = ("_bodies", "_joints", "_state", "_world")
+    __slots__ = ("_bodies", "_joints", "_simulation", "_state")
 
     def __init__(
         self,
-        world: World,
-        state: _bullet.SimulationState,
+        simulation: _bullet.Simulation,
         bodies: tuple[Body, ...],
         joints: tuple[Joint, ...],
     ) -> None:
-        self._world = world
-        self._state = state
+        self._simulation = simulation
+        self._state = simulation.save()
         self._bodies = bodies
         self._joints = joints
 
@@ -37,8 +35,13 @@ class WorldState:
         return f"WorldState({len(self._bodies)} bodies, {len(self._joints)} joints)"
 
 
-def check_same(world: World, state: WorldState) -> None:
-    """Whether a world can go back to a state.
+def check_same(
+    simulation: _bullet.Simulation,
+    bodies: tuple[Body, ...],
+    joints: tuple[Joint, ...],
+    state: WorldState,
+) -> None:
+    """Checks that a simulation with these bodies and joints can go back to a state.
 
     Raises:
         InputTypeError: ``state`` is no state.
@@ -46,11 +49,11 @@ def check_same(world: World, state: WorldState) -> None:
     """
     if not isinstance(state, WorldState):
         raise InputTypeError(f"state must be of World.save_state(), not {type(state).__name__}")
-    if state._world is not world:
+    if state._simulation is not simulation:
         raise SettingsError("the state is of another world")
     for what, then, now in (
-        ("bodies", state._bodies, world.bodies),
-        ("joints", state._joints, world.joints),
+        ("bodies", state._bodies, bodies),
+        ("joints", state._joints, joints),
     ):
         added = [it.name for it in now if it not in then]
         gone = [it.name for it in then if it not in now]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from voxshell.contact_set import Contacts
 
-    from voxshell_studies.geometry import GeometrySettings
+    from voxshell_studies.geometry_settings import GeometrySettings
     from voxshell_studies.part import Tables
     from voxshell_studies.surface_truth import Surface
 

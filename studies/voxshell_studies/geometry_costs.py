@@ -20,7 +20,7 @@ from voxshell_studies.scenes.geometry_bodies import make_body
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell_studies.geometry import GeometrySettings
+    from voxshell_studies.geometry_settings import GeometrySettings
     from voxshell_studies.part import Columns, Tables
 
 COMPARED = "bunny 0.2 m"

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from voxshell.meshes import Mesh
 
-    from voxshell_studies.geometry import GeometrySettings
+    from voxshell_studies.geometry_settings import GeometrySettings
     from voxshell_studies.part import Tables
 
 _OFFSETS = 5
