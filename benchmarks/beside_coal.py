@@ -52,7 +52,7 @@ def run_program(
 
 
 def make_rows(questions: dict[str, Any]) -> dict[str, Any]:
-    """Its cases by name, coal's ways one by one, and the share of poses with the same answers.
+    """Its cases by name, coal's ways one by one, and the fraction of poses with the same answers.
 
     "coal, C++" is the least of each figure over all of coal's ways, of which those do not count
     whose answers differ from coal's with its settings as they come.

@@ -106,7 +106,7 @@ btVector3 CoulombSolver::surface_velocity(int solver_body) const {
   return body->getWorldTransform().getBasis() * found->second;
 }
 
-/// Begins with the share that Bullet gives to normal impulses, m_warmstartingFactor, of the
+/// Begins with the fraction that Bullet gives to normal impulses, m_warmstartingFactor, of the
 /// friction of the step before, where the directions that it is along are still the same. Begun
 /// with none, as in the stock solver, bodies creep down slopes and grips give way; with all of it,
 /// stacks rock for seconds longer and points that pull against each other do so for ever.
@@ -121,13 +121,13 @@ void CoulombSolver::warm_start_friction(const btContactSolverInfo& info) {
     if (length == 0) continue;
     btSolverConstraint& row_1 = m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex];
     const btScalar bound = row_1.m_friction * btScalar(contact.m_appliedImpulse);
-    const btScalar share = std::min(bound / length, info.m_warmstartingFactor);
+    const btScalar fraction = std::min(bound / length, info.m_warmstartingFactor);
     btSolverBody& a = m_tmpSolverBodyPool[contact.m_solverBodyIdA];
     btSolverBody& b = m_tmpSolverBodyPool[contact.m_solverBodyIdB];
-    set_impulse(row_1, a, b, share * impulse_1);
+    set_impulse(row_1, a, b, fraction * impulse_1);
     if (!has_two_directions) continue;
     set_impulse(m_tmpSolverContactFrictionConstraintPool[contact.m_frictionIndex + 1], a, b,
-                share * impulse_2);
+                fraction * impulse_2);
   }
 }
 

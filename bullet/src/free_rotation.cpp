@@ -16,7 +16,7 @@ namespace {
 constexpr double kPiece = 0.25;
 /// 0.25^27 is below half a unit in the last place.
 constexpr std::size_t kMostTerms = 28;
-/// Terms below this share of the first change nothing any more.
+/// Terms below this fraction of the first change nothing any more.
 constexpr double kNothing = 1e-17;
 
 struct Quaternion {

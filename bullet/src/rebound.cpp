@@ -56,7 +56,7 @@ SolverRebound rebound_for_solver(const PairStep& step, const FirstTouch& first,
     rebound.restitution = (speed + of_gap) / approach;
   }
   // From 0, ten iterations leave a body that lands on several points at once some per cent too
-  // fast; from equal shares of what turns its velocity round, they have little left to do.
+  // fast; from equal fractions of what turns its velocity round, they have little left to do.
   const double inverse_mass = step.motion_a.inverse_mass + step.motion_b.inverse_mass;
   if (inverse_mass > 0.0) {
     const double turned = speed + impact.approach + impact.approach_of_forces;

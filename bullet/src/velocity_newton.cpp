@@ -389,17 +389,17 @@ void VelocityNewton::project_contact(const Group& contact) {
   const double x = has_first ? unlimited_[contact.first + 1] : 0.0;
   const double y = has_second ? unlimited_[contact.first + 2] : 0.0;
   double onto = 0.0;
-  double share = 0.0;
+  double fraction = 0.0;
   // Most are open, and need no root to tell.
   if (normal + friction * (std::abs(x) + std::abs(y)) > 0.0) {
     const double aside = std::sqrt(x * x + y * y);
     if (is_in_cone(normal, aside, friction)) return;
     onto = std::max((normal + friction * aside) / (1.0 + friction * friction), 0.0);
-    if (aside > 0.0) share = friction * onto / aside;
+    if (aside > 0.0) fraction = friction * onto / aside;
   }
   impulses_[contact.first] = onto;
-  if (has_first) impulses_[contact.first + 1] = share * x;
-  if (has_second) impulses_[contact.first + 2] = share * y;
+  if (has_first) impulses_[contact.first + 1] = fraction * x;
+  if (has_second) impulses_[contact.first + 2] = fraction * y;
 }
 
 /// The size of a contact's friction before limits.

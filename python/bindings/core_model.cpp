@@ -164,13 +164,14 @@ void bind_model(nb::module_& module) {
           [](const Model& m) {
             const Openings& o = m.openings();
             return std::tuple{o.loops,
-                              o.share,
+                              o.fraction,
                               o.mouths,
                               o.largest_diameter,
                               to_coordinates(o.first_location),
                               o.sheet_thickness};
           },
-          "Loops, share, mouths, largest diameter, first location, and the sheet's thickness or 0.")
+          "Loops, fraction, mouths, largest diameter, first location, and the sheet's thickness or "
+          "0.")
       .def_prop_ro(
           "tolerance", [](const Model& m) { return m.settings().tolerance; },
           "Metres; 0 if the model is uniform.")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CONCAVITY = 0.05
-"""CoACD's own default of what it leaves, as a share of the mesh's size."""
+"""CoACD's own default of what it leaves, as a fraction of the mesh's size."""
 
 SEED = 0
 """Of CoACD's search."""
@@ -63,8 +63,8 @@ class Recipe:
         library: The distribution that does it.
         hulls: HACD: how many at least; V-HACD: how many at most.
         voxels: V-HACD: of its grid.
-        concavity: CoACD: what it leaves, as a share of the mesh's size.
-        tolerance: HACD: how far its input may be off the mesh, as a share of the mesh's size. It takes a
+        concavity: CoACD: what it leaves, as a fraction of the mesh's size.
+        tolerance: HACD: how far its input may be off the mesh, as a fraction of the mesh's size. It takes a
             minute for ten thousand triangles, and more than the square of that for more.
     """
 

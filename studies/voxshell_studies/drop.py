@@ -106,7 +106,7 @@ def run_drop(
         method: Which way the body and the ground collide.
         settings: Of the drop.
         steps: How many.
-        progress: Called after each step with the share of the steps that is done.
+        progress: Called after each step with the fraction of the steps that is done.
         rotation: Of the start, (4, 4); upright by default.
     """
     world, body = build_world(shapes, method, settings, rotation=rotation)

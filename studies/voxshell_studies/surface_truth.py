@@ -19,7 +19,7 @@ TIE = 1e-5
 """Metres by which a face may be farther than the nearest one and still count as nearest."""
 
 TIE_SHARE = 0.01
-"""And the share of the distance."""
+"""And the fraction of the distance."""
 
 _PAIRS_AT_ONCE = 500_000
 """Pairs of a place and a face that are compared together: 12 MB."""

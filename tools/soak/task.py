@@ -42,7 +42,7 @@ class Totals:
             self.peaks[name] = max(self.peaks.get(name, number), number)
 
     def share(self, part: str, whole: str) -> float:
-        """One tally as a share of another; NaN where there is none yet."""
+        """One tally as a fraction of another; NaN where there is none yet."""
         total = self.tallies.get(whole, 0)
         return self.tallies.get(part, 0) / total if total else float("nan")
 

@@ -30,8 +30,8 @@ enum class SignMethod {
 /// How that was done, and what there was to overcome.
 struct SignReport {
   SignMethod method = SignMethod::kClosed;
-  /// 1: closed; else the share of the mesh's area on both of whose sides the winding number is not
-  /// near a half.
+  /// 1: closed; else the fraction of the mesh's area on both of whose sides the winding number is
+  /// not near a half.
   double confidence = 1.0;
   bool was_turned = false;  ///< the mesh was inside out as a whole
   MeshDefects defects;      ///< open, non-manifold and wrongly oriented edges

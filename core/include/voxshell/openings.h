@@ -16,8 +16,8 @@ enum class OpenMesh {
 /// The openings of a mesh and what was made of it. Metres, the mesh's frame.
 struct Openings {
   std::size_t loops = 0;  ///< rims that do not touch one another; 0: the mesh is not open
-  /// Area of caps across the rims, as a share of the area of the surface that has rims.
-  double share = 0.0;
+  /// Area of caps across the rims, as a fraction of the area of the surface that has rims.
+  double fraction = 0.0;
   /// Of them, how many the surface runs into rather than around, as at the ends of a tube.
   std::size_t mouths = 0;
   double largest_diameter = 0.0;  ///< diagonal of the box around the largest rim

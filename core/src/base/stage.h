@@ -14,7 +14,7 @@ class Stage {
   /// `progress` may be empty, and must outlive the stage.
   Stage(const Progress& progress, std::string_view name) : progress_(progress), name_(name) {}
 
-  /// Shares done that are reported from now on, 0 to 1, count from `from` to `to` of the stage.
+  /// Fractions done that are reported from now on, 0 to 1, count from `from` to `to` of the stage.
   void set_part(double from, double to) {
     from_ = from;
     to_ = to;

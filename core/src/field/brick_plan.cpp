@@ -56,7 +56,7 @@ constexpr int kHalfNodes = kBrickCells / 2 + 1;
 using HalfNodes = std::array<double, cube(kHalfNodes)>;
 
 /// Where std::lerp would take special care of its ends.
-double mix(double a, double b, double share) { return a + share * (b - a); }
+double mix(double a, double b, double fraction) { return a + fraction * (b - a); }
 
 /// How far trilinear cells, this many along each axis, are off at most.
 double find_largest_error(const HalfNodes& nodes, int cells) {
@@ -72,14 +72,14 @@ double find_largest_error(const HalfNodes& nodes, int cells) {
         // The two nodes of the cells along each axis, the same where one lies on the place.
         const auto below = [&](int i) { return i / step * step; };
         const auto above = [&](int i) { return (i + step - 1) / step * step; };
-        const auto share = [&](int i) { return static_cast<double>(i % step) / step; };
+        const auto fraction = [&](int i) { return static_cast<double>(i % step) / step; };
         const auto along_x = [&](int j, int k) {
-          return mix(at(below(x), j, k), at(above(x), j, k), share(x));
+          return mix(at(below(x), j, k), at(above(x), j, k), fraction(x));
         };
         const auto along_y = [&](int k) {
-          return mix(along_x(below(y), k), along_x(above(y), k), share(y));
+          return mix(along_x(below(y), k), along_x(above(y), k), fraction(y));
         };
-        const double mean = mix(along_y(below(z)), along_y(above(z)), share(z));
+        const double mean = mix(along_y(below(z)), along_y(above(z)), fraction(z));
         largest = std::max(largest, std::abs(mean - at(x, y, z)));
       }
     }

@@ -45,8 +45,8 @@ std::vector<Vec3> spread_places(const TriangleMesh& mesh, std::size_t count) {
 
 /// How cells of one size would do.
 struct Trial {
-  double share_off = 0.0;  ///< of the surface, where samples are off by more than the tolerance
-  double blocks = 0.0;     ///< of eight triangles, that are nearest in a cell there, on average
+  double fraction_off = 0.0;  ///< of the surface, where samples are off by more than the tolerance
+  double blocks = 0.0;        ///< of eight triangles, that are nearest in a cell there, on average
 };
 
 /// `unit`: of lengths in the tree, metres.
@@ -90,7 +90,7 @@ Trial try_voxels(const TriangleMesh& mesh, const DistanceTree& tree, double unit
                   ? static_cast<double>(found.size()) / 8.0
                   : static_cast<double>(kMost) / 8.0;
   }
-  trial.share_off = static_cast<double>(off) / static_cast<double>(places.size());
+  trial.fraction_off = static_cast<double>(off) / static_cast<double>(places.size());
   trial.blocks = counted == 0 ? 0.0 : blocks / static_cast<double>(counted);
   return trial;
 }
@@ -115,8 +115,8 @@ double choose_voxels(const TriangleMesh& mesh, double tolerance, unsigned thread
         try_voxels(mesh, tree, unit, places, longest / kResolutions[tried], tolerance);
     const double fineness = kResolutions[tried] / kDearResolution;
     costs[tried++] =
-        1.0 + kExactCost * trial.share_off * (1.0 + trial.blocks) + fineness * fineness;
-    if (trial.share_off == 0.0) break;
+        1.0 + kExactCost * trial.fraction_off * (1.0 + trial.blocks) + fineness * fineness;
+    if (trial.fraction_off == 0.0) break;
   }
   // The coarsest that costs little more than the best.
   constexpr double kLittle = 1.15;

@@ -15,7 +15,7 @@
 namespace voxshell {
 namespace {
 
-// Shares of the mesh's longest side.
+// Fractions of the mesh's longest side.
 constexpr double kConvexTo = 1e-5;
 constexpr double kCoplanarTo = 1e-6;
 /// A triangle lower than this has no normal to trust, and its neighbours bound what it would.

@@ -104,9 +104,9 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
       if (is_on_upper_face) continue;
       auto end = place;
       ++end[axis];
-      const double share = (0.5 - numbers[node]) / (numbers[next] - numbers[node]);
+      const double fraction = (0.5 - numbers[node]) / (numbers[next] - numbers[node]);
       const Vec3 from = node_at(place);
-      found.points.push_back(from + std::clamp(share, 0.0, 1.0) * (node_at(end) - from));
+      found.points.push_back(from + std::clamp(fraction, 0.0, 1.0) * (node_at(end) - from));
     }
   }
   return found;

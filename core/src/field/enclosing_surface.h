@@ -20,7 +20,8 @@ struct EnclosingSurface {
   std::size_t hidden_triangles = 0;  ///< inside on both sides, wholly or in part
   Vec3 first_hidden{};               ///< the middle of the first of them, metres
   std::size_t caps = 0;              ///< specks, about one a voxel of the surface across holes
-  double confidence = 0.0;  ///< share of the mesh's area that has no doubtful place on either side
+  double confidence =
+      0.0;  ///< fraction of the mesh's area that has no doubtful place on either side
 };
 
 /// Without a value where progress asked to stop, or where nothing is inside. Where the confidence

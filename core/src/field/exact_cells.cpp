@@ -32,7 +32,7 @@ constexpr double kDeep = 2.0;
 constexpr double kDeepest = 8.0;
 /// Nor may normals be off by more than this there: 10 degrees, cosine.
 constexpr float kNormalsAgree = 0.985f;
-/// Away from the surface samples may be off by this share of the distance more.
+/// Away from the surface samples may be off by this fraction of the distance more.
 constexpr float kOfDistance = 0.05f;
 /// Of the tolerance, as few places of a cell are looked at.
 constexpr double kSafety = 0.7;

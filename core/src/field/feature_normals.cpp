@@ -28,8 +28,8 @@ double angle_between(const Vec3& u, const Vec3& v) {
 Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
                          const Vec3& to) {
   Vec3 normal = face;
-  for (const double share : {0.5, 0.1, 0.3, 0.7, 0.9}) {
-    const Vec3 here = normalized(around.compute(from + share * (to - from)));
+  for (const double fraction : {0.5, 0.1, 0.3, 0.7, 0.9}) {
+    const Vec3 here = normalized(around.compute(from + fraction * (to - from)));
     if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
   }
   return normal;

@@ -109,17 +109,17 @@ Openings find_openings(const TriangleMesh& mesh) {
     if (is_wide && rim.along <= kMouthCosine * rim.length) ++openings.mouths;
   }
   const double area = compute_open_area(mesh, edges);
-  openings.share = area > 0.0 ? caps / area : 1.0;
+  openings.fraction = area > 0.0 ? caps / area : 1.0;
   return openings;
 }
 
 bool suggest_sheet(const Openings& openings) {
-  constexpr double kSheetShare = 0.15;
-  constexpr double kTubeShare = 0.005;
+  constexpr double kSheetFraction = 0.15;
+  constexpr double kTubeFraction = 0.005;
   constexpr std::size_t kTubeMouths = 2;
   if (openings.loops == 0) return false;
-  return openings.share >= kSheetShare ||
-         (openings.mouths >= kTubeMouths && openings.share >= kTubeShare);
+  return openings.fraction >= kSheetFraction ||
+         (openings.mouths >= kTubeMouths && openings.fraction >= kTubeFraction);
 }
 
 }  // namespace voxshell

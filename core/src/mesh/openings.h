@@ -9,7 +9,7 @@ namespace voxshell {
 Openings find_openings(const TriangleMesh& mesh);
 
 /// Whether a mesh with such openings is a sheet rather than a solid with holes: its caps would be a
-/// large share of the surface, or it is a tube, with mouths at two ends or more (decision 29).
+/// large fraction of the surface, or it is a tube, with mouths at two ends or more (decision 29).
 bool suggest_sheet(const Openings& openings);
 
 }  // namespace voxshell

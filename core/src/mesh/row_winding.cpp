@@ -10,7 +10,7 @@
 namespace voxshell {
 namespace {
 
-/// Rows are moved aside by this share of a step, so that they miss the edges of meshes that are
+/// Rows are moved aside by this fraction of a step, so that they miss the edges of meshes that are
 /// aligned with the grid; where one is hit all the same, the row is moved once more.
 constexpr double kNudgeY = 1.234e-6;
 constexpr double kNudgeZ = 2.718e-6;

@@ -16,7 +16,7 @@ namespace {
 
 /// How far off the surface its sides are looked at, of the mesh's longest side: above the rounding.
 constexpr double kAside = 1e-5;
-/// But no farther than this share of a piece's width.
+/// But no farther than this fraction of a piece's width.
 constexpr double kAsideOfWidth = 0.1;
 
 constexpr std::size_t kCorners = 3;
@@ -260,14 +260,14 @@ std::vector<std::array<double, 2>> SurfaceCutter::cut_line(const Vec3& from, con
     const double height = dot(from - corners[0], n);
     const double slope = dot(way, n);
     if (std::abs(slope) <= rounding()) return;
-    const double share = -height / slope;
-    if (!(share > 0.0 && share < 1.0)) return;
-    const Vec3 place = from + share * way;
+    const double fraction = -height / slope;
+    if (!(fraction > 0.0 && fraction < 1.0)) return;
+    const Vec3 place = from + fraction * way;
     for (std::size_t i = 0; i < kCorners; ++i) {
       const Vec3 inward = normalized(cross(n, corners[next(i)] - corners[i]));
       if (dot(place - corners[i], inward) < -rounding()) return;
     }
-    ends.push_back(share);
+    ends.push_back(fraction);
   });
   std::ranges::sort(ends);
   std::vector<std::array<double, 2>> visible;

@@ -67,7 +67,7 @@ class SurfaceCutter {
                                        bool& is_hidden) const;
 
   /// The visible parts of a straight line along the surface, whose places face along `normal`:
-  /// where they begin and end, as shares of its length.
+  /// where they begin and end, as fractions of its length.
   std::vector<std::array<double, 2>> cut_line(const Vec3& from, const Vec3& to,
                                               const Vec3& normal) const;
 

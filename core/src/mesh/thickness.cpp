@@ -158,7 +158,7 @@ class RayCaster {
 
 double compute_thickness(const TriangleMesh& mesh) {
   constexpr std::size_t kChords = 4096;
-  constexpr double kShare = 0.01;     // of the area that may be thinner
+  constexpr double kFraction = 0.01;  // of the area that may be thinner
   constexpr double kTouching = 1e-7;  // of the longest side: chords that do not leave the surface
   const Vec3 sides = mesh.bounds().extents();
   const double longest = sides[mesh.bounds().longest_axis()];
@@ -177,7 +177,7 @@ double compute_thickness(const TriangleMesh& mesh) {
   }
   if (chords.empty()) return shortest;
   const auto at =
-      chords.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(chords.size()));
+      chords.begin() + static_cast<std::ptrdiff_t>(kFraction * static_cast<double>(chords.size()));
   std::nth_element(chords.begin(), at, chords.end());
   return *at;
 }

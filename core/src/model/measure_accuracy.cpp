@@ -34,13 +34,13 @@ constexpr std::size_t kGroup = 4;
 /// Convex edges that turn by more than 20 degrees are sharp: chord of their normals.
 constexpr double kSharpChord = 0.3472963553338607;
 /// Normals are looked for around a place that is pushed into the body, because gradients are
-/// ambiguous on creases: by this share of a cell, of the thickness, and of the height of the
+/// ambiguous on creases: by this fraction of a cell, of the thickness, and of the height of the
 /// triangles around, whichever is least.
 constexpr double kPushedCells = 0.25;
 constexpr double kPushedThickness = 0.05;
 constexpr double kPushedHeight = 0.05;
 constexpr double kLeastPush = 4e-6;  // of the largest coordinate, so that float32 resolves it
-/// Surfaces farther away than the nearest by up to this share of the push count as nearest, too.
+/// Surfaces farther away than the nearest by up to this fraction of the push count as nearest, too.
 constexpr double kNearestSlack = 0.05;
 /// Of the triangles around a corner, at most this many are looked at.
 constexpr std::size_t kMostAround = 24;
@@ -271,8 +271,8 @@ class Measurement {
   void find_on_edge(const MeshEdge& edge, std::size_t i, Place& place) const {
     const Vec3& low = around_.mesh().vertices()[edge.low];
     const Vec3& high = around_.mesh().vertices()[edge.high];
-    const double share = spread_weights(i)[1];
-    place.point = (1.0 - share) * low + share * high;
+    const double fraction = spread_weights(i)[1];
+    place.point = (1.0 - fraction) * low + fraction * high;
     Vec3 normal = around_.normal(edge.first);
     place.own.push_back(edge.first);
     place.push = push(edge.first);
@@ -457,9 +457,9 @@ class Measurement {
   static ErrorStatistic summarize(std::vector<float>& values) {
     std::erase(values, kLeftOut);
     if (values.empty()) return {};
-    const auto rank = [&](double share) {
-      const auto at = values.begin() +
-                      static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    const auto rank = [&](double fraction) {
+      const auto at = values.begin() + static_cast<std::ptrdiff_t>(
+                                           fraction * static_cast<double>(values.size() - 1));
       std::nth_element(values.begin(), at, values.end());
       return static_cast<double>(*at);
     };

@@ -117,12 +117,12 @@ Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSetti
         "sheet thickness must be above 0 m and below the mesh's longest side of %.6g m, not %g",
         longest, settings.sheet_thickness));
   }
-  constexpr double kShare = 1.0 / 200.0;
+  constexpr double kFraction = 1.0 / 200.0;
   constexpr double kVoxels = 2.0;
-  if (!is_uniform(settings)) return kShare * longest;
+  if (!is_uniform(settings)) return kFraction * longest;
   const auto voxel_size = choose_voxel_size(mesh, settings);
   if (!voxel_size) return voxel_size.error();
-  return std::max(kShare * longest, kVoxels * *voxel_size);
+  return std::max(kFraction * longest, kVoxels * *voxel_size);
 }
 
 /// Makes a sheet of the mesh where it is to be one.
@@ -169,11 +169,11 @@ MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
     }
   }
   if (count == 0) return compute_surface_mass_properties(mesh);
-  const double share = 1.0 / static_cast<double>(count);
-  const Vec3 c = share * sum;
+  const double fraction = 1.0 / static_cast<double>(count);
+  const Vec3 c = fraction * sum;
   const double own = piece * piece / 12.0;
-  const Vec3 s = share * squares - Vec3{c.x * c.x, c.y * c.y, c.z * c.z} + Vec3{own, own, own};
-  const Vec3 m = share * products - Vec3{c.y * c.z, c.z * c.x, c.x * c.y};
+  const Vec3 s = fraction * squares - Vec3{c.x * c.x, c.y * c.y, c.z * c.z} + Vec3{own, own, own};
+  const Vec3 m = fraction * products - Vec3{c.y * c.z, c.z * c.x, c.x * c.y};
   return {1.0,
           bounds.lower + c,
           {{s.y + s.z, -m.z, -m.y}, {-m.z, s.x + s.z, -m.x}, {-m.y, -m.x, s.x + s.y}}};

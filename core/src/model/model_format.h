@@ -103,7 +103,7 @@ struct Record {
   double edge_tolerance;  ///< 0 where there are no edge segments
   // The mesh that it was built from.
   std::uint64_t openings_loops;
-  double openings_share;
+  double openings_fraction;
   std::uint64_t openings_mouths;
   double openings_largest_diameter;
   Vec3 openings_first_location;

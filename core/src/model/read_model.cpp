@@ -305,8 +305,8 @@ Result<Accuracy> make_accuracy(const Record& record) {
 }
 
 Result<Openings> make_openings(const Record& record) {
-  for (const double value :
-       {record.openings_share, record.openings_largest_diameter, record.openings_sheet_thickness}) {
+  for (const double value : {record.openings_fraction, record.openings_largest_diameter,
+                             record.openings_sheet_thickness}) {
     if (!std::isfinite(value) || value < 0.0) {
       return invalid("its openings cannot be used: one number is %g", value);
     }
@@ -315,7 +315,7 @@ Result<Openings> make_openings(const Record& record) {
     return invalid("its openings cannot be used: their location is not finite");
   }
   return Openings{.loops = static_cast<std::size_t>(record.openings_loops),
-                  .share = record.openings_share,
+                  .fraction = record.openings_fraction,
                   .mouths = static_cast<std::size_t>(record.openings_mouths),
                   .largest_diameter = record.openings_largest_diameter,
                   .first_location = record.openings_first_location,

@@ -75,8 +75,8 @@ ShellElements::Measured ShellElements::measure(const Block& block, const Place& 
   const F8 facing = along_normal(block.normal);
   if (block.has_segments) {
     const F8 to_end = off[0] * block.along[0] + off[1] * block.along[1] + off[2] * block.along[2];
-    const F8 share = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
-    for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= share * block.along[axis];
+    const F8 fraction = minimum(maximum(to_end * block.per_length, F8{}), splat<F8>(1.0f));
+    for (std::size_t axis = 0; axis < 3; ++axis) off[axis] -= fraction * block.along[axis];
   }
   const F8 squared = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
   return {select(facing > kFacesAway, squared, splat<F8>(kInfinity)), along_normal(off)};

@@ -57,7 +57,7 @@ Record make_record(const Model& model) {
       .shell_spacing = shell.spacing(),
       .edge_tolerance = shell.edges() == nullptr ? 0.0 : shell.edges()->tolerance(),
       .openings_loops = openings.loops,
-      .openings_share = openings.share,
+      .openings_fraction = openings.fraction,
       .openings_mouths = openings.mouths,
       .openings_largest_diameter = openings.largest_diameter,
       .openings_first_location = openings.first_location,

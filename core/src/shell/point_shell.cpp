@@ -176,10 +176,10 @@ class TargetSearch {
     }
     const double apart = portable_log(too_coarse_.spacing / too_fine_.spacing);
     // By a straight line in logarithms, and by halves where that does not get there.
-    const double share = trials_ % 2 == 0
-                             ? too_fine_.log_ratio / (too_fine_.log_ratio - too_coarse_.log_ratio)
-                             : 0.5;
-    grid_.spacing = too_fine_.spacing * portable_exp(share * apart);
+    const double fraction =
+        trials_ % 2 == 0 ? too_fine_.log_ratio / (too_fine_.log_ratio - too_coarse_.log_ratio)
+                         : 0.5;
+    grid_.spacing = too_fine_.spacing * portable_exp(fraction * apart);
     constexpr double kStepWidth = 1e-4;
     constexpr int kManyTrials = 10;
     if (apart < kStepWidth || trials_ >= kManyTrials) {

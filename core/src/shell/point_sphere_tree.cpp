@@ -112,8 +112,9 @@ class TreeBuilder {
           if (is_walked) put(first_block, i, sphere, slab);
         }
       };
-      const double share = 0.7 / (tree_.depth_ + 1);
-      if (!parallel_for(tasks, threads_, kStage, scaled(0.3 + share * depth, share), enclose)) {
+      const double fraction = 0.7 / (tree_.depth_ + 1);
+      if (!parallel_for(tasks, threads_, kStage, scaled(0.3 + fraction * depth, fraction),
+                        enclose)) {
         return false;
       }
       if (is_walked) first_block += padded / 8;
@@ -159,10 +160,10 @@ class TreeBuilder {
   }
 
   /// Progress of one part of the build.
-  Progress scaled(double from, double share) const {
+  Progress scaled(double from, double fraction) const {
     if (!progress_) return {};
-    return [this, from, share](std::string_view stage, double done) {
-      return progress_(stage, std::min(1.0, from + share * done));
+    return [this, from, fraction](std::string_view stage, double done) {
+      return progress_(stage, std::min(1.0, from + fraction * done));
     };
   }
 

@@ -145,7 +145,7 @@ VOXSHELL_INLINE bool may_piece_come_below(const PosedView<V>& posed, const Tripl
     float width;
   };
   constexpr F8 kCentres = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
-  constexpr float kShare = 0.1251f;
+  constexpr float kFraction = 0.1251f;
   constexpr int kMostParts = 64;
   const float length = square_root(half.x * half.x + half.y * half.y + half.z * half.z);
   Part parts[kMostParts];
@@ -153,7 +153,7 @@ VOXSHELL_INLINE bool may_piece_come_below(const PosedView<V>& posed, const Tripl
   parts[count++] = {0.0f, 1.0f};
   while (count > 0) {
     const Part part = parts[--count];
-    const float reach = kShare * part.width * length;
+    const float reach = kFraction * part.width * length;
     const float radius = reach + growth;
     const F8 t = part.t + part.width * kCentres;
     const Triple<F8> places = place_on_edge(middle, half, t);

@@ -13,9 +13,9 @@ using bullet::from_bullet;
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// Of an error, the share that a motor with a target closes in a step.
+/// Of an error, the fraction that a motor with a target closes in a step.
 constexpr double kServoGain = 0.2;
-/// Of an error of the other axes and at limits, the share that Bullet closes in a step. Its own
+/// Of an error of the other axes and at limits, the fraction that Bullet closes in a step. Its own
 /// default of 0.2 lets arms sag.
 constexpr double kErrorReduction = 0.8;
 constexpr double kStill = 1e-6;  // m/s, rad/s

@@ -62,7 +62,7 @@ struct BodyMaterial {
   double rolling_friction = 0.0;   ///< metres
   double spinning_friction = 0.0;  ///< metres
   double restitution = 0.0;
-  double linear_damping = 0.0;  ///< share of the velocity that is lost in a second
+  double linear_damping = 0.0;  ///< fraction of the velocity that is lost in a second
   double angular_damping = 0.0;
   Vec3 surface_velocity;  ///< m/s, geometry's frame; of kinematic bodies under the Coulomb solver
   /// Bodies meet if each one's group is in the other's mask.

@@ -52,9 +52,9 @@ std::vector<RayHit> Simulation::cast_rays(const std::vector<Vec3>& starts,
     const btTransform end(btQuaternion::getIdentity(), to_bullet(ends[i]));
     btCollisionWorld::ClosestRayResultCallback closest(start.getOrigin(), end.getOrigin());
     for (const Target& target : targets) {
-      btScalar share = closest.m_closestHitFraction;
+      btScalar fraction = closest.m_closestHitFraction;
       btVector3 normal;
-      if (!btRayAabb(start.getOrigin(), end.getOrigin(), target.lower, target.upper, share,
+      if (!btRayAabb(start.getOrigin(), end.getOrigin(), target.lower, target.upper, fraction,
                      normal)) {
         continue;
       }

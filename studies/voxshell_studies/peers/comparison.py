@@ -73,7 +73,7 @@ def compare(
         out: Folder of rows that are done, and of the logs of libraries.
         peers: Those wanted.
         skip_slow: Do without the convex decomposition unless it is kept from an earlier run.
-        progress: Called with a row's label, what it is at, and the share of it that is done.
+        progress: Called with a row's label, what it is at, and the fraction of it that is done.
 
     Raises:
         MeshError: The bunny is not installed.

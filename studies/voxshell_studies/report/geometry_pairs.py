@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns, Tables
 
 LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
-"""Stated bounds: metres, or this share of the larger body."""
+"""Stated bounds: metres, or this fraction of the larger body."""
 
 SHARPNESS_BAR = 3.0
 """Stated bound over the worst overlap that is found to be denied."""

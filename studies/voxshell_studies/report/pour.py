@@ -35,7 +35,7 @@ LAST = 0.1
 """Share of the run, at its end, that counts as lying."""
 
 DRAWN_ERROR = 0.004
-"""Of the triangles in pictures, as a share of the body's size."""
+"""Of the triangles in pictures, as a fraction of the body's size."""
 
 
 def describe(settings: PourSettings) -> str:

@@ -156,7 +156,7 @@ def build_shapes(
         mesh: The body, closed; any unit, it is scaled.
         settings: Of the drop.
         methods: Those wanted.
-        progress: Called with what is being made and the share of it that is done, 0 to 1.
+        progress: Called with what is being made and the fraction of it that is done, 0 to 1.
 
     Raises:
         MeshError: The mesh cannot be used.

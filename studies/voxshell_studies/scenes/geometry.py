@@ -20,7 +20,7 @@ LEAST_BAR = 0.1 * MM
 """Metres: no contact of resting bodies has to be nearer to the truth than this."""
 
 SHARE_OF_OBJECT = 0.005
-"""Nor nearer than this share of the smaller body."""
+"""Nor nearer than this fraction of the smaller body."""
 
 EDGE_BAR = 0.2 * MM
 """Metres, for contacts of edges, corners and tips."""

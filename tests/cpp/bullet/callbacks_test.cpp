@@ -242,7 +242,7 @@ TEST_P(Callbacks, ImpulsesFollowTheirPointsThoughThesChangePlaces) {
         if (old != before.end()) {
           ++carried;
           moved += old->second != std::pair(m, k);
-          // At rest, more: the solver starts from this share of it.
+          // At rest, more: the solver starts from this fraction of it.
           const auto impulse = static_cast<btScalar>(id + 1);
           const btScalar at_rest = impulse / btContactSolverInfo().m_warmstartingFactor;
           EXPECT_TRUE(point.m_appliedImpulse == impulse || point.m_appliedImpulse == at_rest)

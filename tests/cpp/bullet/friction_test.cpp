@@ -53,8 +53,8 @@ TEST_P(Slope, ATileSlidesAboveTheCoulombAngle) {
   for (const double excess : {1.05, 1.3}) {
     const double angle = std::atan(0.5 * excess);
     const double expected = 0.5 * 9.81 * (std::sin(angle) - 0.5 * std::cos(angle));
-    constexpr double kShare = kIsDouble ? 0.15 : 0.2;
-    EXPECT_NEAR(slide(GetParam(), 0.5 * excess), expected, kShare * expected);
+    constexpr double kFraction = kIsDouble ? 0.15 : 0.2;
+    EXPECT_NEAR(slide(GetParam(), 0.5 * excess), expected, kFraction * expected);
   }
 }
 

@@ -40,7 +40,7 @@ struct Spin {
   }
 };
 
-constexpr double kShare = kIsDouble ? 1e-9 : 2e-3;  // of the start, after 6000 steps
+constexpr double kFraction = kIsDouble ? 1e-9 : 2e-3;  // of the start, after 6000 steps
 
 TEST(MomentumWorld, KeepsEnergyAndMomentumOfATumblingBody) {
   for (const int rate : {1000, 200, 60}) {
@@ -50,8 +50,8 @@ TEST(MomentumWorld, KeepsEnergyAndMomentumOfATumblingBody) {
     const Vec3 momentum = tumble.momentum();
     const double energy = tumble.energy();
     tumble.world.step(30 * rate, 1.0 / rate);
-    EXPECT_NEAR(tumble.energy(), energy, 10 * kShare * energy);
-    EXPECT_LT(length(tumble.momentum() - momentum), 10 * kShare * length(momentum));
+    EXPECT_NEAR(tumble.energy(), energy, 10 * kFraction * energy);
+    EXPECT_LT(length(tumble.momentum() - momentum), 10 * kFraction * length(momentum));
   }
 }
 
@@ -145,7 +145,7 @@ TEST(MomentumWorld, LetsAHeavyTopPrecess) {
 
 // Around a hinge that is no principal axis the bearing takes what the momentum does aside.
 TEST(MomentumWorld, AWheelOutOfBalanceKeepsItsSpin) {
-  const auto share_left = [](double spin) {
+  const auto fraction_left = [](double spin) {
     Spin wheel({1.0, 2.0, 2.6}, {});
     const Matrix3 rotation{
         {std::cos(0.3), 0.0, std::sin(0.3)}, {0.0, 1.0, 0.0}, {-std::sin(0.3), 0.0, std::cos(0.3)}};
@@ -158,9 +158,9 @@ TEST(MomentumWorld, AWheelOutOfBalanceKeepsItsSpin) {
     wheel.world.world.removeConstraint(&hinge);
     return static_cast<double>(wheel.body.getAngularVelocity().z()) / spin;
   };
-  EXPECT_NEAR(share_left(2.5), 1.0, 0.001);
-  EXPECT_NEAR(share_left(10.0), 1.0, 0.002);
-  EXPECT_NEAR(share_left(40.0), 1.0, 0.05);
+  EXPECT_NEAR(fraction_left(2.5), 1.0, 0.001);
+  EXPECT_NEAR(fraction_left(10.0), 1.0, 0.002);
+  EXPECT_NEAR(fraction_left(40.0), 1.0, 0.05);
 }
 
 }  // namespace

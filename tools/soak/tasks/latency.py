@@ -43,7 +43,7 @@ def prepare() -> Check:
 
 
 def quantile(totals: Totals, share: float) -> float:
-    """Nanoseconds that this share of all queries does not exceed: the end of its bucket."""
+    """Nanoseconds that this fraction of all queries does not exceed: the end of its bucket."""
     histogram = sorted((int(n), count) for n, count in totals.tallies.items() if n.isdigit())
     wanted = share * sum(count for _, count in histogram)
     for bucket, count in histogram:

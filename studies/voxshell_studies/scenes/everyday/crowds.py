@@ -15,7 +15,7 @@ from voxshell_studies.scenes.everyday.scene import (
     X,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -41,9 +41,9 @@ def _galton(
     rows, pitch, _, depth = board
     items = [Item("board", forms.galton(*board), mass=0.0)]
     for i in range(_BALLS):
-        x = (i % 5 - 2) * 0.02 + 0.002 * share(40 * placement + i)
+        x = (i % 5 - 2) * 0.02 + 0.002 * scatter(40 * placement + i)
         z = 0.03 + (i // 5) * 0.02
-        pose = shift(x, 0.001 * share(40 * placement + i, 2), z) @ turn(X, 3.0 * share(i, 3))
+        pose = shift(x, 0.001 * scatter(40 * placement + i, 2), z) @ turn(X, 3.0 * scatter(i, 3))
         items.append(Item(f"ball {i + 1}", ball, pose, 0.01))
     return Stage(
         tuple(items),
@@ -141,7 +141,7 @@ def _carton(placement: int) -> Stage:
     for i in range(14):
         k = 14 * placement + i
         place = shift(0.1 * (i % 3 - 1), 0.1 * (i // 3 % 2 - 0.5), 0.066 * (i // 6 - 1))
-        pose = place @ turn(Z, heading(k)) @ turn(X, 3.0 * share(k))
+        pose = place @ turn(Z, heading(k)) @ turn(X, 3.0 * scatter(k))
         items.append(Item(f"object {i + 1}", kinds[i % 3], pose, 0.05))
     return Stage(tuple(items), friction=0.4)
 

@@ -13,7 +13,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Stage,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -81,8 +81,8 @@ def _place(
     axis = rng.normal(size=3)
     axis /= np.linalg.norm(axis)
     x, y, z = axis.tolist()
-    rotation = turn(Z, heading(placement)) @ turn((x, y, z), 3.0 * share(placement, 3))
-    aside = shift(spread * share(placement), spread * share(placement, 2), 0.0)
+    rotation = turn(Z, heading(placement)) @ turn((x, y, z), 3.0 * scatter(placement, 3))
+    aside = shift(spread * scatter(placement), spread * scatter(placement, 2), 0.0)
     points = form.vertices @ rotation[:3, :3].T + aside[:3, 3]
     size = float(np.ptp(form.vertices, axis=0).max())
     # Down from above all grounds, first by 20 mm, then by 1 mm.

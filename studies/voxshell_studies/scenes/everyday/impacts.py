@@ -16,7 +16,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -36,8 +36,8 @@ _BOUNCE = 0.9
 
 def _dropped_ball(placement: int, ground: Form) -> Stage:
     ball = forms.ball(0.05)
-    place = shift(0.3 * share(placement), 0.3 * share(placement, 2), 0.35)
-    pose = place @ turn(Z, heading(placement)) @ turn(X, 3.0 * share(placement, 3))
+    place = shift(0.3 * scatter(placement), 0.3 * scatter(placement, 2), 0.35)
+    pose = place @ turn(Z, heading(placement)) @ turn(X, 3.0 * scatter(placement, 3))
     return Stage((Item("ground", ground, mass=0.0), Item("body", ball, pose)), restitution=_BOUNCE)
 
 
@@ -83,7 +83,7 @@ def _drops(name: str, ground: Form | None, length: float = 0.0) -> EverydayScene
 
 def _flat_cube(placement: int) -> Stage:
     cube = forms.box(0.05, 0.05, 0.05)
-    place = shift(0.3 * share(placement), 0.3 * share(placement, 2), 0.125)
+    place = shift(0.3 * scatter(placement), 0.3 * scatter(placement, 2), 0.125)
     return Stage(
         (
             Item("ground", forms.slab(1.0), mass=0.0),
@@ -110,9 +110,9 @@ def _height(track: Track) -> float:
 def _billiards(placement: int) -> Stage:
     """A ball of 60 mm hits another one off center, both smooth, elastic and weightless."""
     radius = 0.03
-    offset = radius * (0.2 + 0.7 * abs(share(placement, 2)))
+    offset = radius * (0.2 + 0.7 * abs(scatter(placement, 2)))
     way = turn(Z, heading(placement))
-    spun = turn(Y, 2.0 * share(placement, 3))
+    spun = turn(Y, 2.0 * scatter(placement, 3))
     ball = forms.ball(radius)
     return Stage(
         (
@@ -142,8 +142,8 @@ def _last(track: Track, name: str) -> float:
 def _cradle(placement: int) -> Stage:
     """Five balls in a row, a millimetre apart, and one that comes at 1 m/s; weightless and elastic."""
     ball = forms.ball(0.03)
-    way = turn(Z, heading(placement)) @ turn(Y, 1.0 * share(placement))
-    spun = turn(X, 2.0 * share(placement, 2))
+    way = turn(Z, heading(placement)) @ turn(Y, 1.0 * scatter(placement))
+    spun = turn(X, 2.0 * scatter(placement, 2))
     row = tuple(
         Item(f"ball {i + 1}", ball, way @ shift(0.061 * i, 0.0, 0.0) @ spun) for i in range(5)
     )
@@ -176,12 +176,12 @@ def _dice(placement: int) -> Stage:
     for i in range(5):
         k = 5 * placement + i
         pose = (
-            shift(-0.1 + 0.05 * i, 0.1 * share(k), 0.15)
+            shift(-0.1 + 0.05 * i, 0.1 * scatter(k), 0.15)
             @ turn(Z, heading(k))
-            @ turn(X, 3.0 * share(k, 2))
+            @ turn(X, 3.0 * scatter(k, 2))
         )
-        spin = (20.0 * share(k, 3), 20.0 * share(k, 4), 20.0 * share(k, 5))
-        velocity = (0.5 * share(k, 6), 0.5, 0.0)
+        spin = (20.0 * scatter(k, 3), 20.0 * scatter(k, 4), 20.0 * scatter(k, 5))
+        velocity = (0.5 * scatter(k, 6), 0.5, 0.0)
         items.append(Item(f"die {i + 1}", die, pose, 0.005, velocity=velocity, spin=spin))
     return Stage(tuple(items), restitution=0.3)
 

@@ -17,7 +17,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -78,7 +78,7 @@ def _hook(placement: int) -> Stage:
     return Stage(
         (
             Item("hook", forms.hook(), way, mass=0.0),
-            Item("body", forms.torus(*_LINK), way @ pose, 0.05 + 2.0 * abs(share(placement))),
+            Item("body", forms.torus(*_LINK), way @ pose, 0.05 + 2.0 * abs(scatter(placement))),
         ),
         facts={"center": center},
     )
@@ -98,7 +98,7 @@ def _screw(placement: int, friction: float) -> Stage:
     It begins in the middle of its play, 0.4 mm along the radius, and settles on the lower flank.
     """
     bolt, nut = forms.nut_and_bolt()
-    turns = 3.0 + 0.5 * share(placement)
+    turns = 3.0 + 0.5 * scatter(placement)
     pose = shift(0.0, 0.0, 0.006 * turns) @ turn(Z, 2.0 * math.pi * turns)
     return Stage(
         (Item("bolt", bolt, mass=0.0), Item("body", nut, pose, 5.0)),
@@ -155,7 +155,7 @@ def _gripper(placement: int, force: float, form: Form) -> Stage:
     way = turn(Z, heading(placement))
     jaw = forms.box(0.02, 0.06, 0.06)
     # A mug's handle is away from the jaws.
-    body = turn(Z, 0.5 * math.pi + 0.3 * share(placement)) if form.name == "mug" else np.eye(4)
+    body = turn(Z, 0.5 * math.pi + 0.3 * scatter(placement)) if form.name == "mug" else np.eye(4)
     points = form.vertices @ body[:3, :3].T
     near = np.abs(points[:, 1]) < 0.031
     low, high = float(points[near, 0].min()), float(points[near, 0].max())

@@ -14,7 +14,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -29,7 +29,7 @@ OVERLAP = "Bodies that begin overlapping"
 def _half_tori(placement: int) -> Stage:
     """Two tori in a plane whose rims overlap by half their thickness, weightless."""
     form = forms.torus(0.04, 0.01)
-    way = turn(Z, heading(placement)) @ turn(Y, share(placement))
+    way = turn(Z, heading(placement)) @ turn(Y, scatter(placement))
     reach = 0.5 * (2.0 * 0.05 - 0.01)
     return Stage(
         (
@@ -60,7 +60,7 @@ def _end_speed(track: Track) -> float:
 
 def _half_in(placement: int, ground: Form) -> Stage:
     """A cube of 0.1 m half in the ground."""
-    place = shift(0.2 * share(placement), 0.2 * share(placement, 2), 0.0)
+    place = shift(0.2 * scatter(placement), 0.2 * scatter(placement, 2), 0.0)
     return Stage(
         (
             Item("ground", ground, mass=0.0),
@@ -96,7 +96,7 @@ def _brick(placement: int) -> Stage:
 def _brick_and_ball(placement: int) -> Stage:
     """The same brick; a ball of 0.5 kg falls on it from 0.3 m."""
     stage = _brick(placement)
-    hit = shift(0.55 + 0.02 * share(placement), 0.01 * share(placement, 2), 0.38)
+    hit = shift(0.55 + 0.02 * scatter(placement), 0.01 * scatter(placement, 2), 0.38)
     ball = Item("ball", forms.ball(0.04), hit, 0.5, plain=True)
     return Stage((*stage.items, ball))
 

@@ -16,7 +16,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -84,7 +84,7 @@ def _rolls(
         # The body's axis along y of the ramp; a ball in any orientation.
         lie = turn(X, 0.5 * math.pi) @ turn(Z, heading(3 * placement))
         if axis is None:
-            lie = turn(Z, heading(5 * placement)) @ turn(X, 2.0 * share(placement)) @ lie
+            lie = turn(Z, heading(5 * placement)) @ turn(X, 2.0 * scatter(placement)) @ lie
         old = made.items[1]
         start = ramp.T @ old.pose
         center = shift(float(start[0, 3]), float(start[1, 3]), radius)
@@ -137,7 +137,7 @@ def _level(placement: int, ground: Form, speed: float) -> Stage:
         ball, ground, 0.0, placement, friction=0.5, speed=speed, spin=(0.0, speed / BALL, 0.0)
     )
     pose = made.items[1].pose.copy()
-    pose[:3, :3] = (turn(Z, heading(5 * placement)) @ turn(X, 2.0 * share(placement)))[:3, :3]
+    pose[:3, :3] = (turn(Z, heading(5 * placement)) @ turn(X, 2.0 * scatter(placement)))[:3, :3]
     body = Item("body", ball, pose, velocity=made.items[1].velocity, spin=made.items[1].spin)
     return Stage((made.items[0], body), facts=made.facts, world_from_ramp=made.world_from_ramp)
 
@@ -196,7 +196,7 @@ def _in_bowl(placement: int) -> Stage:
     place = turn(Z, heading(placement)) @ shift(
         reach * math.sin(angle), 0.0, -reach * math.cos(angle)
     )
-    pose = place @ turn(X, 2.0 * share(placement))
+    pose = place @ turn(X, 2.0 * scatter(placement))
     direction = turn(Z, heading(placement))[:3, :3]
     return Stage(
         (

@@ -205,9 +205,9 @@ class Measure:
         unit: Of value and truth, after ``scale``; "" for pure numbers.
         value: From the track.
         truth: From the track's stage and time step: a closed form, time-discrete where that differs.
-        bar: The largest error that is right: a share of the truth where ``relative``, else in the
+        bar: The largest error that is right: a fraction of the truth where ``relative``, else in the
             unit of ``value``, before ``scale``.
-        relative: Whether the error is a share of the truth.
+        relative: Whether the error is a fraction of the truth.
         scale: Units in one metre, second, radian, ...
         signed: The error counts only where the value is above (1) or below (-1) the truth; 0: always.
     """
@@ -287,7 +287,7 @@ def heading(placement: int) -> float:
     return float(2.0 * np.pi * (placement * _GOLDEN % 1.0))
 
 
-def share(placement: int, salt: int = 1) -> float:
+def scatter(placement: int, salt: int = 1) -> float:
     """A number of a placement in [-1, 1): 0 first, another sequence for each salt."""
     return float((placement * (_GOLDEN + 0.1 * salt) * (salt + 1) + 0.5) % 1.0 * 2.0 - 1.0)
 

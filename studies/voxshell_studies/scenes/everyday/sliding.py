@@ -15,7 +15,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -260,7 +260,7 @@ def _glides(length: float, speed: float, seconds: float) -> EverydayScene:
 def _over_seam(form: Form, placement: int, speed: float) -> Stage:
     """Across the seam of two flush slabs of 1 m; the body's yaw and its distance from the axis vary."""
     half = forms.slab(1.0)
-    pose = shift(-0.3, 0.1 * share(placement), 0.0) @ turn(Z, heading(placement))
+    pose = shift(-0.3, 0.1 * scatter(placement), 0.0) @ turn(Z, heading(placement))
     return Stage(
         (
             Item("first slab", half, shift(-0.5, 0.0, 0.0), mass=0.0),

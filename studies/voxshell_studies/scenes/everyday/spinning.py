@@ -18,7 +18,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -34,11 +34,11 @@ FREE, TOP, SWING = "Free rotation", "Tops, coins and rings", "Pendulum"
 
 def _tumbling(placement: int, form: Form, speed: float) -> Stage:
     """Weightless, at 6 rad/s about an axis near the middle principal one, about which spin is unstable."""
-    about = np.array([0.2 + 0.1 * share(placement), 1.0, 0.2 + 0.1 * share(placement, 2)])
+    about = np.array([0.2 + 0.1 * scatter(placement), 1.0, 0.2 + 0.1 * scatter(placement, 2)])
     matter = forms.matter(form, 1.0)
     moments, axes = np.linalg.eigh(matter.inertia)
     axes = axes * np.sign(np.linalg.det(axes))
-    turned = turn(Z, heading(placement)) @ turn(X, share(placement, 3))
+    turned = turn(Z, heading(placement)) @ turn(X, scatter(placement, 3))
     spin = speed * about / np.linalg.norm(about)
     return Stage(
         (Item("body", form, turned, spin=as_vector(turned[:3, :3] @ axes @ spin)),),
@@ -161,7 +161,7 @@ def _start_tilt(_: Track) -> float:
 
 def _sleeping_top(placement: int) -> Stage:
     """A top that spins upright at 100 rad/s on a slab: far above 2 sqrt(m g l I1) / I3, 22 rad/s."""
-    pose = shift(0.2 * share(placement), 0.2 * share(placement, 2), 0.003) @ turn(
+    pose = shift(0.2 * scatter(placement), 0.2 * scatter(placement, 2), 0.003) @ turn(
         Z, heading(placement)
     )
     # Half a degree off the vertical.
@@ -182,7 +182,7 @@ def _most_tilted(track: Track) -> float:
 def _coin(placement: int) -> Stage:
     """A coin of 40 mm on its edge, spinning at 60 rad/s about its vertical diameter."""
     form = forms.cylinder(0.02, 0.002, 192)
-    pose = shift(0.2 * share(placement), 0.2 * share(placement, 2), 0.02) @ turn(
+    pose = shift(0.2 * scatter(placement), 0.2 * scatter(placement, 2), 0.02) @ turn(
         Z, heading(placement)
     )
     pose = pose @ turn(X, 0.5 * math.pi) @ turn(Z, heading(3 * placement))
@@ -232,7 +232,7 @@ _RING = (0.05, 0.045)
 
 def _flat_ring(placement: int, ground: Form) -> Stage:
     form = forms.tube(*_RING, 0.01)
-    pose = turn(Z, heading(placement)) @ shift(0.1 * share(placement), 0.0, 0.005)
+    pose = turn(Z, heading(placement)) @ shift(0.1 * scatter(placement), 0.0, 0.005)
     return Stage(
         (
             Item("ground", ground, mass=0.0),

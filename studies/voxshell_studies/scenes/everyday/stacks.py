@@ -15,7 +15,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -43,7 +43,9 @@ def _stack(placement: int, parts: Sequence[tuple[Form, float, float]]) -> Stage:
     items = [Item("ground", forms.slab(1.0), turn(Z, heading(placement)), mass=0.0)]
     top = 0.0
     for i, (form, height, mass) in enumerate(parts):
-        aside = shift(0.002 * share(placement, 2 * i + 1), 0.002 * share(placement, 2 * i + 2), top)
+        aside = shift(
+            0.002 * scatter(placement, 2 * i + 1), 0.002 * scatter(placement, 2 * i + 2), top
+        )
         yaw = turn(Z, heading(placement * (i + 2)))
         items.append(Item(f"body {i + 1}", form, aside @ yaw @ forms.standing(form), mass))
         top += height

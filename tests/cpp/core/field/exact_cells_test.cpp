@@ -131,9 +131,9 @@ TEST(ExactCells, LeaveCellsThatAreProvedToBeRight) {
   EXPECT_EQ(uniform.surface_error(), uniform.interpolation_error());
 }
 
-/// The share of places inside a box, aslant in its grid, where the gradient is more than 10 degrees
-/// off the normal of the nearest face, or of one that is almost as near.
-double share_of_wrong_normals(double wall_thickness) {
+/// The fraction of places inside a box, aslant in its grid, where the gradient is more than 10
+/// degrees off the normal of the nearest face, or of one that is almost as near.
+double fraction_of_wrong_normals(double wall_thickness) {
   constexpr double kVoxel = 0.02;
   const Vec3 half{0.5, 0.4, 5.0 * kVoxel};
   Random random(311);
@@ -168,8 +168,8 @@ double share_of_wrong_normals(double wall_thickness) {
 }
 
 TEST(ExactCells, HoldTheNormalsOfTheNearestFaceUpToTheMiddleOfAWall) {
-  EXPECT_LT(share_of_wrong_normals(0.2), 0.01);
-  EXPECT_GT(share_of_wrong_normals(0.0), 0.03) << "the test asks for nothing";
+  EXPECT_LT(fraction_of_wrong_normals(0.2), 0.01);
+  EXPECT_GT(fraction_of_wrong_normals(0.0), 0.03) << "the test asks for nothing";
 }
 
 TEST(ExactCells, HaveTheNormalsOfThinWalls) {

@@ -47,7 +47,7 @@ TEST(Openings, OfATubeAreItsTwoEnds) {
   const Openings openings = find_openings(make_tube(0.1, 1.0, 64).mesh());
   EXPECT_EQ(openings.loops, 2u);
   EXPECT_EQ(openings.mouths, 2u);
-  EXPECT_NEAR(openings.share, 0.1, 0.001);  // 2 pi r^2 of 2 pi r l
+  EXPECT_NEAR(openings.fraction, 0.1, 0.001);  // 2 pi r^2 of 2 pi r l
   EXPECT_NEAR(openings.largest_diameter, 0.2 * std::sqrt(2.0), 1e-3);
   EXPECT_NEAR(std::abs(openings.first_location.z), 0.5, 1e-12);
   EXPECT_NEAR(std::hypot(openings.first_location.x, openings.first_location.y), 0.1, 1e-3);
@@ -66,7 +66,7 @@ TEST(Openings, SuggestASheetForTubesBowlsTraysAndPanels) {
 TEST(Openings, SuggestASolidForBodiesWithHoles) {
   const Openings pierced = find_openings(without(make_icosphere(0.1, 4), 6).mesh());
   EXPECT_GE(pierced.loops, 1u);
-  EXPECT_LT(pierced.share, 0.01);
+  EXPECT_LT(pierced.fraction, 0.01);
   EXPECT_FALSE(suggest_sheet(pierced));
   EXPECT_FALSE(suggest_sheet(find_openings(without(make_box({0.5, 0.5, 0.5}), 1).mesh())));
   EXPECT_FALSE(suggest_sheet(find_openings(opened(make_icosphere(0.1, 4), 0.09).mesh())));
@@ -74,7 +74,7 @@ TEST(Openings, SuggestASolidForBodiesWithHoles) {
 
 TEST(Openings, ClosedPartsBesideDoNotCount) {
   const Soup both = together(make_tube(0.1, 1.0, 64), moved(make_box({5, 5, 5}), {9, 0, 0}));
-  EXPECT_NEAR(find_openings(both.mesh()).share, 0.1, 0.001);
+  EXPECT_NEAR(find_openings(both.mesh()).fraction, 0.1, 0.001);
 }
 
 }  // namespace

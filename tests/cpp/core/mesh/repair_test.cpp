@@ -57,9 +57,9 @@ TEST(Repair, VerticesAmidTheEdgesOfOthersAreNoOpenings) {
       const Triangle t = soup.triangles[chosen];
       const auto first = static_cast<std::uint32_t>(soup.vertices.size());
       for (std::size_t k = 0; k < 3; ++k) {
-        const double share = random.uniform(0.2, 0.8);
-        soup.vertices.push_back((1.0 - share) * soup.vertices[t[k]] +
-                                share * soup.vertices[t[(k + 1) % 3]]);
+        const double fraction = random.uniform(0.2, 0.8);
+        soup.vertices.push_back((1.0 - fraction) * soup.vertices[t[k]] +
+                                fraction * soup.vertices[t[(k + 1) % 3]]);
       }
       soup.triangles[chosen] = {first, first + 1, first + 2};
       soup.triangles.insert(

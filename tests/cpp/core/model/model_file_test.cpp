@@ -395,7 +395,8 @@ TEST(ModelBytes, WithNumbersThatCannotBeAreRefused) {
   expect_refused(in_record(offsetof(Record, open), std::int64_t{3}),
                  "what open meshes become is 3");
   expect_refused(in_record(offsetof(Record, sheet_thickness), kNan), "its settings cannot be used");
-  expect_refused(in_record(offsetof(Record, openings_share), -1.0), "its openings cannot be used");
+  expect_refused(in_record(offsetof(Record, openings_fraction), -1.0),
+                 "its openings cannot be used");
   expect_refused(in_record(offsetof(Record, openings_first_location), kNan), "location");
   expect_refused(in_record(offsetof(Record, thickness), kNan), "its accuracy cannot be used");
   expect_refused(in_record(offsetof(Record, accuracy_gap), -1.0), "its accuracy cannot be used");

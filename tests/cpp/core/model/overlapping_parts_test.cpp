@@ -86,8 +86,8 @@ TEST(OverlappingParts, HaveNoElementsInOneAnother) {
       for (std::size_t i = 0; i < shell.edges()->size(); ++i) {
         const Vec3f middle = shell.edges()->middles()[i];
         const Vec3f half = shell.edges()->halves()[i];
-        for (const float share : {-1.0f, -0.5f, 0.0f, 0.5f, 1.0f}) {
-          expect_on_surface(middle + share * half);
+        for (const float fraction : {-1.0f, -0.5f, 0.0f, 0.5f, 1.0f}) {
+          expect_on_surface(middle + fraction * half);
         }
       }
       // None is missing where it is visible.

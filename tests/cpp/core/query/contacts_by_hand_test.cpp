@@ -89,7 +89,7 @@ Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
     }
   }
   const float unit = h / 256.0f * static_cast<float>(1 << (entry >> 3 & 15u));
-  const auto mix = [](float a, float b, float share) { return a + share * (b - a); };
+  const auto mix = [](float a, float b, float fraction) { return a + fraction * (b - a); };
   std::array<std::array<float, 2>, 2> along_x{};  // [y][z]
   for (std::size_t j = 0; j < 2; ++j) {
     for (std::size_t k = 0; k < 2; ++k) {

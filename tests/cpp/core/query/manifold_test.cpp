@@ -149,7 +149,7 @@ TEST(Manifold, IsDistinctDeepestFirstAndAPrefixOfLargerOnes) {
 
 TEST(Manifold, HasAnAreaNearTheBestThatContainsTheDeepestPoint) {
   Random random(61);
-  double sum_of_shares = 0.0;
+  double sum_of_fractions = 0.0;
   double worst = 1.0;
   constexpr int kTrials = 300;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -163,15 +163,15 @@ TEST(Manifold, HasAnAreaNearTheBestThatContainsTheDeepestPoint) {
         }
       }
     }
-    const double share = hull_area(contacts, chosen) / best;
-    EXPECT_LE(share, 1.0 + 1e-6);
-    worst = std::min(worst, share);
-    sum_of_shares += share;
+    const double fraction = hull_area(contacts, chosen) / best;
+    EXPECT_LE(fraction, 1.0 + 1e-6);
+    worst = std::min(worst, fraction);
+    sum_of_fractions += fraction;
   }
   // Farthest, then widest: the triangle alone has an eighth of the disc's strip that holds all
   // points. Measured: 0.98 on average, 0.72 at worst.
   EXPECT_GT(worst, 0.6);
-  EXPECT_GT(sum_of_shares / kTrials, 0.95);
+  EXPECT_GT(sum_of_fractions / kTrials, 0.95);
 }
 
 TEST(Manifold, DoesNotDependOnSizeOrPlace) {
@@ -225,9 +225,9 @@ TEST(DeepestPerSegment, AgreesWithAMap) {
     const PointShell shell = shell_of(count);
     for (int trial = 0; trial < 50; ++trial) {
       std::vector<Contact> contacts;
-      const double share = random.unit();
+      const double fraction = random.unit();
       for (std::uint32_t id = 0; id < count; ++id) {
-        if (random.unit() > share) continue;
+        if (random.unit() > fraction) continue;
         // Few different depths, so that there are ties.
         contacts.push_back(contact_at(id, static_cast<float>(random.below(10)), {}));
       }

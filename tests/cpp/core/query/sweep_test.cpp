@@ -266,8 +266,8 @@ TEST(Sweep, PassesOverNoPlaceBelowTheMargin) {
         if (kernels.may_come_below(posed, one, margin, radius)) continue;
         ++clear;
         for (int k = 0; k < 20; ++k) {
-          const double share = k % 2 == 0 ? 1.0 : random.unit();
-          const Vec3 moved = place + share * static_cast<double>(radius) * random.direction();
+          const double fraction = k % 2 == 0 ? 1.0 : random.unit();
+          const Vec3 moved = place + fraction * static_cast<double>(radius) * random.direction();
           ASSERT_GE(distance(moved), margin) << "field " << field.index();
         }
       }

@@ -124,7 +124,7 @@ Vec3 sum_normals(const Field& field, const PointShell& shell, const Pose& pose) 
 }
 
 TEST(Wrench, ChangesInProportionToTheMotion) {
-  // A point's share is area * depth * gradient. Depths and gradients follow from the field's
+  // A point contributes area * depth * gradient. Depths and gradients follow from the field's
   // Lipschitz constant, L: a step s changes a depth by L s, a central difference over h to either
   // side by sqrt(3) L s / h, and no gradient is longer than sqrt(3) L.
   QueryScratch scratch;

@@ -111,7 +111,7 @@ BOOK = (0.2, 0.15, 0.03)
 
 
 def _books(placement: int, overhangs: Sequence[float]) -> Stage:
-    """Books on a table: each reaches over what is below by a share of its length; the lowest comes first."""
+    """Books on a table: each reaches over what is below by a fraction of its length; the lowest comes first."""
     way = turn(Z, heading(placement))
     length, _, thickness = BOOK
     items = [Item("table", forms.slab(1.0), way, mass=0.0)]

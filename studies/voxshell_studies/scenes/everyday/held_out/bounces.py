@@ -17,7 +17,7 @@ from voxshell_studies.scenes.everyday.scene import (
     X,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -40,9 +40,9 @@ def _bounce(
     """A weightless ball of 40 mm that hits a slab; ``spin`` rolls it forward."""
     way = turn(Z, heading(placement))
     ball = forms.ball(_RADIUS)
-    place = shift(0.1 * share(placement), 0.1 * share(placement, 2), _RADIUS + 0.05 * into)
+    place = shift(0.1 * scatter(placement), 0.1 * scatter(placement, 2), _RADIUS + 0.05 * into)
     velocity = way[:3, 0] * along - way[:3, 2] * into
-    pose = place @ way @ turn(X, 2.0 * share(placement, 3))
+    pose = place @ way @ turn(X, 2.0 * scatter(placement, 3))
     return Stage(
         (
             Item("ground", forms.slab(1.0), mass=0.0),

@@ -18,7 +18,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -166,7 +166,7 @@ def _quoit(placement: int) -> Stage:
                 *("body", forms.tube(*_QUOIT)),
                 pose=shift(0.0, 0.0, 0.06) @ way @ turn(X, math.radians(10.0)),
                 mass=0.1,
-                velocity=as_vector(way[:3, 0] * (0.5 + 0.1 * share(placement))),
+                velocity=as_vector(way[:3, 0] * (0.5 + 0.1 * scatter(placement))),
             ),
         ),
     )

@@ -18,7 +18,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -111,7 +111,7 @@ _FORMS = {
 
 def _sunken_book(placement: int) -> Stage:
     """A book that begins 2 mm inside a slab."""
-    pose = shift(0.2 * share(placement), 0.2 * share(placement, 2), 0.013) @ turn(
+    pose = shift(0.2 * scatter(placement), 0.2 * scatter(placement, 2), 0.013) @ turn(
         Z, heading(placement)
     )
     return Stage(
@@ -146,7 +146,7 @@ def _cups(placement: int) -> Stage:
 def _between_walls(placement: int) -> Stage:
     """A ball of 0.1 m that falls 20 mm into a V-groove of 90 degrees, 3 mm off its middle."""
     way = turn(Z, heading(placement))
-    pose = way @ shift(0.0, 0.003, 0.05 * math.sqrt(2.0) + 0.02) @ turn(X, 2.0 * share(placement))
+    pose = way @ shift(0.0, 0.003, 0.05 * math.sqrt(2.0) + 0.02) @ turn(X, 2.0 * scatter(placement))
     return Stage(
         (
             Item("groove", bodies.groove(1.0, 0.15), way, mass=0.0),

@@ -53,7 +53,7 @@ _CRATE, _GRIP = 10.0, 0.4
 
 
 def _pulled(placement: int, share: float) -> Stage:
-    """A crate of 0.3 m, pulled level at its center with a share of the force that friction can hold."""
+    """A crate of 0.3 m, pulled level at its center with a fraction of the force that friction can hold."""
     stage = on_ramp(
         forms.box(0.3, 0.3, 0.1), forms.PLANE, 0.0, placement, friction=_GRIP, mass=_CRATE
     )

@@ -20,7 +20,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -36,7 +36,7 @@ WAY = Measure("way", "m", downhill, rolled_way, 0.05, relative=True)
 
 def _any_way(placement: int) -> np.ndarray:
     """A rotation for a ball, (4, 4)."""
-    return turn(Z, heading(5 * placement)) @ turn(X, 2.0 * share(placement))
+    return turn(Z, heading(5 * placement)) @ turn(X, 2.0 * scatter(placement))
 
 
 @cache
@@ -226,7 +226,7 @@ def _off_table(placement: int) -> Stage:
     """A ball of 40 mm that rolls at 1 m/s towards the edge of a table, 0.2 m away."""
     way = turn(Z, heading(placement))
     ball = forms.ball(_MARBLE)
-    pose = way @ shift(0.3, 0.1 * share(placement, 2), _MARBLE) @ _any_way(placement)
+    pose = way @ shift(0.3, 0.1 * scatter(placement, 2), _MARBLE) @ _any_way(placement)
     return Stage(
         (
             Item("table", forms.slab(1.0), way, mass=0.0),

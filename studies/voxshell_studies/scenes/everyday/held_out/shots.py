@@ -17,7 +17,7 @@ from voxshell_studies.scenes.everyday.scene import (
     Y,
     Z,
     heading,
-    share,
+    scatter,
     shift,
     turn,
 )
@@ -33,14 +33,14 @@ _SHOT, _PLATE, _PELLET = 20.0, 0.001, 0.005
 
 def _aim(placement: int) -> np.ndarray:
     """Where a shot goes along x, (4, 4)."""
-    return turn(Z, heading(placement)) @ turn(Y, share(placement))
+    return turn(Z, heading(placement)) @ turn(Y, scatter(placement))
 
 
 def _at_plate(placement: int) -> Stage:
     """A ball of 10 mm shot at 20 m/s at a fixed plate of 0.5 m and 1 mm."""
     way = _aim(placement)
     ball = forms.ball(_PELLET)
-    start = shift(-0.5, 0.1 * share(placement, 2), 0.1 * share(placement, 3))
+    start = shift(-0.5, 0.1 * scatter(placement, 2), 0.1 * scatter(placement, 3))
     return Stage(
         (
             Item("plate", forms.box(_PLATE, 0.5, 0.5), way, mass=0.0),
@@ -64,7 +64,7 @@ def _washer_at_plate(placement: int) -> Stage:
     stage = _at_plate(placement)
     plate, ball = stage.items
     about = stage.world_from_ramp[:, 1] * 50.0
-    pose = ball.pose @ turn(Y, 1.5 * share(placement, 4))
+    pose = ball.pose @ turn(Y, 1.5 * scatter(placement, 4))
     washer = Item(
         *("body", forms.tube(*_WASHER), pose, 0.004), velocity=ball.velocity, spin=as_vector(about)
     )
@@ -114,7 +114,7 @@ _CAN, _RATTLE, _THROWN = (0.04, 0.1, 0.001), 0.008, 5.0
 
 def _rattle(placement: int) -> Stage:
     """A smooth elastic marble, weightless, thrown at 5 m/s in a closed can with walls of 1 mm."""
-    toward = turn(Z, heading(placement)) @ turn(Y, 0.7 + 0.5 * share(placement))
+    toward = turn(Z, heading(placement)) @ turn(Y, 0.7 + 0.5 * scatter(placement))
     return Stage(
         (
             Item("can", bodies.closed_can(*_CAN), mass=0.0),
