@@ -34,7 +34,7 @@ app = App(
     name="voxshell",
     help="""Collision of any mesh with any mesh at haptic rates, exactly as sampled.
 
-    For example, from a mesh in millimetres to bodies that fall:
+    For example, from a mesh in millimeters to falling bodies:
 
         voxshell info part.stl --scale 0.001 --advise
         voxshell build part.stl -o part.vxs --scale 0.001 --tolerance 0.0001
@@ -42,7 +42,7 @@ app = App(
         voxshell simulate scene.toml --out result
     """,
     help_epilogue=(
-        "Lengths are in metres, times in seconds, masses in kilograms. Exit codes: 0 success, 1 failure,"
+        "Lengths are in meters, times in seconds, masses in kilograms. Exit codes: 0 success, 1 failure,"
         " 2 wrong use (arguments, settings or input files), 130 stopped by Ctrl-C."
     ),
     version=voxshell.__version__,

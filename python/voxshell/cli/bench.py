@@ -49,11 +49,11 @@ def bench(
     options: ModelOptions = DEFAULTS,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Time queries of two copies of a mesh that touch, in random poses, on this machine.
+    """Time queries of two copies of a mesh that touch in random poses.
 
-    Each query is asked in every pose, on one core: afresh, and as one of a series with a scratch,
-    in which the body has moved by a hundredth of a voxel. A pose's time is the least of the
-    repeats; the table has the median and the 99th percentile of the poses.
+    Each query runs in every pose on one core: once without a scratch, and once with a scratch
+    after a move by a hundredth of a voxel. The time of a pose is the least of its repeats. The
+    table shows the median and the 99th percentile over the poses.
 
     For example:
 
@@ -62,11 +62,11 @@ def bench(
 
     Args:
         mesh: A model file (.vxs), or a mesh file.
-        poses: How many poses.
-        repeats: How often each pose is timed.
-        seed: Of the random poses.
-        options: How a mesh is made into a model.
-        json_only: Print JSON and nothing else: seconds, metres.
+        poses: Number of poses.
+        repeats: Number of times each pose is timed.
+        seed: Seed of the random poses.
+        options: How to build a model from a mesh.
+        json_only: Print only JSON, in seconds and meters.
     """
     as_integer(poses, "poses", 1, 1_000_000)
     as_integer(repeats, "repeats", 1, 10_000)

@@ -33,22 +33,22 @@ _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., Collidable]]] = {
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ModelOptions:
-    """How meshes are made into models.
+    """How to build models from meshes.
 
     Attributes:
-        tolerance: Metres that the model may be off the mesh. Or give sizes, for a uniform model:
-        voxel_size: Edge of the distance field's cells, metres, after --scale.
-        resolution: Or how many of them along the mesh's longest side; without any of these, to a tolerance.
-        point_spacing: Edge of the voxels that get one point each, metres; the voxel size by default.
-        target_points: Or how many points are wanted, which is reached within 1 %.
-        scale: Factor that brings the mesh to metres: 0.001 for one in millimetres.
-        padding: Metres of grid beyond the mesh's bounds; 16 voxels by default.
-        sign: What tells inside from outside: the closed surface, winding numbers, or whichever suits.
-        open: What a mesh with open edges becomes: a closed solid, a sheet, or what its openings suggest.
-        sheet_thickness: Of such a sheet, metres; a 200th of the longest side by default, of uniform
+        tolerance: Largest error of the model in meters. For a uniform model, give sizes instead:
+        voxel_size: Edge of the distance field's cells in meters, after --scale.
+        resolution: Number of cells along the mesh's longest side, instead of voxel_size.
+        point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by default.
+        target_points: Number of points, reached within 1 %, instead of point_spacing.
+        scale: Factor that converts the mesh to meters: 0.001 for millimeters.
+        padding: Grid beyond the mesh's bounds in meters; 16 voxels by default.
+        sign: How to find the inside: by the closed surface, by winding numbers, or automatically.
+        open: Build a closed solid or a sheet from an open mesh, or decide by its openings.
+        sheet_thickness: Thickness of that sheet in meters; a 200th of the longest side by default, of uniform
             models at least two voxels.
-        threads: How many to build with; one a core by default.
-        cache: Take models from the disk where they were built before, and keep them there.
+        threads: Threads to build with; one per core by default.
+        cache: Read models that were built before from the disk, and keep new ones there.
     """
 
     tolerance: float | None = None

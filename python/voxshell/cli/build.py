@@ -28,22 +28,22 @@ def build(
     options: ModelOptions = DEFAULTS,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Make a mesh ready to collide: a distance field and a shell of points, in one file.
+    """Build a model file from a mesh: its distance field and its shell of points.
 
     `voxshell query`, `voxshell.Model.load` and `voxshell/model_file.h` read the file in
-    milliseconds. It appears whole or not at all. `voxshell info MESH --advise` helps to choose
+    milliseconds. The file appears only once it is complete. `voxshell info MESH --advise` helps to choose
     sizes.
 
-    For example, a part in millimetres with voxels of 2 mm, and one with as many points as wanted:
+    For example, a part in millimeters with voxels of 2 mm, and a bunny with a given number of points:
 
         voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
         voxshell build bunny.obj -o bunny.vxs --resolution 200 --target-points 5000
 
     Args:
-        mesh: A file: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF
-        output: The model file to write, by custom ending in .vxs.
-        options: How.
-        json_only: Print what was built as JSON and nothing else.
+        mesh: The mesh file: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF
+        output: The model file to write, which usually ends in .vxs.
+        options: How to build the model.
+        json_only: Print only JSON: what was built.
     """
     require_file(mesh)
     if is_model_file(mesh):

@@ -17,10 +17,10 @@ from voxshell.errors import FileAccessError
 
 cache = App(
     name="cache",
-    help="""Models that were built before and are kept on the disk: list them, or remove them.
+    help="""List or remove the models that voxshell keeps on the disk.
 
-    VOXSHELL_CACHE_DIR names another folder for them, VOXSHELL_CACHE_SIZE how much they may take,
-    such as 500MB. For example:
+    VOXSHELL_CACHE_DIR sets their folder, and VOXSHELL_CACHE_SIZE their total size, such as 500MB.
+    For example:
 
         voxshell cache list
         voxshell cache clear
@@ -35,7 +35,7 @@ def list_models(*, json_only: Json = False) -> None:
     """List the models, the most recently used first.
 
     Args:
-        json_only: Print JSON: key, size in bytes and time of last use in seconds since 1970 of each.
+        json_only: Print JSON: the key, the size in bytes and the time of last use (seconds since 1970).
     """
     entries = _open().entries()
     if json_only:

@@ -47,7 +47,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
                 sys.stdout.flush()
         except CycloptsError as error:
             hint = f"{' '.join(['voxshell', *_find_command(app, arguments)])} --help"
-            _say("error", f"{_describe(error)} ({hint} tells what there is)")
+            _say("error", f"{_describe(error)} (see {hint})")
             return WRONG_USE
         except (FileAccessError, MissingExtraError) as error:
             _say("error", str(error))

@@ -47,10 +47,10 @@ def info(
     scale: float | None = None,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Tell about a mesh or a model file; with --advise, which sizes suit it.
+    """Describe a mesh or a model file, and with --advise suggest voxel sizes.
 
-    The advice is measured on this machine with coarse models, and extrapolated to finer ones: memory,
-    points, the field's error, and the times to build and to query. It takes some seconds.
+    The advice estimates memory, points, the field's error, and the times to build and to query. It
+    measures coarse models on this machine and extrapolates to finer ones, which takes some seconds.
 
     For example:
 
@@ -61,8 +61,8 @@ def info(
     Args:
         file: A model file (.vxs), or a mesh file.
         advise: Estimate what other voxel sizes and point spacings would cost.
-        scale: Of a mesh: factor that brings it to metres, 0.001 for one in millimetres.
-        json_only: Print JSON and nothing else: metres, bytes, seconds.
+        scale: Factor that converts a mesh to meters: 0.001 for millimeters.
+        json_only: Print only JSON, in meters, bytes and seconds.
     """
     console = Console(highlight=False)
     if is_model_file(file):

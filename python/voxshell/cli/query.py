@@ -61,16 +61,16 @@ def query(
     options: ModelOptions = DEFAULTS,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Ask how two bodies touch: contacts, yes or no, distance, force.
+    """Query two bodies for contacts, collision (yes or no), distance or force.
 
     A body is a model file, a mesh, or a shape: plane, plane:NX,NY,NZ,OFFSET, box:HX,HY,HZ (half
     extents), sphere:RADIUS, capsule:RADIUS,LENGTH, cylinder:RADIUS,LENGTH, cone:RADIUS,HEIGHT. One
     of the two must be a mesh or a model.
 
     A pose is 3 numbers (x y z), 7 (x y z and a quaternion x y z w) or 16 (a 4x4 matrix, row by row),
-    world from body, metres. A body without one is at the origin.
+    world from body, in meters. A body without a pose is at the origin.
 
-    For example, a part 10 mm above another, a part in the ground, and many poses at once:
+    For example, a part 10 mm above another, the force on a part in the ground, and many poses:
 
         voxshell query part.vxs other.stl --scale 0.001 --pose 0 0 0.01
         voxshell query part.vxs plane --a-pose 0 0 0.02 --ask wrench --stiffness 1e6
@@ -78,18 +78,18 @@ def query(
 
     Args:
         a: The first body.
-        b: The second body; normals are on it and point towards the first.
-        pose: Where b is.
-        a_pose: Where a is.
-        poses: Or many places of b: a .csv file with a pose a line, or a .npy file with (n, 4, 4) or rows.
-        ask: What to ask; wrench needs --stiffness.
-        shell: The body whose points are tested; auto: that with which least is missed, or both; fewest:
-            the one with fewer points.
-        margin: Points up to so many metres apart count as contacts, too.
-        max_points: Only so many contacts, the deepest.
-        stiffness: For wrench: newtons per cubic metre, the pressure per metre of depth.
-        options: How meshes are made into models.
-        json_only: Print all contacts and answers as JSON, and nothing else.
+        b: The second body. Normals lie on it and point toward the first.
+        pose: Pose of b.
+        a_pose: Pose of a.
+        poses: Many poses of b: a .csv file with one pose per line, or a .npy file, (n, 4, 4) or rows.
+        ask: The query; wrench needs --stiffness.
+        shell: The body whose points are tested. auto chooses the body, or both, that misses least;
+            fewest chooses the body with fewer points.
+        margin: Distance in meters up to which points count as contacts.
+        max_points: Return only this many contacts, the deepest.
+        stiffness: Pressure per meter of depth for wrench, in newtons per cubic meter.
+        options: How to build models from meshes.
+        json_only: Print only JSON: all contacts and answers.
     """
     if poses is not None and pose is not None:
         raise SettingsError("give either pose or poses, not both")

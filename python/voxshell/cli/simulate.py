@@ -32,10 +32,11 @@ def scene(
 ) -> None:
     """Simulate a scene file: bodies of meshes and shapes that fall, slide and collide.
 
-    Writes into OUT what the file asks for: index.html (an offline replay), poses and contacts (Parquet
-    or CSV), plot.png, and results.json (settings, ends, times). The files appear once all are complete.
+    Writes the outputs that the file names into OUT: index.html (an offline replay), poses and contacts
+    (Parquet or CSV), plot.png, and results.json (settings, final states, times). The files appear
+    once all are complete.
 
-    A scene in few lines:
+    A short scene:
 
         [scene]
         duration = 2.0
@@ -50,14 +51,14 @@ def scene(
         mass = 0.2
         position = [0, 0, 0.3]
 
-    It runs with:
+    Run it with:
 
         voxshell simulate scene.toml --out result
 
     Args:
-        file: The scene, TOML; the documentation's page of scene files shows every key.
-        out: The folder to write into; it is made where there is none.
-        json_only: Print results.json and nothing else.
+        file: The scene in TOML; the page on scene files in the documentation shows every key.
+        out: The folder to write into; created if missing.
+        json_only: Print only the content of results.json.
     """
     from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs
     from voxshell.scenes.scene_file import read_scene

@@ -35,7 +35,7 @@ def view(
 ) -> None:
     """Show a model in the browser: surface, distance field, points and tree; Ctrl-C ends it.
 
-    With two bodies, each can be dragged and turned by its arrows and rings, and the contacts follow.
+    With two bodies, drag and turn each by its arrows and rings; the contacts follow.
 
     For example:
 
@@ -45,12 +45,12 @@ def view(
 
     Args:
         body: A model file (.vxs), or a mesh file.
-        other: Likewise, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
-        show: What is seen at first: surface, slice, level, points, normals, spheres.
-        export: Write the scene as one offline page instead, to turn and look at, without controls.
-        options: How meshes are made into models.
-        port: Of the page on this machine; where it is taken, the next free one. The address holds a
-            secret, so that pages of others in the browser cannot read the scene.
+        other: A second body, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
+        show: The layers to show at first: surface, slice, level, points, normals, spheres.
+        export: Write the scene as an offline page without controls, instead of serving it.
+        options: How to build models from meshes.
+        port: Port of the page on this machine, or the next free one. The address contains a
+            secret, so that other pages in the browser cannot read the scene.
     """
     if not show:
         raise SettingsError("show must name what is seen, as in --show slice points")

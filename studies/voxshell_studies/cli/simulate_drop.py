@@ -56,30 +56,30 @@ def drop(
 ) -> None:
     """Drop a body on a ground, with voxshell's models and with Bullet's own methods.
 
-    Prints how long the narrow phase takes, how deep the bodies sink and how calmly they rest, and
-    writes into OUT: results.json (all figures, settings and versions), curves.png (time and speed
-    over steps) and index.html (an offline replay). The files appear once all are complete.
+    Prints the time of the narrow phase, how deep the bodies sink and how still they rest. Writes into
+    OUT: results.json (all figures, settings and versions), curves.png (time and speed over steps) and
+    index.html (an offline replay). The files appear once all are complete.
 
-    For example, the bunny, and a part of one's own with two methods:
+    For example, the bunny, and your own part with two methods:
 
         voxshell simulate drop --out bunny
         voxshell simulate drop part.stl --up z --size 0.1 --methods vps-fine hull
 
     Args:
         mesh: A closed mesh: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF; the Stanford bunny by default.
-        out: The folder to write into; it is made where there is none.
-        steps: How many steps to simulate.
-        slow_steps: The same for GImpact on the block, which takes tens of milliseconds a step.
-        methods: Which to run: all by default. Ratios need vps-fine.
-        size: Length of the body's longest side, metres; the mesh is scaled to it.
+        out: The folder to write into; created if missing.
+        steps: Number of steps to simulate.
+        slow_steps: Number of steps for GImpact on the block, which takes tens of milliseconds each.
+        methods: Methods to run; all by default. Ratios need vps-fine.
+        size: Longest side of the body in meters; the mesh is scaled to it.
         up: The mesh's axis that points up.
-        height: Of the body's lowest point over the ground, metres.
-        rate: Steps a second.
-        fine_points: Points of the fine shell.
-        coarse_points: Points of the coarse shell.
-        voxel_size: Of the distance fields, metres.
-        mass: Of the body, kilograms.
-        json_only: Print the table as JSON and nothing else.
+        height: Height of the body's lowest point above the ground, in meters.
+        rate: Steps per second.
+        fine_points: Number of points of the fine shell.
+        coarse_points: Number of points of the coarse shell.
+        voxel_size: Voxel size of the distance fields, in meters.
+        mass: Mass of the body in kilograms.
+        json_only: Print only JSON: the table.
     """
     if steps < 1 or slow_steps < 1:
         raise SettingsError(f"steps must be at least 1, not {min(steps, slow_steps)}")
