@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from voxshell._arguments import as_integer
-from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, read_body
+from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, read_body, refuse_unused
 from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import list_facts, new_table
@@ -68,6 +68,7 @@ def bench(
         options: How to build a model from a mesh.
         json_only: Print only JSON, in seconds and meters.
     """
+    refuse_unused(options, mesh)
     as_integer(poses, "poses", 1, 1_000_000)
     as_integer(repeats, "repeats", 1, 10_000)
     as_integer(seed, "seed", 0, 2**31 - 1)

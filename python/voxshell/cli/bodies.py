@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -100,6 +100,26 @@ def load_model(path: Path) -> Model:
         return Model.load(path)
     except FileAccessError as error:
         raise ModelFileError(str(error)) from error
+
+
+def refuse_unused(options: ModelOptions, *texts: str) -> None:
+    """Refuses options for meshes where no argument is a mesh, before any work.
+
+    Raises:
+        SettingsError: It names the options.
+    """
+    if not all(is_model_file(Path(text)) or text.split(":")[0] in _SHAPES for text in texts):
+        return
+    unused = [
+        f"--{field.name.replace('_', '-')}"
+        for field in fields(options)
+        if getattr(options, field.name) != field.default
+    ]
+    if unused:
+        raise SettingsError(
+            f"{', '.join(unused)}: options for meshes have no effect, as {' and '.join(texts)} "
+            f"{'is no mesh' if len(texts) == 1 else 'are no meshes'}; leave them out, or pass a mesh"
+        )
 
 
 def read_body(

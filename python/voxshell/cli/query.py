@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from voxshell.batch import collide_batch, contacts_batch
-from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
+from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.poses import make_pose, read_poses
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
@@ -97,6 +97,7 @@ def query(
         raise SettingsError("ask must name a question: contacts, collide, distance or wrench")
     if "wrench" in ask and stiffness is None:
         raise SettingsError("wrench needs a stiffness, as in --stiffness 1e6")
+    refuse_unused(options, a, b)
     world_from_a = np.eye(4) if a_pose is None else make_pose(a_pose, "a_pose")
     if poses is not None:
         world_from_b = read_poses(poses)

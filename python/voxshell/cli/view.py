@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from voxshell._outputs import check_output_file
-from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body
+from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
 from voxshell.model import Model
@@ -56,6 +56,7 @@ def view(
         raise SettingsError("show must name what is seen, as in --show slice points")
     if export is not None:
         check_output_file(export)
+    refuse_unused(options, *((body,) if other is None else (body, other)))
     import_viser()  # before meshes are made into models, which may take long
     bodies: dict[str, Collidable] = {}
     with open_progress(Console(stderr=True)) as progress:

@@ -87,3 +87,17 @@ def test_tables_show_no_leftovers_of_rounding(voxshell, cone_model_path):
     ended = voxshell("query", cone_model_path, "plane", "--a-pose", 0, 0, -0.0003)
     assert "on b" in ended.out
     assert not re.search(r"e-\d\d|-0\.000\b", ended.out), ended.out
+
+
+@pytest.mark.parametrize(
+    ("command", "bodies"), [("query", ["sphere:0.1"]), ("bench", []), ("view", ["plane"])]
+)
+def test_options_for_meshes_are_refused_where_there_is_no_mesh(
+    voxshell, cone_model_path, command, bodies
+):
+    sizes = ("--voxel-size", 0.01, "--scale", 0.001)
+    ended = voxshell(command, cone_model_path, *bodies, *sizes)
+    assert ended.code == 2
+    told = " ".join(ended.err.split())
+    assert "--voxel-size, --scale: options for meshes have no effect" in told
+    assert "leave them out, or pass a mesh" in told
