@@ -140,14 +140,15 @@ void ModelShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const 
 void ModelShape::setLocalScaling(const btVector3& scaling) {
   if (scaling == unit_scaling_) return;
   throw std::logic_error(
-      "a ModelShape cannot be scaled: its field is that of the mesh as it is; build a model from a "
-      "scaled mesh");
+      "a ModelShape cannot be scaled: a model never changes; build a model from the scaled "
+      "mesh");
 }
 
 int ModelShape::calculateSerializeBufferSize() const {
   throw std::logic_error(
-      "a ModelShape cannot be serialised by Bullet: keep the model with save_model() and make the "
-      "shape anew");
+      "a ModelShape cannot be serialised by Bullet: save the model with save_model() and create "
+      "the "
+      "shape from it");
 }
 
 const char* ModelShape::serialize(void*, btSerializer*) const {

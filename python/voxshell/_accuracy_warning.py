@@ -49,8 +49,8 @@ class Missing(NamedTuple):
 
 
 _ADVICE = (
-    "build the models with a smaller tolerance= or voxel_size= (voxshell.contact_bounds tells what "
-    'that brings), or name the shell, as in shell="both", to do without this warning'
+    "build the models with a smaller tolerance= or voxel_size= (voxshell.contact_bounds reports the "
+    'effect), or name the shell, as in shell="both", to silence this warning'
 )
 
 

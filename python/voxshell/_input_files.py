@@ -29,13 +29,13 @@ def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     except FileNotFoundError:
-        raise SettingsError(f"there is no {what} {path}") from None
+        raise SettingsError(f"{what} does not exist: {path}") from None
     except (OSError, ValueError) as error:
         raise FileAccessError(f"cannot read {path}: {error}") from None
     try:
         status = os.fstat(descriptor)
         if stat.S_ISDIR(status.st_mode):
-            raise SettingsError(f"there is no {what} {path}: it is a folder")
+            raise SettingsError(f"cannot read {what} {path}: it is a folder")
         if not stat.S_ISREG(status.st_mode):
             raise SettingsError(f"{path}: not a regular file")
         if status.st_size > most:

@@ -56,7 +56,7 @@ def check_output_file(path: Path) -> None:
         raise SettingsError(f"{path} is not a regular file; name another")
     parent = _find_mode(path.parent)
     if parent is None or not stat.S_ISDIR(parent):
-        raise SettingsError(f"there is no folder {path.parent} to write into")
+        raise SettingsError(f"cannot write {path}: folder does not exist: {path.parent}")
     _try_folder(_follow(path).parent, path)
 
 
@@ -328,7 +328,7 @@ def _unfinished(
                 _remove(temporary)
             if descriptor is not None:
                 _close(descriptor)
-    raise FileAccessError(f"cannot write {asked}: another program removes what is written there")
+    raise FileAccessError(f"cannot write {asked}: another program removes the files")
 
 
 def _create_file(path: Path) -> int:

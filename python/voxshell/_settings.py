@@ -170,7 +170,9 @@ def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict
     values = {}
     for key, value in table.items():
         if key not in known:
-            raise SettingsError(f"{name}.{key[:80]} is no setting; there are: {', '.join(known)}")
+            raise SettingsError(
+                f"unknown setting {name}.{key[:80]}; valid settings: {', '.join(known)}"
+            )
         values[key] = _convert(value, types[key], f"{name}.{key}")
     return values
 

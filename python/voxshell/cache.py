@@ -181,7 +181,7 @@ class ModelCache:
     def _load(self, key: str) -> CoreModel | None:
         """None where there is none, or none that can be used."""
         if self.folder is None:
-            raise FileNotFoundError("there is no home directory; set VOXSHELL_CACHE_DIR")
+            raise FileNotFoundError("no home directory; set VOXSHELL_CACHE_DIR")
         for path in self._find(key):
             try:
                 # A sound file of another model has another seal.

@@ -414,7 +414,7 @@ def _warn_of_faults(core: CoreModel, open_as: str) -> None:
         f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
         f"{hidden} triangles wholly or partly inside others (first near [{place}] metres); winding numbers tell what "
         f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
-        f"sign='winding' to take it as it is{openings and '; '}{openings}",
+        f"sign='winding' to accept it{openings and '; '}{openings}",
         MeshWarning,
         stacklevel=3,
     )

@@ -86,8 +86,8 @@ Error refuse_crossings(const TriangleMesh& mesh, unsigned threads) {
   const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
   return Error{ErrorCode::kInvalidMesh,
                format_text("mesh crosses itself: some of its surface does not bound the body (%zu "
-                           "triangles are crossed, first near %s metres); unite its parts, or let "
-                           "winding numbers tell what is inside",
+                           "triangles are crossed, first near %s metres); unite its parts, or use "
+                           "winding numbers to find the inside",
                            crossed.size(), format_point((a + b + c) / 3.0).c_str())};
 }
 

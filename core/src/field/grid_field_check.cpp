@@ -54,7 +54,7 @@ Result<std::monostate> check_numbers(const GridFieldData& data) {
   const SignReport& sign = data.sign;
   if (!(sign.confidence >= 0.0 && sign.confidence <= 1.0) || !is_length(sign.cap_error) ||
       !is_finite(sign.first_location) || !is_finite(sign.defects.first_location)) {
-    return invalid("what its signs are told to be worth is out of range");
+    return invalid("its sign confidence is out of range");
   }
   return std::monostate{};
 }

@@ -68,15 +68,15 @@ class Reader {
  private:
   Result<std::monostate> read_header() {
     if (size_ < sizeof header_) {
-      return invalid("it is no model file: it has %llu bytes, a header alone takes %zu",
-                     number(size_), sizeof header_);
+      return invalid("not a model file: it has %llu bytes, and a header takes %zu", number(size_),
+                     sizeof header_);
     }
     std::array<std::byte, sizeof header_> bytes{};
     if (auto done = read_at_(0, bytes); !done) return done;
     std::memcpy(&header_, bytes.data(), sizeof header_);
     header_ = little_endian(header_);
     if (header_.magic != kMagic) {
-      return invalid("it is no model file: it does not begin as one");
+      return invalid("not a model file: it does not begin with the signature of one");
     }
     if (header_.version != kVersion) {
       return invalid(

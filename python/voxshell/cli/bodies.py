@@ -118,7 +118,7 @@ def refuse_unused(options: ModelOptions, *texts: str) -> None:
     if unused:
         raise SettingsError(
             f"{', '.join(unused)}: options for meshes have no effect, as {' and '.join(texts)} "
-            f"{'is no mesh' if len(texts) == 1 else 'are no meshes'}; leave them out, or pass a mesh"
+            f"{'is not a mesh' if len(texts) == 1 else 'are not meshes'}; leave them out, or pass a mesh"
         )
 
 
@@ -171,7 +171,7 @@ def describe_model(model: Model) -> dict[str, Any]:
 def _make_shape(name: str, numbers: str | None) -> Collidable:
     if name not in _SHAPES:
         raise SettingsError(
-            f"{name!r} is no file and no shape; shapes are {', '.join(_SHAPES)}, as in sphere:0.1"
+            f"{name!r} is neither a file nor a shape; shapes are {', '.join(_SHAPES)}, as in sphere:0.1"
         )
     names, make = _SHAPES[name]
     if name == "plane" and numbers is None:

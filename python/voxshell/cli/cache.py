@@ -86,9 +86,7 @@ def path() -> None:
 def _open() -> ModelCache:
     kept = open_cache()
     if kept.folder is None:
-        raise FileAccessError(
-            "there is no home directory; VOXSHELL_CACHE_DIR names a folder for models"
-        )
+        raise FileAccessError("no home directory; set VOXSHELL_CACHE_DIR to a folder for models")
     return kept
 
 

@@ -97,5 +97,5 @@ def format_extents(bounds: NDArray[np.float64]) -> str:
 def describe_sign(model: Model) -> str:
     """How it was told what is inside."""
     if model.field.sign_method == "closed":
-        return "told by the surface, which is closed"
-    return f"told by winding numbers, with a confidence of {model.field.sign_confidence:.3f}"
+        return "by the closed surface"
+    return f"by winding numbers, with a confidence of {model.field.sign_confidence:.3f}"

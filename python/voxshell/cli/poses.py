@@ -87,10 +87,10 @@ def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
     try:
         array = np.load(io.BytesIO(data), allow_pickle=False)
     except MemoryError:
-        raise SettingsError(f"{path} is no array of numpy: it is larger than its file") from None
+        raise SettingsError(f"{path} is not a NumPy array: it is larger than its file") from None
     except Exception as error:  # of which damaged headers raise every kind
         why = str(error).partition("\n")[0] or type(error).__name__
-        raise SettingsError(f"{path} is no array of numpy: {why}") from None
+        raise SettingsError(f"{path} is not a NumPy array: {why}") from None
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu" or array.ndim < 2:
         raise SettingsError(f"{path} must hold an array of numbers, (n, 4, 4) or rows of {FORMS}")
     if array.size == 0:
@@ -105,7 +105,7 @@ def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
         text = data.decode("utf-8-sig")
         lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise SettingsError(f"{path} is no CSV file: {error}") from None
+        raise SettingsError(f"{path} is not a CSV file: {error}") from None
     rows: list[tuple[str, ArrayLike]] = []
     for number, words in enumerate(lines, start=1):
         try:

@@ -53,7 +53,7 @@ def view(
             secret, so that other pages in the browser cannot read the scene.
     """
     if not show:
-        raise SettingsError("show must name what is seen, as in --show slice points")
+        raise SettingsError("show must name at least one layer, as in --show slice points")
     if export is not None:
         check_output_file(export)
     refuse_unused(options, *((body,) if other is None else (body, other)))

@@ -106,7 +106,7 @@ def _check_rows(rows: Sequence[str], elements: Sequence[tuple[int, int | None]])
             corners = words[column + 1 : column + 1 + length]
             if length < 0 or len(corners) < length or not all(map(str.isdigit, corners)):
                 raise MeshError(
-                    f"row {number} after the header is no face of {length} corners: {row[:80]!r}"
+                    f"row {number} after the header is not a face of {length} corners: {row[:80]!r}"
                 )
         begin += count
 

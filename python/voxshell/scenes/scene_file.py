@@ -76,7 +76,7 @@ def read_scene(path: Path) -> Scene:
         text = read_text(path, "scene file")
     except UnicodeDecodeError:
         raise SettingsError(
-            f"{path} is no scene file, which is a text (TOML); {_for_meshes(path)}"
+            f"{path} is not a scene file, which is TOML text; {_for_meshes(path)}"
         ) from None
     try:
         tables = parse_toml(text)
@@ -100,7 +100,7 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     for name, table in tables.items():
         if name not in _TABLES:
             raise SettingsError(
-                f"{name[:80]} is no table of a scene; there are: {', '.join(_TABLES)}"
+                f"unknown table {name[:80]}; tables of a scene: {', '.join(_TABLES)}"
             )
         if not isinstance(table, dict):
             raise SettingsError(f"{name} must be a table, [{name}]")

@@ -271,7 +271,7 @@ TEST(ModelBytes, ThatEndEarlyOrLateAreRefused) {
   for (const std::size_t size : sizes) {
     if (size >= whole.size()) continue;
     FileBytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-    expect_refused(cut, size < 64 ? "it is no model file: it has" : "but was written with");
+    expect_refused(cut, size < 64 ? "not a model file: it has" : "but was written with");
     if (size < 64) continue;
     // The same, pretending that it was meant so.
     write_at(cut, offsetof(Header, file_size), std::uint64_t{size});
@@ -307,8 +307,8 @@ TEST(ModelBytes, WithAWrongHeaderAreRefused) {
     fix_checksum(bytes);
     return bytes;
   };
-  expect_refused(with(0, 'V'), "does not begin as one");
-  expect_refused(with(4, '\n'), "does not begin as one");
+  expect_refused(with(0, 'V'), "does not begin with the signature");
+  expect_refused(with(4, '\n'), "does not begin with the signature");
   for (const std::uint32_t version :
        {0u, 1u, model_format::kVersion - 1, model_format::kVersion + 1, 0xffffffffu}) {
     expect_refused(with(offsetof(Header, version), version), "version " + std::to_string(version));
