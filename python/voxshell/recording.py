@@ -35,7 +35,8 @@ class BodyTrack:
         vertices: (n, 3) float, metres, body frame.
         faces: (m, 3) int, indices of vertices, outward counter-clockwise.
         color: (red, green, blue), each 0 to 255; None lets the viewer choose.
-        poses: (frames, 4, 4) float64, ``world_from_body``, rigid.
+        poses: ``world_from_body`` of each frame: (frames, 4, 4), (frames, 3) or (frames, 7) float64, or
+            another form of many poses that :func:`voxshell.pose` lists. Stored as (frames, 4, 4).
 
     Raises:
         RecordingError: If a shape is wrong, a number is not finite, a face names a vertex that is
