@@ -18,11 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from voxshell._arguments import as_path
 from voxshell._outputs import check_output_file
-from voxshell.errors import RecordingError
+from voxshell._poses import make_all_rigid, read_poses
+from voxshell._rotations import CORRECTED
+from voxshell.errors import PoseError, RecordingError
 
-# Products of float32 engines are orthonormal to about 1e-6; a scaled or sheared matrix, or a
-# row-vector (transposed) translation, is off by far more.
-_RIGID_TOLERANCE = 1e-4
 _UNIT_TOLERANCE = 1e-3
 
 
@@ -352,13 +351,16 @@ def _as_integers(value: ArrayLike, what: str) -> NDArray[np.int64]:
 
 def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
     """A new (frames, 4, 4) array of rigid transforms."""
-    poses = _as_floats(value, what)
+    try:
+        poses = _as_floats(read_poses(value, what), what)
+    except PoseError as error:
+        raise RecordingError(str(error)) from None
     if poses.ndim != 3 or poses.shape[1:] != (4, 4) or len(poses) == 0:
         raise RecordingError(f"{what} must have shape (frames, 4, 4), got {poses.shape}")
     rotations = poses[:, :3, :3]
     stretch = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
     bottom = np.abs(poses[:, 3] - (0.0, 0.0, 0.0, 1.0)).max(axis=1)
-    bad = (stretch > _RIGID_TOLERANCE) | (bottom > 0.0) | (np.linalg.det(rotations) < 0.0)
+    bad = (stretch > CORRECTED) | (bottom > 0.0) | (np.linalg.det(rotations) < 0.0)
     if bad.any():
         frame = int(np.argmax(bad))
         raise RecordingError(
@@ -366,7 +368,10 @@ def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
             f"not, first frame {frame}: rotation off by {stretch[frame]:.3g}, determinant "
             f"{np.linalg.det(rotations[frame]):.3g}, last row {poses[frame, 3].tolist()}"
         )
-    return poses
+    try:
+        return make_all_rigid(poses, what)
+    except PoseError as error:
+        raise RecordingError(str(error)) from None
 
 
 def _as_color(value: Sequence[int] | None, what: str) -> tuple[int, int, int] | None:
