@@ -288,6 +288,6 @@ def _as_array(value: Any, name: str, forms: str) -> NDArray[np.float64]:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
         raise PoseError(f"{name} must be {forms}: {failure}") from None
-    if array.dtype.kind not in "fiu":
+    if array.dtype.kind not in "fiu" or array.ndim == 0:
         raise PoseError(f"{name} must be {forms}, not {describe(array.shape)} {array.dtype}")
     return as_floats(array, name, (None,) * array.ndim, PoseError)
