@@ -51,6 +51,7 @@ from voxshell.field import DistanceField, Field
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, MeshWarning
 from voxshell.model import Model
+from voxshell.poses import pose
 from voxshell.queries import (
     Distance,
     Wrench,
@@ -168,6 +169,7 @@ __all__ = [
     "interpolate_pose",
     "load_urdf",
     "manifold",
+    "pose",
     "sweep",
     "sweep_batch",
     "testing",

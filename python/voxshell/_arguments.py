@@ -12,7 +12,6 @@ import numpy as np
 from voxshell.errors import (
     FileAccessError,
     InputTypeError,
-    PoseError,
     SettingsError,
     VoxshellError,
 )
@@ -20,9 +19,6 @@ from voxshell.errors import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-_FLOAT64 = np.dtype(np.float64)
-_ARRAY = np.ndarray
-_POSE_SHAPE = (4, 4)
 _MOST_THREADS = 1024
 FARTHEST = 1e15
 """Metres beyond which a length is refused: its square still fits single precision."""
@@ -116,51 +112,6 @@ def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise SettingsError(f"{name} must be finite, not {(x, y, z)}")
     return x, y, z
-
-
-def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
-    """A 4x4 array, or None; whether it is a rigid transform is for the core to check."""
-    # What most callers hand over, 1 us sooner. The core takes it whatever its order in memory.
-    if type(value) is _ARRAY and value.dtype is _FLOAT64 and value.shape == _POSE_SHAPE:
-        return value
-    return None if value is None else as_floats(value, name, _POSE_SHAPE, PoseError)
-
-
-def as_pose_arrays(**values: Any) -> tuple[int, list[NDArray[np.float64] | None]]:
-    """How many poses are meant, and (count, 4, 4) arrays, by their names.
-
-    One of (1, 4, 4), from a single (4, 4) pose, stands for all; so does None, for the identity.
-    """
-    arrays = {name: _as_pose_array(value, name) for name, value in values.items()}
-    counts = {
-        name: len(array)
-        for name, array in arrays.items()
-        if array is not None and np.ndim(values[name]) != len(_POSE_SHAPE)
-    }
-    if len(set(counts.values())) > 1:
-        raise SettingsError(
-            f"{' and '.join(counts)} must be equally many, or single (4, 4) poses; they are "
-            f"{' and '.join(map(str, counts.values()))}"
-        )
-    return next(iter(counts.values()), 1), list(arrays.values())
-
-
-def _as_pose_array(value: Any, name: str) -> NDArray[np.float64] | None:
-    if value is None:
-        return None
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError) as failure:
-        # Rows of different shapes: the first that is no pose says so by its index.
-        for i, pose in enumerate(value):
-            as_floats(pose, f"{name}[{i}]", (4, 4), PoseError)
-        raise PoseError(f"{name} must be (k, 4, 4) or (4, 4) numbers: {failure}") from None
-    if array.dtype.kind not in "fiu" or array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
-        raise PoseError(
-            f"{name} must be (k, 4, 4) or (4, 4) numbers, not {describe(array.shape)} {array.dtype}"
-        )
-    poses = array[None] if array.ndim == 2 else array
-    return np.ascontiguousarray(poses, dtype=np.float64)
 
 
 def as_path(value: Any, name: str) -> bytes:

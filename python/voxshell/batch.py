@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_pose_arrays, as_threads
+from voxshell._arguments import as_threads
 from voxshell._pairs import (
     Collidable,
     Shell,
@@ -17,8 +17,9 @@ from voxshell._pairs import (
     as_max_points,
     as_pair,
 )
+from voxshell._poses import as_pose_arrays, mend_poses
 from voxshell.contact_set import Contacts, name_shells
-from voxshell.errors import InputTypeError
+from voxshell.errors import InputTypeError, PoseError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -140,8 +141,9 @@ def contacts_batch(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_poses: (k, 4, 4) float64, ``world_from_a``; or (4, 4), one for all. None: the identity.
-        b_poses: (k, 4, 4) float64, ``world_from_b``; or (4, 4). None: the identity.
+        a_poses: ``world_from_a``: (k, 4, 4), (k, 3) or (k, 7) float64, or another form that :func:`pose`
+            lists; or one pose for all. None: the identity.
+        b_poses: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         level: As for :func:`contacts`.
@@ -154,7 +156,8 @@ def contacts_batch(
         The contacts of all poses, in order: for each pose the bits that :func:`contacts` gives.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers; the message says which.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+            message says which.
         SettingsError: As for :func:`contacts`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.
 
@@ -172,8 +175,8 @@ def contacts_batch(
     """
     count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     bodies, shells = as_pair(a, b, shell)
-    return ContactBatch(
-        _core.contacts_batch(
+    try:
+        found = _core.contacts_batch(
             *bodies,
             count,
             of_a,
@@ -185,7 +188,19 @@ def contacts_batch(
             as_threads(threads),
             progress,
         )
-    )
+    except PoseError as error:
+        return contacts_batch(
+            a,
+            b,
+            **mend_poses(error, a_poses=a_poses, b_poses=b_poses),
+            shell=shell,
+            margin=margin,
+            level=level,
+            max_points=max_points,
+            threads=threads,
+            progress=progress,
+        )
+    return ContactBatch(found)
 
 
 def collide_batch(
@@ -215,7 +230,8 @@ def collide_batch(
         (k,) bool.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers; the message says which.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+            message says which.
         SettingsError: As for :func:`collide`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.
 
@@ -231,13 +247,24 @@ def collide_batch(
     """
     bodies, shells = as_pair(a, b, shell)
     count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
-    return _core.collide_batch(
-        *bodies,
-        count,
-        of_a,
-        of_b,
-        shells,
-        as_margin(margin),
-        as_threads(threads),
-        progress,
-    )
+    try:
+        return _core.collide_batch(
+            *bodies,
+            count,
+            of_a,
+            of_b,
+            shells,
+            as_margin(margin),
+            as_threads(threads),
+            progress,
+        )
+    except PoseError as error:
+        return collide_batch(
+            a,
+            b,
+            **mend_poses(error, a_poses=a_poses, b_poses=b_poses),
+            shell=shell,
+            margin=margin,
+            threads=threads,
+            progress=progress,
+        )

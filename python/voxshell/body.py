@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from voxshell import _bullet
-from voxshell._arguments import as_floats, as_integer, as_not_negative, as_real, as_vector
-from voxshell.errors import PoseError, SettingsError
+from voxshell._arguments import as_integer, as_not_negative, as_real, as_vector
+from voxshell._poses import as_rigid_pose
+from voxshell.errors import SettingsError
 from voxshell.world_part import WorldPart
 
 if TYPE_CHECKING:
@@ -99,13 +100,14 @@ class Body(WorldPart):
         moves there within the next step, and takes along what lies on it.
 
         Raises:
-            PoseError: It is set to what is not a rigid transform.
+            PoseError: It is set to what is in no form that :func:`pose` lists, is not rigid, or is not
+                finite.
         """
         return self._simulation.pose(self.number)
 
     @pose.setter
     def pose(self, value: ArrayLike) -> None:
-        self._simulation.set_pose(self.number, as_floats(value, "pose", (4, 4), PoseError))
+        self._simulation.set_pose(self.number, as_rigid_pose(value, "pose"))
 
     @property
     def linear_velocity(self) -> NDArray[np.float64]:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from voxshell._arguments import as_floats
+from voxshell._poses import as_rigid_pose
 from voxshell.comparison_shapes import ConvexDecomposition, GImpact
-from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.model import Model
 from voxshell.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
@@ -29,20 +29,17 @@ class Compound:
     Its matter is that of the parts at one density, counted twice where they overlap.
 
     Args:
-        parts: Pairs of a shape and its (4, 4) pose ``compound_from_part``; at least one. A plane or
-            another compound cannot be one.
+        parts: Pairs of a shape and its pose ``compound_from_part``, in any form that :func:`pose` lists; at
+            least one. A plane or another compound cannot be one.
 
     Raises:
         InputTypeError: A part is no pair, or of a shape that cannot be one.
-        PoseError: A pose is not a 4x4 array.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: There is no part.
 
     Example:
-        >>> import numpy as np
         >>> import voxshell as vx
-        >>> aside = np.eye(4)
-        >>> aside[0, 3] = 1.0
-        >>> vx.Compound([(vx.Sphere(0.2), np.eye(4)), (vx.Sphere(0.2), aside)])
+        >>> vx.Compound([(vx.Sphere(0.2), (0, 0, 0)), (vx.Sphere(0.2), (1, 0, 0))])
         Compound(Sphere(radius=0.2), Sphere(radius=0.2))
     """
 
@@ -59,7 +56,7 @@ class Compound:
                     f"parts[{index}] must be one of {', '.join(kind.__name__ for kind in PARTS)}, "
                     f"not {type(shape).__name__}"
                 )
-            matrix = as_floats(pose, f"the pose of parts[{index}]", (4, 4), PoseError)
+            matrix = as_rigid_pose(pose, f"the pose of parts[{index}]")
             self.parts.append((shape, matrix.copy()))
         if not self.parts:
             raise SettingsError("give at least one part")

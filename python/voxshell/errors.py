@@ -12,7 +12,7 @@ class MeshError(VoxshellError, ValueError):
 
 
 class PoseError(VoxshellError, ValueError):
-    """A pose is not a 4x4 rigid transform of finite numbers."""
+    """A pose is in no form that :func:`voxshell.pose` lists, is not rigid, or is not finite."""
 
 
 class SettingsError(VoxshellError, ValueError):

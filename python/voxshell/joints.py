@@ -10,7 +10,8 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell._arguments import as_floats, as_not_negative, as_positive, as_real, as_vector
-from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell._poses import as_rigid_pose
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.world_part import WorldPart
 
 if TYPE_CHECKING:
@@ -360,7 +361,7 @@ class JointFrames:
         """``parent_from_joint`` and ``child_from_joint``, (4, 4) each.
 
         Raises:
-            PoseError: One is not a 4x4 array.
+            PoseError: One is no pose.
             SettingsError: Two ways are mixed.
         """
         world_from_parent = np.eye(4) if parent is None else parent.pose
@@ -369,22 +370,16 @@ class JointFrames:
                 raise SettingsError(
                     "give world_from_joint, or the frames in the bodies, but not both"
                 )
-            world_from_joint = as_floats(
-                self.world_from_joint, "world_from_joint", (4, 4), PoseError
-            )
+            world_from_joint = as_rigid_pose(self.world_from_joint, "world_from_joint")
             return invert(world_from_parent) @ world_from_joint, invert(
                 child.pose
             ) @ world_from_joint
         child_from_joint = np.eye(4)
         if self.child_from_joint is not None:
-            child_from_joint = as_floats(
-                self.child_from_joint, "child_from_joint", (4, 4), PoseError
-            )
+            child_from_joint = as_rigid_pose(self.child_from_joint, "child_from_joint")
         if self.parent_from_joint is None:
             return invert(world_from_parent) @ child.pose @ child_from_joint, child_from_joint
-        parent_from_joint = as_floats(
-            self.parent_from_joint, "parent_from_joint", (4, 4), PoseError
-        )
+        parent_from_joint = as_rigid_pose(self.parent_from_joint, "parent_from_joint")
         return parent_from_joint, child_from_joint
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_integer, as_not_negative, as_pose
+from voxshell._arguments import as_integer, as_not_negative
 from voxshell._pairs import (
     Collidable,
     Shell,
@@ -20,7 +20,9 @@ from voxshell._pairs import (
     as_pair,
     as_scratch,
 )
+from voxshell._poses import as_pose, mend_poses
 from voxshell.contact_set import Contacts
+from voxshell.errors import PoseError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,9 +69,9 @@ def contacts(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``: rotation orthonormal to 1e-6, translation in
-            metres. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, metres: (4, 4) float64, which is read fastest, or another form of a pose
+            that :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         shell: Whose points are tested. "auto": the body with which least can be missed, or both where
             neither is enough alone: a constant of the two bodies, which :func:`contact_bounds`
             tells. "a" or "b": that body, which must be a model. "both": first a's, then b's.
@@ -95,7 +97,7 @@ def contacts(
         distances and normals; with points 1 m from their origin this is good to about 1e-7 m.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
             is not finite; ``level``, ``max_points`` or ``budget`` is out of range.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -160,8 +162,8 @@ def manifold(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         max_points: From 1 to 4. Points that would add no area are left out.
@@ -171,7 +173,7 @@ def manifold(
         The contacts chosen, in the order chosen; the deepest is first.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
             is not finite; ``max_points`` is out of range.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -185,8 +187,8 @@ def manifold(
         (4, array([0.001, 0.001, 0.001, 0.001]))
     """
     bodies, shells = as_pair(a, b, shell)
-    return Contacts(
-        _core.manifold(
+    try:
+        found = _core.manifold(
             *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
@@ -195,7 +197,12 @@ def manifold(
             as_integer(max_points, "max_points", 1, 4),
             as_scratch(scratch),
         )
-    )
+    except PoseError as error:
+        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
+        return manifold(
+            a, b, **mended, shell=shell, margin=margin, max_points=max_points, scratch=scratch
+        )
+    return Contacts(found)
 
 
 def deepest_per_segment(
@@ -217,8 +224,8 @@ def deepest_per_segment(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         level: Level of the point-sphere tree, 1 to 12; a level L has 4^(L - 1) segments at most.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
@@ -229,7 +236,7 @@ def deepest_per_segment(
         equally deep ones, the smaller id.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
             is not finite; ``level`` is out of range.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -243,8 +250,8 @@ def deepest_per_segment(
         True
     """
     bodies, shells = as_pair(a, b, shell)
-    return Contacts(
-        _core.deepest_per_segment(
+    try:
+        found = _core.deepest_per_segment(
             *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
@@ -253,7 +260,12 @@ def deepest_per_segment(
             as_integer(level, "level", 1, _core.PointSphereTree.deepest_level),
             as_scratch(scratch),
         )
-    )
+    except PoseError as error:
+        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
+        return deepest_per_segment(
+            a, b, **mended, level=level, shell=shell, margin=margin, scratch=scratch
+        )
+    return Contacts(found)
 
 
 def collide(
@@ -270,8 +282,8 @@ def collide(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
         margin: Metres; above 0, bodies that near touch as well.
 
@@ -279,7 +291,7 @@ def collide(
         True if a point of the shell has a distance below ``margin``.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
             is not finite.
         InputTypeError: ``a`` or ``b`` is not a body.
@@ -299,16 +311,20 @@ def collide(
     """
     # Unpacked into names, not starred: a list less to be made of the arguments, in what may take a microsecond.
     (field_a, model_a, field_b, model_b), shells = as_pair(a, b, shell)
-    return _core.collide(
-        field_a,
-        model_a,
-        field_b,
-        model_b,
-        as_pose(a_pose, "a_pose"),
-        as_pose(b_pose, "b_pose"),
-        shells,
-        as_margin(margin),
-    )
+    try:
+        return _core.collide(
+            field_a,
+            model_a,
+            field_b,
+            model_b,
+            as_pose(a_pose, "a_pose"),
+            as_pose(b_pose, "b_pose"),
+            shells,
+            as_margin(margin),
+        )
+    except PoseError as error:
+        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
+        return collide(a, b, **mended, shell=shell, margin=margin)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -356,8 +372,8 @@ def distance(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         shell: As for :func:`contacts`; of both shells the nearer, or the deeper.
         max_distance: Metres, or infinity: what is not nearer than this is not looked for, which
             saves time.
@@ -369,7 +385,7 @@ def distance(
         one with the smaller id.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not;
             ``max_distance`` is NaN or minus infinity.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -392,14 +408,18 @@ def distance(
         -0.1
     """
     bodies, shells = as_pair(a, b, shell)
-    found = _core.distance(
-        *bodies,
-        as_pose(a_pose, "a_pose"),
-        as_pose(b_pose, "b_pose"),
-        shells,
-        _as_max_distance(max_distance),
-        as_scratch(scratch),
-    )
+    try:
+        found = _core.distance(
+            *bodies,
+            as_pose(a_pose, "a_pose"),
+            as_pose(b_pose, "b_pose"),
+            shells,
+            _as_max_distance(max_distance),
+            as_scratch(scratch),
+        )
+    except PoseError as error:
+        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
+        return distance(a, b, **mended, shell=shell, max_distance=max_distance, scratch=scratch)
     if found is None:
         return Distance(math.inf, *(np.full(3, math.nan) for _ in range(3)), shell=None)
     value, point_a, point_b, normal, shell_is_a = found
@@ -445,8 +465,8 @@ def wrench(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a``. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
+        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        b_pose: ``world_from_b``, likewise.
         stiffness: Newtons per cubic metre: pressure per metre of depth. At least 0.
         shell: As for :func:`contacts`. Of both shells it is the mean, so that area counts once.
         scratch: Makes a series of queries faster; see :class:`QueryScratch`.
@@ -456,7 +476,7 @@ def wrench(
         b's origin.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not;
             ``stiffness`` is negative or not finite.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -477,14 +497,18 @@ def wrench(
         True
     """
     bodies, shells = as_pair(a, b, shell)
-    force, torque = _core.wrench(
-        *bodies,
-        as_pose(a_pose, "a_pose"),
-        as_pose(b_pose, "b_pose"),
-        shells,
-        as_not_negative(stiffness, "stiffness"),
-        as_scratch(scratch),
-    )
+    try:
+        force, torque = _core.wrench(
+            *bodies,
+            as_pose(a_pose, "a_pose"),
+            as_pose(b_pose, "b_pose"),
+            shells,
+            as_not_negative(stiffness, "stiffness"),
+            as_scratch(scratch),
+        )
+    except PoseError as error:
+        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
+        return wrench(a, b, **mended, stiffness=stiffness, shell=shell, scratch=scratch)
     return Wrench(np.array(force), np.array(torque))
 
 
@@ -503,8 +527,8 @@ def find(
 ) -> Contacts:
     """Checks the arguments of :func:`contacts` and asks one of the core's searches."""
     bodies, shells = as_pair(a, b, shell)
-    return Contacts(
-        search(
+    try:
+        found = search(
             *bodies,
             as_pose(a_pose, "a_pose"),
             as_pose(b_pose, "b_pose"),
@@ -515,7 +539,10 @@ def find(
             as_budget(budget),
             as_scratch(scratch),
         )
-    )
+    except PoseError as error:
+        a_pose, b_pose = mend_poses(error, a_pose=a_pose, b_pose=b_pose).values()
+        return find(search, a, b, a_pose, b_pose, shell, margin, level, max_points, budget, scratch)
+    return Contacts(found)
 
 
 def _as_max_distance(value: Any) -> float:

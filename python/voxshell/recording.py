@@ -18,11 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from voxshell._arguments import as_path
 from voxshell._outputs import check_output_file
-from voxshell.errors import RecordingError
+from voxshell._poses import make_all_rigid, read_poses
+from voxshell._rotations import CORRECTED
+from voxshell.errors import PoseError, RecordingError
 
-# Products of float32 engines are orthonormal to about 1e-6; a scaled or sheared matrix, or a
-# row-vector (transposed) translation, is off by far more.
-_RIGID_TOLERANCE = 1e-4
 _UNIT_TOLERANCE = 1e-3
 
 
@@ -35,7 +34,8 @@ class BodyTrack:
         vertices: (n, 3) float, metres, body frame.
         faces: (m, 3) int, indices of vertices, outward counter-clockwise.
         color: (red, green, blue), each 0 to 255; None lets the viewer choose.
-        poses: (frames, 4, 4) float64, ``world_from_body``, rigid.
+        poses: ``world_from_body`` of each frame: (frames, 4, 4), (frames, 3) or (frames, 7) float64, or
+            another form of many poses that :func:`voxshell.pose` lists. Stored as (frames, 4, 4).
 
     Raises:
         RecordingError: If a shape is wrong, a number is not finite, a face names a vertex that is
@@ -351,13 +351,16 @@ def _as_integers(value: ArrayLike, what: str) -> NDArray[np.int64]:
 
 def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
     """A new (frames, 4, 4) array of rigid transforms."""
-    poses = _as_floats(value, what)
+    try:
+        poses = _as_floats(read_poses(value, what), what)
+    except PoseError as error:
+        raise RecordingError(str(error)) from None
     if poses.ndim != 3 or poses.shape[1:] != (4, 4) or len(poses) == 0:
         raise RecordingError(f"{what} must have shape (frames, 4, 4), got {poses.shape}")
     rotations = poses[:, :3, :3]
     stretch = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
     bottom = np.abs(poses[:, 3] - (0.0, 0.0, 0.0, 1.0)).max(axis=1)
-    bad = (stretch > _RIGID_TOLERANCE) | (bottom > 0.0) | (np.linalg.det(rotations) < 0.0)
+    bad = (stretch > CORRECTED) | (bottom > 0.0) | (np.linalg.det(rotations) < 0.0)
     if bad.any():
         frame = int(np.argmax(bad))
         raise RecordingError(
@@ -365,7 +368,10 @@ def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
             f"not, first frame {frame}: rotation off by {stretch[frame]:.3g}, determinant "
             f"{np.linalg.det(rotations[frame]):.3g}, last row {poses[frame, 3].tolist()}"
         )
-    return poses
+    try:
+        return make_all_rigid(poses, what)
+    except PoseError as error:
+        raise RecordingError(str(error)) from None
 
 
 def _as_color(value: Sequence[int] | None, what: str) -> tuple[int, int, int] | None:

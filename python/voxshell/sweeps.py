@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell._arguments import as_floats, as_length, as_pose, as_pose_arrays, as_threads
+from voxshell._arguments import as_floats, as_length, as_threads
 from voxshell._pairs import Collidable, Shell, as_margin, as_pair, as_scratch
-from voxshell.errors import SettingsError
+from voxshell._poses import as_pose, as_pose_arrays, mend_poses
+from voxshell.errors import PoseError, SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -117,10 +118,11 @@ def sweep(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: (4, 4) float64, ``world_from_a`` where the motion begins. None: the identity.
-        b_pose: (4, 4) float64, ``world_from_b``. None: the identity.
-        a_end: (4, 4) float64, ``world_from_a`` where it ends. None: a stays where it is.
-        b_end: (4, 4) float64, ``world_from_b``. None: b stays where it is.
+        a_pose: ``world_from_a`` where the motion begins, (4, 4) or as :func:`pose` lists. None: the
+            identity.
+        b_pose: ``world_from_b``, likewise.
+        a_end: ``world_from_a`` where the motion ends, likewise. None: a stays where it is.
+        b_end: ``world_from_b``, likewise. None: b stays where it is.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`: above 0, bodies that come that near touch; below 0 they may
             overlap by so much. Where it reaches beyond the grid of a model's field (by default 16
@@ -136,7 +138,7 @@ def sweep(
         The fraction, the poses there, and where the bodies are nearest then.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
             is not finite; ``tolerance`` is not above 0.
         InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
@@ -168,17 +170,28 @@ def sweep(
         True
     """
     bodies, shells = as_pair(a, b, shell)
-    found = _core.sweep(
-        *bodies,
-        as_pose(a_pose, "a_pose"),
-        as_pose(a_end, "a_end"),
-        as_pose(b_pose, "b_pose"),
-        as_pose(b_end, "b_end"),
-        shells,
-        as_margin(margin),
-        _as_tolerance(tolerance),
-        as_scratch(scratch),
-    )
+    try:
+        found = _core.sweep(
+            *bodies,
+            as_pose(a_pose, "a_pose"),
+            as_pose(a_end, "a_end"),
+            as_pose(b_pose, "b_pose"),
+            as_pose(b_end, "b_end"),
+            shells,
+            as_margin(margin),
+            _as_tolerance(tolerance),
+            as_scratch(scratch),
+        )
+    except PoseError as error:
+        return sweep(
+            a,
+            b,
+            **mend_poses(error, a_pose=a_pose, a_end=a_end, b_pose=b_pose, b_end=b_end),
+            shell=shell,
+            margin=margin,
+            tolerance=tolerance,
+            scratch=scratch,
+        )
     fractions, distances, points_a, points_b, normals, of_shells, a_poses, b_poses = found
     whose: Literal["a", "b"] | None = None
     if of_shells[0] >= 0:
@@ -218,11 +231,11 @@ def sweep_batch(
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_poses: (k, 4, 4) float64, ``world_from_a`` where the motions begin; or (4, 4), one for all.
-            None: the identity.
-        b_poses: (k, 4, 4) float64, ``world_from_b``; or (4, 4). None: the identity.
-        a_ends: (k, 4, 4) float64, ``world_from_a`` where they end; or (4, 4). None: a stays.
-        b_ends: (k, 4, 4) float64, ``world_from_b``; or (4, 4). None: b stays.
+        a_poses: ``world_from_a`` where the motions begin: (k, 4, 4), (k, 3) or (k, 7) float64, or another
+            form that :func:`pose` lists; or one pose for all. None: the identity.
+        b_poses: ``world_from_b``, likewise.
+        a_ends: ``world_from_a`` where the motions end, likewise. None: a stays.
+        b_ends: ``world_from_b``, likewise. None: b stays.
         shell: As for :func:`contacts`.
         margin: As for :func:`sweep`.
         tolerance: As for :func:`sweep`.
@@ -233,7 +246,8 @@ def sweep_batch(
         What :func:`sweep` tells of each motion, in order.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers; the message says which.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+            message says which.
         SettingsError: As for :func:`sweep`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.
 
@@ -254,19 +268,31 @@ def sweep_batch(
     count, (starts_a, ends_a, starts_b, ends_b) = as_pose_arrays(
         a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends
     )
-    found = _core.sweep_batch(
-        *bodies,
-        count,
-        starts_a,
-        ends_a,
-        starts_b,
-        ends_b,
-        shells,
-        as_margin(margin),
-        _as_tolerance(tolerance),
-        as_threads(threads),
-        progress,
-    )
+    try:
+        found = _core.sweep_batch(
+            *bodies,
+            count,
+            starts_a,
+            ends_a,
+            starts_b,
+            ends_b,
+            shells,
+            as_margin(margin),
+            _as_tolerance(tolerance),
+            as_threads(threads),
+            progress,
+        )
+    except PoseError as error:
+        return sweep_batch(
+            a,
+            b,
+            **mend_poses(error, a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends),
+            shell=shell,
+            margin=margin,
+            tolerance=tolerance,
+            threads=threads,
+            progress=progress,
+        )
     fractions, distances, points_a, points_b, normals, of_shells, poses_a, poses_b = found
     return SweepBatch(
         fractions=fractions,
@@ -291,15 +317,15 @@ def interpolate_pose(
     about the axis whose first component that is not zero is positive.
 
     Args:
-        start: (4, 4) float64, ``world_from_body`` at fraction 0. None: the identity.
-        end: (4, 4) float64, at fraction 1. None: the identity.
+        start: ``world_from_body`` at fraction 0, (4, 4) or as :func:`pose` lists. None: the identity.
+        end: The pose at fraction 1, likewise.
         fractions: (k,) float64; or one number. Beyond 0 and 1 the motion goes on.
 
     Returns:
         (k, 4, 4) float64; (4, 4) for one number.
 
     Raises:
-        PoseError: A pose is not a 4x4 rigid transform of finite numbers.
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: A fraction is not finite, or beyond 10,000.
 
     Example:
@@ -321,7 +347,10 @@ def interpolate_pose(
     at = as_floats(np.atleast_1d(np.asarray(fractions)), "fractions", (None,))
     if not (np.abs(at) <= _FARTHEST_FRACTION).all():
         raise SettingsError(f"fractions must be within {_FARTHEST_FRACTION:g} of 0")
-    poses = _core.interpolate(as_pose(start, "start"), as_pose(end, "end"), at)
+    try:
+        poses = _core.interpolate(as_pose(start, "start"), as_pose(end, "end"), at)
+    except PoseError as error:
+        return interpolate_pose(**mend_poses(error, start=start, end=end), fractions=fractions)
     return poses[0] if is_one else poses
 
 

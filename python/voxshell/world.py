@@ -12,7 +12,6 @@ import numpy as np
 from voxshell import _bullet
 from voxshell._accuracy_warning import judge_world
 from voxshell._arguments import (
-    as_floats,
     as_integer,
     as_not_negative,
     as_points,
@@ -21,11 +20,12 @@ from voxshell._arguments import (
     as_threads,
     as_vector,
 )
+from voxshell._poses import as_rigid_pose
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, check_surface, make_material
 from voxshell.body_shapes import compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
 from voxshell.compound import Compound
-from voxshell.errors import InputTypeError, PoseError, SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.joints import Joint, JointFrames, make_settings
 from voxshell.model import Model
 from voxshell.recorder import Recorder
@@ -240,7 +240,7 @@ class World:
         Args:
             shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison.
             mass: Kilograms; 0 makes the body static.
-            pose: (4, 4) ``world_from_body``; the identity by default.
+            pose: ``world_from_body`` in any form that :func:`pose` lists; the identity by default.
             friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
             restitution: 0 to 1; Bullet multiplies those of the two bodies.
             inertia: Of the uniform solid, of a thin skin on the surface, or given: then its mass is
@@ -269,7 +269,7 @@ class World:
             SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
                 0 and the body is not kinematic, the solver is not "coulomb", or
                 ``friction_directions`` is 1.
-            PoseError: ``pose`` is not a rigid transform.
+            PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
 
         Example:
             A kinematic plate carries what lies on it, one metre a second:
@@ -309,7 +309,7 @@ class World:
             check_surface(motion, label, self._moves_surfaces)
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
-        world_from_body = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
+        world_from_body = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
         number = self._simulation.add_body(
             geometry,
             motion=MOTIONS[motion],

@@ -757,7 +757,7 @@ PROJECTIVE = np.eye(4) + np.eye(4, k=-1) * [[0], [0], [0], [1]]
 @pytest.mark.parametrize(
     ("pose", "message"),
     [
-        (np.eye(3), r"\(4, 4\) numbers, not \(3, 3\)"),
+        (np.eye(3), r"\(4, 4\) matrix, .*not \(3, 3\) float64; for a rotation"),
         (np.eye(4).ravel(), r"not \(16,\)"),
         (np.eye(4)[None], r"not \(1, 4, 4\)"),
         ("pose", r"not \(\) <U4"),
@@ -796,7 +796,10 @@ def test_any_array_as_a_pose_is_an_error_or_a_pose(ball, array):
         vx.contacts(ball, vx.Plane(), a_pose=array)
     except vx.PoseError:
         return
-    np.testing.assert_allclose(array[:3, :3] @ array[:3, :3].T, np.eye(3), atol=1e-5)
+    if array.shape == (4, 4):
+        np.testing.assert_allclose(array[:3, :3] @ array[:3, :3].T, np.eye(3), atol=2e-3)
+    else:
+        assert array.shape == (3,)
 
 
 @pytest.mark.parametrize("query", [*QUERIES, *BATCHES])

@@ -127,6 +127,9 @@ def test_many_poses():
     assert motions.fractions.shape == motions.touches.shape
     between: NDArray[np.float64] = vx.interpolate_pose(poses[0], None, 0.5)
     assert between.shape == (4, 4)
+    made: NDArray[np.float64] = vx.pose((0, 0, 1), axis_angle=((0, 0, 1), 0.5))
+    assert vx.collide(model, model, made, (0, 0, 1))
+    assert vx.collide(model, model, made, ((0, 0, 1), (0, 0, 0, 1)))
 
 
 def test_worlds(tmp_path: Path):
