@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import voxshell as vx
 from trimesh.transformations import random_rotation_matrix
-from voxshell.experiments.crowd import Engine, build_heap, measure_memory
-from voxshell.experiments.timing import pinned
-from voxshell.scenes.bunny import BunnySettings
-from voxshell.scenes.pour import PourSettings
+from voxshell.measuring.timing import pinned
+from voxshell_studies.crowd import Engine, build_heap, measure_memory
+from voxshell_studies.scenes.bunny import BunnySettings
+from voxshell_studies.scenes.pour import PourSettings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,7 +6,7 @@ import os
 from datetime import datetime, timezone
 from pathlib import Path
 
-from voxshell.experiments.environment import describe_environment, read_cpuinfo
+from voxshell.measuring.environment import describe_environment, read_cpuinfo
 
 ROOT = Path(__file__).resolve().parent.parent
 _VECTOR_SETS = ("sse4_2", "avx", "avx2", "fma", "avx512f", "avx512vl", "asimd", "sve")

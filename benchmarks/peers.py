@@ -26,7 +26,7 @@ import trimesh
 import voxshell as vx
 from beside_coal import LEAST_RATIO, judge, make_rows, run_program, summarise
 from machine import ROOT, describe_machine
-from voxshell.scenes.bunny import find_bunny
+from voxshell_studies.scenes.bunny import find_bunny
 
 OUT = ROOT / "build/bench"
 BUNNY_LENGTH = 0.3

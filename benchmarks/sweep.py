@@ -21,8 +21,8 @@ import numpy as np
 import trimesh
 import voxshell as vx
 from trimesh.transformations import random_rotation_matrix, rotation_matrix, translation_matrix
-from voxshell.experiments.timing import pinned
-from voxshell.scenes.bunny import BunnySettings
+from voxshell.measuring.timing import pinned
+from voxshell_studies.scenes.bunny import BunnySettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -43,14 +43,18 @@ HEADER_ONLY: dict[str, str] = {
     "bucket_points.h": "shell",
 }
 
-# Part of the Python package -> the parts that it may import, itself apart. "api" is every module
-# that is in no other part; "bindings" are the compiled modules.
+PYTHON_PACKAGES = {"voxshell": "python/voxshell", "voxshell_studies": "studies/voxshell_studies"}
+
+# Part of the Python packages -> the parts that it may import, itself apart. "api" is every module
+# of voxshell that is in no other part; "bindings" are the compiled modules; "studies" is the second
+# package, which the first must work without.
 PYTHON_MAY_IMPORT: dict[str, set[str]] = {
     "api": {"bindings"},
     "viewer": {"api"},
     "scenes": {"api"},
-    "experiments": {"api", "viewer", "scenes"},
-    "cli": {"api", "viewer", "scenes", "experiments"},
+    "measuring": {"api"},
+    "cli": {"api", "viewer", "scenes", "measuring"},
+    "studies": {"api", "viewer", "scenes", "measuring", "cli"},
 }
 PYTHON_BINDINGS = {"_core", "_bullet", "_hacd"}
 
@@ -252,36 +256,41 @@ def _check_names(name: str, text: str) -> Iterator[Violation]:
 
 
 def check_python(root: Path) -> Iterator[Violation]:
-    """Violations in the Python package."""
-    package = root / "python/voxshell"
-    for path in sorted(package.rglob("*.py")):
-        inner = path.relative_to(package)
-        part = _python_part(inner.with_suffix("").parts)
-        tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
-        for line, module, lazy in _python_imports(tree, inner):
-            imported = _python_part(module)
-            if imported == part or imported in PYTHON_MAY_IMPORT[part]:
-                continue
-            if lazy and (inner.as_posix(), imported) in PYTHON_LAZY_IMPORTS:
-                continue
-            yield Violation(
-                path.relative_to(root).as_posix(),
-                line,
-                f"{part} imports {'.'.join(('voxshell', *module))}, which belongs to {imported}",
-                f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
-            )
+    """Violations in the Python packages."""
+    for name, folder in PYTHON_PACKAGES.items():
+        package = root / folder
+        for path in sorted(package.rglob("*.py")):
+            inner = path.relative_to(package)
+            part = _python_part((name, *inner.with_suffix("").parts))
+            tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+            for line, module, lazy in _python_imports(tree, (name, *inner.parent.parts)):
+                imported = _python_part(module)
+                if imported == part or imported in PYTHON_MAY_IMPORT[part]:
+                    continue
+                if lazy and (inner.as_posix(), imported) in PYTHON_LAZY_IMPORTS:
+                    continue
+                yield Violation(
+                    path.relative_to(root).as_posix(),
+                    line,
+                    f"{part} imports {'.'.join(module)}, which belongs to {imported}",
+                    f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
+                )
 
 
 def _python_part(module: tuple[str, ...]) -> str:
-    """The part of the package that a module belongs to; its name is given without "voxshell"."""
-    first = module[0] if module else ""
+    """The part that a module of one of the packages belongs to."""
+    package, first = module[0], module[1] if len(module) > 1 else ""
+    if package == "voxshell_studies":
+        return "studies"
     if first in PYTHON_BINDINGS:
         return "bindings"
     return first if first in PYTHON_MAY_IMPORT else "api"
 
 
-def _python_imports(tree: ast.Module, inner: Path) -> Iterator[tuple[int, tuple[str, ...], bool]]:
-    """(line, module inside the package, whether inside a function) of each import of the package."""
+def _python_imports(
+    tree: ast.Module, package: tuple[str, ...]
+) -> Iterator[tuple[int, tuple[str, ...], bool]]:
+    """(line, module, whether inside a function) of each import of the packages, made in a package."""
     lazy = {
         id(node)
         for function in ast.walk(tree)
@@ -295,15 +304,14 @@ def _python_imports(tree: ast.Module, inner: Path) -> Iterator[tuple[int, tuple[
         elif isinstance(node, ast.ImportFrom):
             base = tuple(node.module.split(".")) if node.module else ()
             if node.level > 0:
-                here = ("voxshell", *inner.parent.parts)
-                base = here[: len(here) - (node.level - 1)] + base
+                base = package[: len(package) - (node.level - 1)] + base
             # `from voxshell import viewer` imports voxshell.viewer.
             modules = [(*base, alias.name) for alias in node.names]
         else:
             continue
         for module in modules:
-            if module[0] == "voxshell":
-                yield node.lineno, module[1:], id(node) in lazy
+            if module[0] in PYTHON_PACKAGES:
+                yield node.lineno, module, id(node) in lazy
 
 
 # ---- output --------------------------------------------------------------------------------------

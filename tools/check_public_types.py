@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-NOT_IMPORTED = ("voxshell.cli", "voxshell.experiments")
+NOT_IMPORTED = ("voxshell.cli", "voxshell_studies")
 FEWEST_SYMBOLS = 500
 
 

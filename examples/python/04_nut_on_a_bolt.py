@@ -9,7 +9,7 @@ import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from voxshell.scenes.bolt import BoltSettings, measure_turns
+from voxshell_studies.scenes.bolt import BoltSettings, measure_turns
 
 TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most
 RATE, MASS = 1000.0, 0.05

@@ -11,8 +11,8 @@ import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
 from trimesh.transformations import rotation_matrix
-from voxshell.scenes.gear import make_gear
-from voxshell.scenes.solids import as_mesh
+from voxshell_studies.scenes.gear import make_gear
+from voxshell_studies.scenes.solids import as_mesh
 
 MODULE, TEETH, WIDTH, BORE = 0.002, (12, 24), 0.008, 0.004
 SPEED, TORQUE, RATE, MASSES = 1.0, 0.05, 500.0, (0.05, 0.2)  # turns/s, N m, Hz, kg

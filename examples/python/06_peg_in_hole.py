@@ -11,7 +11,7 @@ import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
 from trimesh.transformations import rotation_matrix
-from voxshell.scenes.solids import as_mesh
+from voxshell_studies.scenes.solids import as_mesh
 
 RADIUS, DEPTH, CHAMFER, SEGMENTS = 0.01, 0.02, 0.001, 192
 RATE, SECONDS = 500.0, 1.0

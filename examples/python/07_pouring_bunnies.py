@@ -10,7 +10,7 @@ import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from voxshell.scenes.solids import as_mesh
+from voxshell_studies.scenes.solids import as_mesh
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"  # Debian: glmark2-data
 RATE, EACH = 200.0, 0.15  # Hz; seconds for each bunny

@@ -69,7 +69,7 @@ std::vector<HullArray> decompose(const voxshell::python::PointsArray& vertices,
 }  // namespace
 
 NB_MODULE(_hacd, module) {
-  module.doc() = "HACD of Bullet's extras, to compare with: voxshell.experiments.convex_parts.";
+  module.doc() = "HACD of Bullet's extras, to compare with: voxshell_studies.convex_parts.";
   module.def("decompose", &decompose, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
              nb::arg("clusters"), nb::arg("hull_vertices"), nb::arg("concavity"),
              "The points of convex hulls that stand for a closed mesh.\n\n"

@@ -1,5 +1,5 @@
 """
-HACD of Bullet's extras, to compare with: voxshell.experiments.convex_parts.
+HACD of Bullet's extras, to compare with: voxshell_studies.convex_parts.
 """
 
 from typing import Annotated

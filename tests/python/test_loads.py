@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.experiments.everyday_runs import run_stage
-from voxshell.scenes.everyday import forms
-from voxshell.scenes.everyday.machines import _chain, _chain_length, _gripper, _true_chain
+from voxshell_studies.everyday_runs import run_stage
+from voxshell_studies.scenes.everyday import forms
+from voxshell_studies.scenes.everyday.machines import _chain, _chain_length, _gripper, _true_chain
 
 G = 9.81  # m/s2
 RATES = (200.0, 60.0, 30.0)

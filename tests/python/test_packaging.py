@@ -42,6 +42,37 @@ def test_completion_is_installed_for_a_shell_and_knows_the_commands(tmp_path):
     assert said.stdout.split() == ["query"], said
 
 
+WITHOUT_STUDIES = """
+import importlib.metadata
+import sys
+sys.modules["voxshell_studies"] = None
+importlib.metadata.entry_points = lambda **_: ()
+"""
+
+
+def test_package_works_without_the_studies():
+    import_all = """
+import importlib, pkgutil, voxshell
+for module in pkgutil.walk_packages(voxshell.__path__, "voxshell."):
+    importlib.import_module(module.name)
+print(len(sys.modules) > 100)
+"""
+    assert run(WITHOUT_STUDIES + import_all) == "True"
+
+
+@pytest.mark.parametrize("command", [["reproduce", "all", "--quick"], ["simulate", "drop"]])
+def test_commands_of_the_studies_say_what_to_install(command):
+    code = f"{WITHOUT_STUDIES}\nfrom voxshell.cli import main\nmain({command})"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 1
+    assert "pip install voxshell-studies" in " ".join(ended.stderr.split())
+
+
+def test_both_packages_have_one_version():
+    studies = (ROOT / "studies/pyproject.toml").read_text()
+    assert f'\nversion = "{vx.__version__}"\n' in studies
+
+
 def test_version_stands_in_one_place():
     [version] = re.findall(
         r"project\(voxshell VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()

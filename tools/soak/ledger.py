@@ -16,7 +16,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from voxshell.experiments.environment import read_cpuinfo
+from voxshell.measuring.environment import read_cpuinfo
 
 from soak.task import Task, Totals
 

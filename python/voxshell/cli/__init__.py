@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 from cyclopts import App, Parameter
 
@@ -14,10 +15,9 @@ from voxshell.cli.cache import cache
 from voxshell.cli.ending import run
 from voxshell.cli.info import info
 from voxshell.cli.query import query
-from voxshell.cli.reproduce import reproduce
-from voxshell.cli.reproduce_peers import peers
 from voxshell.cli.simulate import simulate
 from voxshell.cli.view import view
+from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,11 +49,24 @@ app = App(
     default_parameter=Parameter(show_default=_describe_default),
     suppress_keyboard_interrupt=False,
 )
-for _command in (build, info, query, simulate, bench, reproduce, cache):
+for _command in (build, info, query, simulate, bench, cache):
     app.command(_command)
 app.command(view, usage="Usage: voxshell view [OPTIONS] BODY [OTHER]")
-reproduce.command(peers)
 app.register_install_completion_command()
+
+
+def _need_studies(*_: Annotated[str, Parameter(allow_leading_hyphen=True)]) -> NoReturn:
+    raise MissingExtraError(
+        "this command belongs to the studies, a package of its own: pip install voxshell-studies"
+    )
+
+
+_extensions = entry_points(group="voxshell.commands")
+for _extension in _extensions:
+    _extension.load()(app)
+if not _extensions:
+    app.command(_need_studies, name="reproduce", show=False)
+    simulate.command(_need_studies, name="drop", show=False)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

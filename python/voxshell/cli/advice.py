@@ -19,7 +19,7 @@ import numpy as np
 from voxshell.accuracy import AccuracyWarning
 from voxshell.cli.model_facts import field_bound, shell_bound
 from voxshell.errors import MemoryLimitError
-from voxshell.experiments.pair import find_poses_between
+from voxshell.measuring.poses import find_poses_between
 from voxshell.meshes import MeshWarning
 from voxshell.model import Model
 from voxshell.queries import collide, contacts

@@ -16,11 +16,11 @@ from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import SettingsError
-from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import finite
-from voxshell.experiments.pair import find_poses_between
-from voxshell.experiments.timing import pinned
-from voxshell.experiments.units import format_length, format_time
+from voxshell.measuring.environment import describe_environment
+from voxshell.measuring.files import finite
+from voxshell.measuring.poses import find_poses_between
+from voxshell.measuring.timing import pinned
+from voxshell.measuring.units import format_length, format_time
 from voxshell.model import Model
 from voxshell.queries import collide, contacts, distance, manifold
 from voxshell.query_scratch import QueryScratch

@@ -16,8 +16,8 @@ from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import list_facts
 from voxshell.errors import SettingsError
-from voxshell.experiments.files import finite
-from voxshell.experiments.units import format_size, format_time
+from voxshell.measuring.files import finite
+from voxshell.measuring.units import format_size, format_time
 
 
 def build(

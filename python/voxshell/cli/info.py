@@ -22,8 +22,8 @@ from voxshell.cli.model_facts import (
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import MeshError, SettingsError
-from voxshell.experiments.files import finite
-from voxshell.experiments.units import format_length, format_size, format_time
+from voxshell.measuring.files import finite
+from voxshell.measuring.units import format_length, format_size, format_time
 from voxshell.meshes import Mesh, MeshWarning, read_mesh
 from voxshell.model import Model
 

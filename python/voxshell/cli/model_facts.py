@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.experiments.units import format_length, format_size
+from voxshell.measuring.units import format_length, format_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

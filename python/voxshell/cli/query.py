@@ -18,8 +18,8 @@ from voxshell.cli.poses import make_pose, read_poses
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
 from voxshell.errors import PoseError, SettingsError
-from voxshell.experiments.files import finite
-from voxshell.experiments.units import format_length
+from voxshell.measuring.files import finite
+from voxshell.measuring.units import format_length
 from voxshell.queries import Shell, distance, wrench
 from voxshell.query_scratch import QueryScratch
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from voxshell._outputs import filling
 from voxshell.errors import MissingExtraError
-from voxshell.experiments.environment import describe_environment
-from voxshell.experiments.files import write_csv, write_figure, write_json, write_parquet
+from voxshell.measuring.environment import describe_environment
+from voxshell.measuring.files import write_csv, write_figure, write_json, write_parquet
 from voxshell.scenes.scene_run import make_recording, tabulate_contacts, tabulate_poses
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def check_extras(scene: Scene) -> None:
     outputs = scene.outputs
     for wanted, library, extra in (
         (outputs.replay, "viser", "viewer"),
-        (outputs.plot, "matplotlib", "experiments"),
-        ("parquet" in (outputs.poses, outputs.contacts), "pyarrow", "experiments"),
+        (outputs.plot, "matplotlib", "report"),
+        ("parquet" in (outputs.poses, outputs.contacts), "pyarrow", "report"),
     ):
         if wanted and find_spec(library) is None:
             raise MissingExtraError(

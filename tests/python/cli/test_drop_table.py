@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
-from voxshell.cli.drop_table import explain
-from voxshell.experiments.drop import DropRun
-from voxshell.scenes.drop import METHODS
+from voxshell_studies.cli.drop_table import explain
+from voxshell_studies.drop import DropRun
+from voxshell_studies.scenes.drop import METHODS
 
 
 def make_run(key, lowest):

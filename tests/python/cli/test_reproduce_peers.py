@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from voxshell.experiments.units import format_time
+from voxshell.measuring.units import format_time
 
 
 def reproduce_peers(*arguments):

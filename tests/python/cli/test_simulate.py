@@ -125,7 +125,7 @@ def test_nothing_is_left_of_what_was_not_finished(
     tmp_path, cone, monkeypatch, capsys, problem, ending
 ):
     from voxshell.cli import main
-    from voxshell.experiments import drop_report
+    from voxshell_studies import drop_report
 
     def fail(*_):
         raise problem("disk full")

@@ -4,8 +4,8 @@ import io
 from dataclasses import replace
 
 from rich.console import Console
-from voxshell.cli.verdict_table import make_table
-from voxshell.experiments.verdict import Row
+from voxshell_studies.cli.verdict_table import make_table
+from voxshell_studies.verdict import Row
 
 ROWS = [
     Row("rebound off c2, at most of 50 start heights, c = 0.5, our rule, plane", None, 0.012, "mm"),

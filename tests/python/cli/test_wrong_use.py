@@ -293,9 +293,9 @@ def test_wrong_scene_files(voxshell, tmp_path, monkeypatch, cone_path, text, lin
 
 
 def test_table_of_another_command_is_no_wrong_use(tmp_path):
-    from voxshell.cli.reproduce import OTHER_TABLES
-    from voxshell.experiments.report.catalogue import EXPERIMENTS
-    from voxshell.experiments.reproduction import plan_studies
+    from voxshell_studies.cli.reproduce import OTHER_TABLES
+    from voxshell_studies.report.catalogue import EXPERIMENTS
+    from voxshell_studies.reproduction import plan_studies
 
     known = [*(each.name for each in EXPERIMENTS), *OTHER_TABLES]
     [study] = plan_studies(

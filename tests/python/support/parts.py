@@ -9,8 +9,8 @@ import numpy as np
 import solids
 import voxshell as vx
 from manifold3d import Manifold
-from voxshell.scenes.bolt import make_bolt, make_nut
-from voxshell.scenes.gear import make_gear
+from voxshell_studies.scenes.bolt import make_bolt, make_nut
+from voxshell_studies.scenes.gear import make_gear
 
 MM = 1e-3
 

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from voxshell.experiments.peers.protocol import load_library
+from voxshell_studies.peers.protocol import load_library
 
 RUNS = "TOY_PEERS_RUNS"
 """Environment variable: a folder in which every preparation leaves a file."""

@@ -117,21 +117,22 @@ def list_writers() -> dict[str, Writer]:
     from voxshell import cache as cache_module
     from voxshell.cache import ModelCache
     from voxshell.cli import main
-    from voxshell.experiments import convex_parts, environment
-    from voxshell.experiments.files import write_json
-    from voxshell.experiments.part import Part, compute_part
-    from voxshell.experiments.peers import report as peers_report
-    from voxshell.experiments.peers.cases import QUICK
-    from voxshell.experiments.peers.comparison import Comparison
-    from voxshell.experiments.peers.protocol import PeerResult
-    from voxshell.experiments.report import paint
-    from voxshell.experiments.report.catalogue import EXPERIMENTS
-    from voxshell.experiments.report.figures import open_figure
-    from voxshell.experiments.report.page import write_report
-    from voxshell.experiments.reproduction import Finding, conclude, plan_studies
-    from voxshell.experiments.settings import read_settings_file
-    from voxshell.experiments.store import Store
+    from voxshell.measuring import environment
+    from voxshell.measuring.files import write_json
     from voxshell.recording import BodyTrack, ContactTrack, Recording
+    from voxshell_studies import convex_parts
+    from voxshell_studies.part import Part, compute_part
+    from voxshell_studies.peers import report as peers_report
+    from voxshell_studies.peers.cases import QUICK
+    from voxshell_studies.peers.comparison import Comparison
+    from voxshell_studies.peers.protocol import PeerResult
+    from voxshell_studies.report import paint
+    from voxshell_studies.report.catalogue import EXPERIMENTS
+    from voxshell_studies.report.figures import open_figure
+    from voxshell_studies.report.page import write_report
+    from voxshell_studies.reproduction import Finding, conclude, plan_studies
+    from voxshell_studies.settings import read_settings_file
+    from voxshell_studies.store import Store
 
     cache_module.WORTH_SECONDS = 0.0
     # Two runs write the same, whatever is committed in between.

@@ -30,8 +30,11 @@ CLEAN = {
     ),
     "python/voxshell/viewer/__init__.py": "",
     "python/voxshell/viewer/replay.py": "import viser\nfrom voxshell.recording import save_html\n",
-    "python/voxshell/cli/__init__.py": "from voxshell import experiments, viewer\n",
-    "python/voxshell/experiments/__init__.py": "import voxshell as vx\nfrom voxshell.viewer import replay\n",
+    "python/voxshell/cli/__init__.py": "from voxshell import measuring, viewer\n",
+    "python/voxshell/measuring/__init__.py": "import voxshell as vx\n",
+    "studies/voxshell_studies/__init__.py": (
+        "import voxshell as vx\nfrom voxshell.viewer import replay\nfrom voxshell.cli import app\n"
+    ),
 }
 
 
@@ -171,9 +174,9 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
         ),
         pytest.param(
             "python/voxshell/world.py",
-            "def f():\n    from voxshell import experiments\n",
+            "def f():\n    from voxshell_studies import ball\n",
             2,
-            "api imports voxshell.experiments",
+            "api imports voxshell_studies.ball, which belongs to studies",
             id="a lazy import that no exception allows",
         ),
         pytest.param(
@@ -192,17 +195,24 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
         ),
         pytest.param(
             "python/voxshell/viewer/replay.py",
-            "from voxshell import experiments\n",
+            "from voxshell import measuring\n",
             1,
-            "viewer imports voxshell.experiments, which belongs to experiments",
-            id="viewer imports experiments",
+            "viewer imports voxshell.measuring, which belongs to measuring",
+            id="viewer imports measuring",
         ),
         pytest.param(
-            "python/voxshell/experiments/ball.py",
+            "python/voxshell/cli/__init__.py",
+            "import voxshell_studies.cli\n",
+            1,
+            "cli imports voxshell_studies.cli, which belongs to studies",
+            id="cli imports the studies",
+        ),
+        pytest.param(
+            "studies/voxshell_studies/ball.py",
             "from voxshell._bullet import World\n",
             1,
-            "experiments imports voxshell._bullet.World, which belongs to bindings",
-            id="experiments go round the api",
+            "studies imports voxshell._bullet.World, which belongs to bindings",
+            id="the studies go round the api",
         ),
     ],
 )

@@ -10,7 +10,7 @@ import numpy as np
 import parts
 import trimesh
 import voxshell as vx
-from voxshell.experiments.peers.protocol import load_library
+from voxshell_studies.peers.protocol import load_library
 
 from soak.task import Check, Outcome, Task, Totals, UnavailableError
 

@@ -1,0 +1,52 @@
+"""Poses in which two bodies just touch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.queries import collide
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.model import Model
+
+
+def find_poses_between(
+    model: Model, count: int, least_depth: float, most_depth: float, seed: int
+) -> NDArray[np.float64]:
+    """World_from_body of a second body, (count, 4, 4): it comes from afar and stops a bit too late.
+
+    Args:
+        model: Of both bodies; the first is at the world's origin.
+        count: How many poses.
+        least_depth: How far it goes on after the first touch, at least,
+        most_depth: and at most, metres; negative: how far it is pulled back.
+        seed: Of orientations, directions and depths.
+    """
+    from trimesh.transformations import random_rotation_matrix
+
+    rng = np.random.default_rng(seed)
+    poses = np.zeros((count, 4, 4))
+    middle = model.bounds.mean(axis=0)
+    reach = 2.0 * float(np.linalg.norm(np.ptp(model.bounds, axis=0)))
+    for pose in poses:
+        pose[:] = random_rotation_matrix(rng.random(3))
+        direction = rng.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        # The middles lie on a line along the direction.
+        origin = middle - pose[:3, :3] @ middle
+        near, far = 0.0, reach
+        for _ in range(24):
+            distance = 0.5 * (near + far)
+            pose[:3, 3] = origin + distance * direction
+            near, far = (
+                (distance, far)
+                if collide(model, model, None, pose, shell="a")
+                else (near, distance)
+            )
+        depth = rng.uniform(least_depth, most_depth)
+        pose[:3, 3] = origin + (far - depth) * direction
+    return poses

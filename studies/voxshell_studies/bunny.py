@@ -1,0 +1,284 @@
+"""The falling bunny with every method, timed: the section's main benchmark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from voxshell._arguments import as_integer
+from voxshell.comparison_shapes import ConvexDecomposition
+from voxshell.measuring.timing import pinned
+from voxshell.meshes import Mesh, read_mesh
+from voxshell.model import Model
+
+from voxshell_studies.convex_parts import RECIPES, split
+from voxshell_studies.drop import FULL_OPERATION, DropRun, run_drop
+from voxshell_studies.hull_tables import tabulate_hulls
+from voxshell_studies.motion import read_poses, restore, tabulate
+from voxshell_studies.part import Part
+from voxshell_studies.scenes.bunny import ORIENTATIONS_WXYZ, find_bunny
+from voxshell_studies.scenes.drop import (
+    BULLET_MARGIN,
+    METHODS,
+    DropSettings,
+    DropShapes,
+    Method,
+    build_shapes,
+    build_world,
+)
+from voxshell_studies.timing import STAGES, time_poses
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from voxshell_studies.motion import Surface
+    from voxshell_studies.part import Columns, Tables
+
+CURVES = (
+    *("narrow_phase", *STAGES),
+    *("contacts", "depth", "speed", "angular_speed", "lowest"),
+)
+
+
+LEVELS = (1, 2, 3, 4, 5)
+"""Of segments."""
+
+Decomposer = Literal["hacd", "coacd"]
+"""HACD of Bullet's extras, as published, and CoACD, which people use today; see
+:data:`voxshell_studies.convex_parts.RECIPES`."""
+
+_DECOMPOSITION = next(method for method in METHODS if method.key == "decomposition")
+DECOMPOSERS = (
+    Method("hacd", "HACD", "box", _DECOMPOSITION.thesis_ratio),
+    Method("coacd", "CoACD", "box"),
+)
+
+
+@dataclass(frozen=True)
+class BunnyFallSettings(DropSettings):
+    """Settings of the bunny's fall.
+
+    Attributes:
+        mesh: Path of another mesh; the bunny by default.
+        steps: How many, for every method
+        slow_steps: but GImpact on the block, which takes tens of milliseconds a step.
+        orientations: How many of :data:`voxshell_studies.scenes.bunny.ORIENTATIONS_WXYZ`.
+        equal_poses: In how many poses of the fine fall all methods are timed once more.
+        repeats: How often, in turn.
+        decomposers: Further convex decompositions that fall, beside V-HACD's.
+    """
+
+    mesh: str = ""
+    steps: int = 2000
+    slow_steps: int = 2000
+    orientations: int = 3
+    equal_poses: int = 50
+    repeats: int = 3
+    decomposers: tuple[Decomposer, ...] = ("hacd", "coacd")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("steps", "slow_steps"):
+            as_integer(getattr(self, name), name, FULL_OPERATION[1], 1_000_000)
+        for name in ("equal_poses", "repeats"):
+            as_integer(getattr(self, name), name, 1, 10_000)
+        as_integer(self.orientations, "orientations", 1, len(ORIENTATIONS_WXYZ))
+
+
+def plan(settings: BunnyFallSettings) -> list[Part]:
+    """A part for each orientation, all methods in one process; before them, what takes long to split."""
+    here = {"mesh": str(find_mesh(settings)), "size": settings.size}
+    # V-HACD's parts fall in any case: without it the fall says what to install.
+    splits = find_decomposers(settings)
+    if RECIPES["vhacd"].version is not None:
+        splits = ["vhacd", *splits]
+    # With the libraries' versions, so that what was missing is run once it is installed.
+    libraries = {key: RECIPES[key].identity for key in find_decomposers(settings)}
+    return [
+        *(
+            Part(
+                f"split-{key}",
+                split_mesh,
+                {**here, "decomposer": key, "library": RECIPES[key].identity},
+                cost={"vhacd": 9.0, "hacd": 10.0, "coacd": 160.0}[key],
+            )
+            for key in splits
+        ),
+        *(
+            Part(
+                f"orientation-{orientation}",
+                run_methods,
+                {"settings": settings, "orientation": orientation, "libraries": libraries},
+                timed=True,
+                cost=20.0 + 0.05 * (settings.slow_steps + settings.equal_poses * settings.repeats),
+            )
+            for orientation in range(settings.orientations)
+        ),
+    ]
+
+
+def find_decomposers(settings: BunnyFallSettings) -> list[Decomposer]:
+    """Those of the settings that are installed."""
+    return [key for key in settings.decomposers if RECIPES[key].version is not None]
+
+
+def split_mesh(mesh: str, size: float, decomposer: str, library: str) -> Tables:
+    """Leaves the convex parts in the cache, for the timed parts; says how many points each has.
+
+    Args:
+        mesh: Path.
+        size: The mesh is scaled so that its longest side is this, metres.
+        decomposer: What splits it.
+        library: Of which version.
+    """
+    assert library
+    hulls = split(read_scaled(Path(mesh), size), RECIPES[decomposer]).hulls
+    return {"hulls": {"points": np.array([len(hull) for hull in hulls])}}
+
+
+def read_scaled(path: Path, size: float) -> Mesh:
+    """A mesh whose longest side is ``size``, metres."""
+    mesh = read_mesh(path)
+    return Mesh(mesh.vertices * (size / np.ptp(mesh.vertices, axis=0).max()), mesh.faces)
+
+
+def run_methods(
+    settings: BunnyFallSettings, orientation: int, libraries: Mapping[Decomposer, str]
+) -> Tables:
+    """Each method's fall, and all methods in the poses of the fine one.
+
+    Returns:
+        "steps": of every method; "equal_poses": times; "hulls": points of hull and decompositions;
+        "split": what further decompositions took, seconds; "body", "shells" and "segments": the set-up
+        as it was built; "KEY_poses" and "KEY_contacts": the recordings.
+    """
+    shapes = build_all_shapes(settings, find_mesh(settings))
+    made = {key: split(shapes.mesh, RECIPES[key]) for key in libraries}
+    bodies = {
+        key: ConvexDecomposition(parts.hulls, margin=BULLET_MARGIN) for key, parts in made.items()
+    }
+    shapes = replace(shapes, bodies=shapes.bodies | bodies)
+    methods = (*METHODS, *(method for method in DECOMPOSERS if method.key in libraries))
+    rotation = orientation_of(orientation)
+    tables: dict[str, Columns] = {}
+    curves = []
+    with pinned():
+        for method in methods:
+            steps = settings.slow_steps if method.is_slow else settings.steps
+            run = run_drop(shapes, method, settings, steps, rotation=rotation)
+            curves.append(
+                {
+                    "method": np.full(steps, method.key),
+                    "step": np.arange(1, steps + 1),
+                    **{name: getattr(run, name) for name in CURVES},
+                }
+            )
+            for name, columns in tabulate(run.recording).items():
+                tables[f"{method.key}_{name}"] = columns
+        tables["equal_poses"] = _time_equal_poses(settings, shapes, methods, tables)
+    tables["steps"] = {key: np.concatenate([curve[key] for curve in curves]) for key in curves[0]}
+    tables["hulls"] = tabulate_hulls(
+        {
+            key: body.hulls
+            for key, body in shapes.bodies.items()
+            if isinstance(body, ConvexDecomposition)
+        }
+    )
+    tables |= _measure_shapes(shapes)
+    tables["split"] = {
+        "method": np.array(list(made), np.str_),
+        "seconds": np.array([parts.seconds for parts in made.values()]),
+    }
+    return tables
+
+
+def _measure_shapes(shapes: DropShapes) -> dict[str, Columns]:
+    """Sides and moments of inertia of the body, metres and kg m2; points of its shells; their segments."""
+    shells = {key: body.shell for key, body in shapes.bodies.items() if isinstance(body, Model)}
+    tree = shells["vps-fine"].tree
+    return {
+        "body": {
+            "side": np.ptp(shapes.mesh.vertices, axis=0),
+            "moment": np.diag(shapes.mass_properties.inertia),
+        },
+        "shells": {
+            "method": np.array(list(shells)),
+            "points": np.array([len(shell) for shell in shells.values()]),
+        },
+        "segments": {
+            "level": np.array(LEVELS),
+            "segments": np.array([len(np.unique(tree.segments(level))) for level in LEVELS]),
+        },
+    }
+
+
+def orientation_of(number: int) -> np.ndarray:
+    """``world_from_body`` without a place, (4, 4)."""
+    from trimesh.transformations import quaternion_matrix
+
+    return np.array(quaternion_matrix(ORIENTATIONS_WXYZ[number]))
+
+
+def build_all_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
+    """Every method's shapes, built once a process for all experiments with the same drop."""
+    known = {field.name for field in fields(DropSettings)}
+    return _build_shapes(DropSettings(**{name: getattr(settings, name) for name in known}), mesh)
+
+
+@cache
+def _build_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
+    others = tuple(method for method in METHODS if method is not _DECOMPOSITION)
+    shapes = build_shapes(mesh, settings, others)
+    parts = split(shapes.mesh, RECIPES["vhacd"])
+    body = ConvexDecomposition(parts.hulls, margin=BULLET_MARGIN)
+    return replace(shapes, bodies=shapes.bodies | {_DECOMPOSITION.key: body})
+
+
+def find_mesh(settings: BunnyFallSettings) -> Path:
+    """The path of the mesh that falls."""
+    return Path(settings.mesh) if settings.mesh else find_bunny()
+
+
+def methods_of(tables: Tables) -> tuple[Method, ...]:
+    """Those that fell."""
+    present = set(tables["steps"]["method"].tolist())
+    return tuple(method for method in (*METHODS, *DECOMPOSERS) if method.key in present)
+
+
+def _time_equal_poses(
+    settings: BunnyFallSettings,
+    shapes: DropShapes,
+    methods: Sequence[Method],
+    tables: Mapping[str, Columns],
+) -> Columns:
+    fine = {"poses": tables["vps-fine_poses"], "contacts": tables["vps-fine_contacts"]}
+    chosen = np.linspace(*FULL_OPERATION, settings.equal_poses, endpoint=False).astype(int)
+    poses = read_poses(fine, "body")[chosen]
+    rows: dict[str, list[Any]] = {"method": [], "repeat": [], "step": [], "narrow_phase": []}
+    for repeat in range(settings.repeats):
+        for method in methods:
+            world, body = build_world(shapes, method, settings, gravity=0.0)
+            # The first pose warms caches and Bullet's pair up.
+            times = time_poses(world, body, np.concatenate([poses[:1], poses]))["narrow_phase"][1:]
+            rows["method"] += [method.key] * len(poses)
+            rows["repeat"] += [repeat] * len(poses)
+            rows["step"] += chosen.tolist()
+            rows["narrow_phase"] += times.tolist()
+    return {name: np.array(values) for name, values in rows.items()}
+
+
+def read_run(
+    tables: Tables, method: Method, surfaces: Mapping[str, Surface], time_step: float
+) -> DropRun:
+    """A method's fall as it was run, from the tables of an orientation."""
+    steps = tables["steps"]
+    mine = steps["method"] == method.key
+    motion = {name: tables[f"{method.key}_{name}"] for name in ("poses", "contacts")}
+    return DropRun(
+        method=method,
+        recording=restore(motion, surfaces, time_step),
+        **{name: steps[name][mine] for name in CURVES},
+    )

@@ -1,0 +1,23 @@
+"""What the studies add to the command line ``voxshell``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voxshell_studies.cli.reproduce import reproduce
+from voxshell_studies.cli.reproduce_peers import peers
+from voxshell_studies.cli.simulate_drop import drop
+
+if TYPE_CHECKING:
+    from cyclopts import App
+
+reproduce.command(peers)
+
+
+def add_commands(app: App) -> None:
+    """Adds ``reproduce`` and ``simulate drop``; the entry point of the group ``voxshell.commands``."""
+    app.command(reproduce)
+    simulate = app["simulate"]
+    usage = "voxshell simulate drop [OPTIONS] [MESH]"
+    simulate.command(drop, usage=f"Usage: {usage}")
+    simulate.usage = f"{simulate.usage}\n       {usage}"

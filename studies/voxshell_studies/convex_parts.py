@@ -1,0 +1,237 @@
+"""Meshes as convex parts, by the libraries that people use; what takes minutes is kept in the cache."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+import warnings
+from dataclasses import dataclass
+from importlib import import_module, metadata
+from importlib.util import find_spec
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+from zipfile import BadZipFile
+
+import numpy as np
+from voxshell._outputs import make_folder, write_bytes
+from voxshell.cache import CacheWarning, find_folder, read_capacity
+from voxshell.errors import MeshError, MissingExtraError
+from voxshell.meshes import Mesh
+from voxshell.world import BULLET_VERSION
+
+from voxshell_studies.scenes.solids import simplify
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CONCAVITY = 0.05
+"""CoACD's own default of what it leaves, as a share of the mesh's size."""
+
+SEED = 0
+"""Of CoACD's search."""
+
+HULL_VERTICES = 100
+"""At most, of a hull of HACD's and V-HACD's, as in the thesis."""
+
+HACD_CONCAVITY = 100.0
+"""What HACD may leave where the mesh's size is 1000, as in Bullet's own demo."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """A convex decomposition.
+
+    Attributes:
+        hulls: (n, 3) points of each part, metres, body frame.
+        seconds: That it took.
+        version: Of the library.
+    """
+
+    hulls: tuple[NDArray[np.float64], ...]
+    seconds: float
+    version: str
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A way to split a mesh.
+
+    Attributes:
+        label: For people, with the settings that matter.
+        library: The distribution that does it.
+        hulls: HACD: how many at least; V-HACD: how many at most.
+        voxels: V-HACD: of its grid.
+        concavity: CoACD: what it leaves, as a share of the mesh's size.
+        tolerance: HACD: how far its input may be off the mesh, as a share of the mesh's size. It takes a
+            minute for ten thousand triangles, and more than the square of that for more.
+    """
+
+    label: str
+    library: Literal["hacd", "vhacdx", "coacd"]
+    hulls: int = 8
+    voxels: int = 400_000
+    concavity: float = CONCAVITY
+    tolerance: float = 0.005
+
+    @property
+    def version(self) -> str | None:
+        """Of the library; None where it is not installed."""
+        if self.library == "hacd":
+            return f"of Bullet {BULLET_VERSION}" if find_spec(_HACD) is not None else None
+        try:
+            return metadata.version(self.library)
+        except metadata.PackageNotFoundError:
+            return None
+
+    @property
+    def advice(self) -> str:
+        """How to install it."""
+        if self.library == "hacd":
+            return "not built: install libbullet-extras-dev and build voxshell from its sources"
+        return f"not installed: pip install {self.library}"
+
+    @property
+    def identity(self) -> str:
+        """All that the parts of a mesh depend on."""
+        if self.library == "coacd":
+            return f"coacd {self.version} {self.concavity} {SEED}"
+        if self.library == "hacd":
+            return f"hacd {self.version} {self.hulls} {self.tolerance} {HACD_CONCAVITY} {HULL_VERTICES}"
+        return f"vhacdx {self.version} {self.hulls} {self.voxels} {HULL_VERTICES}"
+
+
+_HACD = "voxshell._hacd"
+
+RECIPES = {
+    "hacd": Recipe("HACD, 8 hulls", "hacd"),
+    "vhacd": Recipe("V-HACD, 8 hulls", "vhacdx"),
+    "vhacd-64": Recipe("V-HACD, 64 hulls", "vhacdx", hulls=64, voxels=2_000_000),
+    "coacd": Recipe("CoACD", "coacd"),
+    "coacd-fine": Recipe("CoACD, concavity 0.02", "coacd", concavity=0.02),
+}
+
+
+def split(mesh: Mesh, recipe: Recipe) -> Parts:
+    """The convex parts of a mesh, from the cache if they are there.
+
+    Args:
+        mesh: Closed.
+        recipe: How.
+
+    Raises:
+        MissingExtraError: The library is not installed.
+        MeshError: It finds no part.
+    """
+    path = find_place(mesh, recipe.identity)
+    if path is not None and (kept := load_parts(path)) is not None:
+        return kept
+    made = make_parts(mesh, recipe)
+    if path is not None:
+        keep_parts(path, made)
+    return made
+
+
+def make_parts(mesh: Mesh, recipe: Recipe) -> Parts:
+    """The convex parts of a mesh, whether or not they are kept; see :func:`split`."""
+    start = time.perf_counter()
+    # HACD also finds flat parts, which collide with nothing.
+    found = _SPLITTERS[recipe.library](mesh, recipe)
+    hulls = tuple(points for points in found if _encloses_volume(points))
+    if not hulls:
+        raise MeshError(f"{recipe.label} found no convex part in the mesh")
+    return Parts(hulls, time.perf_counter() - start, recipe.version or "")
+
+
+def _encloses_volume(points: NDArray[np.float64]) -> bool:
+    if len(points) < 4:
+        return False
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[2] > 1e-6 * spread[0])
+
+
+def _run_hacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
+    hacd = _load(_HACD, recipe)
+    simple = simplify(mesh, recipe.tolerance * float(np.ptp(mesh.vertices, axis=0).max()))
+    return tuple(
+        hacd.decompose(
+            simple.vertices,
+            simple.faces,
+            clusters=recipe.hulls,
+            hull_vertices=HULL_VERTICES,
+            concavity=HACD_CONCAVITY,
+        )
+    )
+
+
+def _run_vhacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
+    vhacdx = _load("vhacdx", recipe)
+    parts = vhacdx.compute_vhacd(
+        mesh.vertices,
+        np.column_stack([np.full(len(mesh.faces), 3, np.uint32), mesh.faces]).ravel(),
+        maxConvexHulls=recipe.hulls,
+        resolution=recipe.voxels,
+        maxNumVerticesPerCH=HULL_VERTICES,
+    )
+    return tuple(np.asarray(points, np.float64) for points, _ in parts)
+
+
+def _run_coacd(mesh: Mesh, recipe: Recipe) -> tuple[NDArray[np.float64], ...]:
+    coacd = _load("coacd", recipe)
+    coacd.set_log_level("error")
+    parts = coacd.run_coacd(
+        coacd.Mesh(mesh.vertices, mesh.faces), threshold=recipe.concavity, seed=SEED
+    )
+    return tuple(np.asarray(points, np.float64) for points, _ in parts)
+
+
+_SPLITTERS = {"hacd": _run_hacd, "vhacdx": _run_vhacd, "coacd": _run_coacd}
+
+
+def _load(module: str, recipe: Recipe) -> Any:
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise MissingExtraError(f"{recipe.label} is {recipe.advice}") from error
+
+
+def find_place(mesh: Mesh, identity: str) -> Path | None:
+    """Where the parts of a mesh are kept, by content; None where nothing is to be kept."""
+    models = find_folder(os.environ)
+    if models is None or read_capacity(os.environ) == 0:
+        return None
+    digest = hashlib.sha256(f"{identity};".encode())
+    for array in mesh:
+        digest.update(f"{array.dtype.str}{array.shape};".encode())
+        digest.update(np.ascontiguousarray(array).data)
+    return models.parent / "parts" / f"{digest.hexdigest()}.npz"
+
+
+def load_parts(path: Path) -> Parts | None:
+    """None where there are none, or none that can be read."""
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            hulls = tuple(np.split(arrays["points"], arrays["ends"][:-1]))
+            return Parts(hulls, float(arrays["seconds"]), str(arrays["version"]))
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        return None
+
+
+def keep_parts(path: Path, parts: Parts) -> None:
+    """Keeps parts where :func:`load_parts` finds them; warns where the system does not let it."""
+    content = BytesIO()
+    np.savez_compressed(
+        content,
+        points=np.concatenate(parts.hulls),
+        ends=np.cumsum([len(hull) for hull in parts.hulls]),
+        seconds=parts.seconds,
+        version=parts.version,
+    )
+    try:
+        make_folder(path.parent)
+        write_bytes(path, content.getbuffer())
+    except OSError as error:
+        warnings.warn(
+            f"convex parts are not kept for the next run: {error}", CacheWarning, stacklevel=2
+        )

@@ -1,0 +1,182 @@
+"""Whether everyday scenes do what mechanics says, at default settings.
+
+Scenes, truths and bars are those of :mod:`voxshell_studies.scenes.everyday`. Every scene runs with models, with
+Bullet's own shapes in the same world, and in MuJoCo where that is installed, at each rate and in several
+placements.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from voxshell._arguments import as_integer, as_positive
+from voxshell.accuracy import AccuracyWarning
+from voxshell.errors import SettingsError
+
+from voxshell_studies.everyday_runs import is_installed, record_stage, run_stage
+from voxshell_studies.part import Part
+from voxshell_studies.scenes.everyday import SCENES
+from voxshell_studies.scenes.everyday.scene import ENGINES
+
+if TYPE_CHECKING:
+    from voxshell_studies.part import Tables
+    from voxshell_studies.scenes.everyday.scene import Engine, EverydayScene
+
+_SECONDS_A_STEP = {"voxshell": 3e-4, "bullet": 1e-4, "mujoco": 1.5e-4}
+"""About what a step takes; only tells how far a run is."""
+
+_HEAVY = 50.0
+"""How much longer a step of a heavy scene takes with models."""
+
+
+@dataclass(frozen=True)
+class EverydaySettings:
+    """Settings of the study.
+
+    Attributes:
+        scenes: Names of scenes; empty for all.
+        placements: Headings or places of each scene, at most.
+        heavy_placements: Of scenes whose steps take milliseconds, at most.
+        longest: Seconds that a scene lasts at most, unless its truth needs longer; those that wait for a
+            creep last a minute.
+        rates: Steps a second, of those of each scene; empty for all of them.
+        heavy_rates: The same of scenes whose steps take milliseconds.
+        engines: Which run, of "voxshell", "bullet", "mujoco".
+        shown_rate: Steps a second of what is recorded.
+    """
+
+    scenes: tuple[str, ...] = ()
+    placements: int = 20
+    heavy_placements: int = 3
+    longest: float = 60.0
+    rates: tuple[float, ...] = ()
+    heavy_rates: tuple[float, ...] = ()
+    engines: tuple[str, ...] = ENGINES
+    shown_rate: float = 200.0
+
+    def __post_init__(self) -> None:
+        for name in ("placements", "heavy_placements"):
+            as_integer(getattr(self, name), name, 1, 1_000)
+        for name in ("longest", "shown_rate"):
+            as_positive(getattr(self, name), name)
+        for name in ("rates", "heavy_rates"):
+            for rate in getattr(self, name):
+                as_positive(rate, name)
+        for name in self.scenes:
+            if name not in SCENES:
+                raise SettingsError(f"scenes: unknown scene {name!r}")
+        for name in self.engines:
+            if name not in ENGINES:
+                raise SettingsError(
+                    f"engines: unknown engine {name!r}; valid engines: {', '.join(ENGINES)}"
+                )
+
+    @property
+    def chosen(self) -> tuple[EverydayScene, ...]:
+        """The scenes that are run."""
+        return tuple(SCENES[name] for name in self.scenes or SCENES)
+
+    def rates_of(self, scene: EverydayScene) -> tuple[float, ...]:
+        """Steps a second at which a scene is run."""
+        wanted = self.rates or scene.rates
+        if scene.heavy and self.heavy_rates:
+            wanted = tuple(rate for rate in wanted if rate in self.heavy_rates)
+        return tuple(rate for rate in scene.rates if rate in wanted)
+
+    def engines_of(self, scene: EverydayScene) -> tuple[Engine, ...]:
+        """Engines that can represent a scene and are wanted, installed or not."""
+        return tuple(engine for engine in scene.engines if engine in self.engines)
+
+    def seconds_of(self, scene: EverydayScene) -> float:
+        """How long a scene lasts."""
+        return min(scene.seconds, max(self.longest, scene.needs))
+
+    def placements_of(self, scene: EverydayScene) -> int:
+        """In how many placements a scene is run."""
+        most = min(self.placements, scene.most)
+        return min(most, self.heavy_placements) if scene.heavy else most
+
+
+def plan(settings: EverydaySettings) -> list[Part]:
+    """A part for each scene and engine that is installed, and one for each scene that is shown."""
+    installed = [engine for engine in ENGINES if is_installed(engine)]
+    parts = []
+    for scene in settings.chosen:
+        for engine in settings.engines_of(scene):
+            if engine in installed:
+                parts.append(
+                    Part(
+                        name_part(scene.name, engine),
+                        measure_scene,
+                        {"settings": settings, "name": scene.name, "engine": engine},
+                        cost=_estimate(settings, scene, engine),
+                    )
+                )
+        if scene.shown and "voxshell" in settings.engines_of(scene):
+            parts.append(
+                Part(
+                    name_part(scene.name, "shown"),
+                    record_scene,
+                    {"settings": settings, "name": scene.name},
+                    cost=1.0,
+                )
+            )
+    return parts
+
+
+def _estimate(settings: EverydaySettings, scene: EverydayScene, engine: Engine) -> float:
+    """Seconds, about."""
+    steps = settings.seconds_of(scene) * sum(settings.rates_of(scene))
+    slowness = _HEAVY if scene.heavy and engine == "voxshell" else 1.0
+    return 0.5 + steps * settings.placements_of(scene) * _SECONDS_A_STEP[engine] * slowness
+
+
+def name_part(scene: str, engine: str) -> str:
+    """The name of a part.
+
+    Example:
+        >>> name_part("cube stops, plane", "bullet")
+        'cube-stops-plane-bullet'
+    """
+    return re.sub(r"[^a-z0-9]+", "-", scene.lower()).strip("-") + f"-{engine}"
+
+
+def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tables:
+    """Runs a scene at its rates in its placements.
+
+    Returns:
+        "runs", a row a rate, placement and measure (its number in the scene): value and truth, before
+        :attr:`Measure.scale`, and the error as the measure's bar is meant; infinite where there is no
+        value.
+    """
+    scene = SCENES[name]
+    rows = []
+    for placement in range(settings.placements_of(scene)):
+        stage = scene.stage(placement)
+        for rate in settings.rates_of(scene):
+            with warnings.catch_warnings():
+                # What a pair may miss is another study's question.
+                warnings.simplefilter("ignore", AccuracyWarning)
+                track = run_stage(
+                    stage, engine, rate, settings.seconds_of(scene), smooth=scene.smooth
+                )
+            for number, measure in enumerate(scene.measures):
+                value, truth = measure.value(track), measure.truth(track)
+                rows.append((rate, placement, number, value, truth, measure.error(value, truth)))
+    names = ("rate", "placement", "measure", "value", "truth", "error")
+    values = np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    return {"runs": dict(zip(names, values.T.copy(), strict=True))}
+
+
+def record_scene(settings: EverydaySettings, name: str) -> Tables:
+    """The first placement with models: "poses", "contacts", and "frames" with seconds between frames."""
+    scene = SCENES[name]
+    rates = settings.rates_of(scene)
+    rate = min(rates, key=lambda each: abs(math.log(each / settings.shown_rate)))
+    seconds = min(settings.seconds_of(scene), 1.0 if scene.heavy else 4.0)
+    return record_stage(scene.stage(0), rate, seconds)

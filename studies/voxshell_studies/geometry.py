@@ -1,0 +1,407 @@
+"""How right the geometry of contacts is at default settings, against the meshes themselves.
+
+Each scene of :mod:`voxshell_studies.scenes.geometry` brings one body nearer to another along a direction. The
+first touch of the meshes is known exactly (:mod:`voxshell_studies.first_touch`), and with it yes,
+no and depth of every pose on the way. Normals and places are judged by the nearest faces
+(:mod:`voxshell_studies.surface_truth`).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from voxshell._arguments import as_integer
+from voxshell.errors import SettingsError
+from voxshell.queries import collide, contacts, distance
+
+from voxshell_studies.first_touch import find_first_touch
+from voxshell_studies.geometry_contacts import JUDGED, judge_contacts, measure_contacts
+from voxshell_studies.geometry_costs import compare_costs, time_builds
+from voxshell_studies.geometry_models import (
+    ORDERS,
+    RETRIANGULATED,
+    Pair,
+    build_copy,
+    measure_reach,
+    move,
+    overlap,
+)
+from voxshell_studies.geometry_pairs import measure_pair
+from voxshell_studies.part import Part, as_columns
+from voxshell_studies.scenes.geometry import (
+    BUILT,
+    COINCIDENT,
+    PAIRS,
+    SCENES,
+    THIN,
+    GeometryScene,
+    random_rotation,
+)
+from voxshell_studies.scenes.geometry_bodies import make_body
+from voxshell_studies.scenes.solids import as_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from voxshell.contact_set import Contacts
+
+    from voxshell_studies.part import Tables
+
+_NEAREST_STEP = 1e-6
+"""Metres from the first touch to the nearest offset at which ``collide`` is asked."""
+
+_SCANNED = 48
+"""Offsets on each side of the first touch at which it is asked."""
+
+_FACES = 3
+"""Largest faces of an overlap along whose normals a shorter way out is looked for."""
+
+_REACH_PLACES = 300
+"""Of the surface of an overlap at which its depth is measured."""
+
+_EXACT = 1e-7
+"""Metres to which the first yes is bracketed."""
+
+
+@dataclass(frozen=True)
+class GeometrySettings:
+    """Settings of the study.
+
+    Attributes:
+        scenes: Names of scenes; empty for all.
+        poses: Of each scene.
+        rotations: Copies of each scene whose meshes are rotated before they are built.
+        retriangulated: Copies with other triangles on the same surfaces: 1 or 0.
+        copied_poses: Of each copy.
+        judged: Contacts of a query whose normals and places are judged, at most.
+        judged_pairs: Poses in which thin bodies meet each of two others, for the same; 0 for none.
+        pairs: How many pairs of mixed size, in any pose, the first of the list.
+        pair_poses: Of all pairs together.
+        optimized: Poses that are tried to make each of the three worst ones of a pair worse.
+        builds: How many bodies' builds are timed, the first of the list.
+        compared_poses: Of a body on itself, in which queries of a model to a tolerance and of a uniform
+            one are timed; 0 leaves that out.
+        compared_resolution: Voxels of that uniform model along its longest side.
+        seed: Of poses and rotations.
+    """
+
+    scenes: tuple[str, ...] = ()
+    poses: int = 6
+    rotations: int = 10
+    retriangulated: int = 1
+    copied_poses: int = 2
+    judged: int = 24
+    judged_pairs: int = 40
+    pairs: int = len(PAIRS)
+    pair_poses: int = 10_000
+    optimized: int = 60
+    builds: int = len(BUILT)
+    compared_poses: int = 300
+    compared_resolution: int = 300
+    seed: int = 18
+
+    def __post_init__(self) -> None:
+        for name, least, most in (
+            ("poses", 1, 1_000_000),
+            ("rotations", 0, 1_000),
+            ("retriangulated", 0, 1),
+            ("copied_poses", 1, 1_000_000),
+            ("judged", 1, 1_000_000),
+            ("judged_pairs", 0, 1_000_000),
+            ("pairs", 0, len(PAIRS)),
+            ("pair_poses", 1, 100_000_000),
+            ("optimized", 0, 1_000_000),
+            ("builds", 0, len(BUILT)),
+            ("compared_poses", 0, 1_000_000),
+            ("compared_resolution", 10, 1_000),
+            ("seed", 0, 2**31 - 1),
+        ):
+            as_integer(getattr(self, name), name, least, most)
+        for name in self.scenes:
+            if name not in SCENES:
+                raise SettingsError(f"scenes: unknown scene {name!r}")
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Names of the scenes that are run."""
+        return self.scenes or tuple(SCENES)
+
+
+def plan(settings: GeometrySettings) -> list[Part]:
+    """A part a scene, a pair and a thin body, one for bodies in one pose, and two of costs, which are timed."""
+    cost = 1.0 + 0.3 * settings.poses + settings.rotations + settings.retriangulated
+    parts = [
+        Part(name_scene(name), measure_scene, {"settings": settings, "name": name}, cost=cost)
+        for name in settings.chosen
+    ]
+    parts += [
+        Part(
+            name_pair(index),
+            measure_pair,
+            {"settings": settings, "index": index},
+            cost=1.0 + 0.002 * settings.pair_poses / max(settings.pairs, 1),
+        )
+        for index in range(settings.pairs)
+    ]
+    if settings.judged_pairs > 0:
+        parts += [
+            Part(
+                name_contacts(body),
+                measure_contacts,
+                {"settings": settings, "body": body},
+                cost=5.0,
+            )
+            for body in THIN
+        ]
+    parts.append(Part("coincident", measure_coincident, {"settings": settings}, cost=2.0))
+    for name, function, cost in (
+        ("builds", time_builds, 1.5 * settings.builds),
+        ("costs", compare_costs, 100.0 * (settings.compared_poses > 0)),
+    ):
+        if cost > 0.0:
+            parts.append(Part(name, function, {"settings": settings}, timed=True, cost=cost))
+    return parts
+
+
+def name_scene(name: str) -> str:
+    """The name of a scene's part.
+
+    Example:
+        >>> name_scene("ball on slab 0.3 m")
+        'scene-ball-on-slab-0-3-m'
+    """
+    return "scene-" + re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
+
+
+def name_pair(index: int) -> str:
+    """The name of a pair's part."""
+    return f"pair-{index + 1}"
+
+
+def name_contacts(body: str) -> str:
+    """The name of the part in which a thin body's contacts are judged."""
+    return "contacts-" + body.replace(" ", "-")
+
+
+# ---- scenes --------------------------------------------------------------------------------------
+
+
+def measure_scene(settings: GeometrySettings, name: str) -> Tables:
+    """Measures a scene in all its poses and copies, in both orders of the bodies.
+
+    Args:
+        settings: Of the study.
+        name: Of the scene.
+
+    Returns:
+        "approaches", a row a pose, copy and order: "onset", how far beyond the true first touch, along the
+        approach, ``collide`` first says yes (infinite: never), and "unseen", how far beyond it the last
+        overlap is to which it says no, metres; "slope", by which both become lengths of the shortest
+        separating translation, as an approach may graze. "depths", a row a depth along the approach as well: the
+        true depth ("way_out", the shortest separating translation, and "reach", how deep either surface
+        is in the other body at least, which is less where edges cross), whether ``collide`` says yes so deep
+        and so far apart (-1: not asked), how many contacts there are, the deepest of them, and what
+        ``distance`` says so deep and so far apart, metres. "contacts", a row for each that is
+        judged: the angle of its normal, radians, how far its places are off their bodies, metres, and
+        whether it says that its depth is ambiguous.
+    """
+    scene = SCENES[name]
+    touches = [_touch(scene, index) for index in range(settings.poses)]
+    tables: dict[str, list[tuple[float, ...]]] = {"approaches": [], "depths": [], "contacts": []}
+    truths = [
+        [_measure_depth(scene, index, touch, depth) for depth in scene.looked_at]
+        for index, touch in enumerate(touches)
+    ]
+    slopes = [_measure_slope(scene, index, touch) for index, touch in enumerate(touches)]
+    copies = [0] + [RETRIANGULATED] * settings.retriangulated
+    copies += range(1, settings.rotations + 1)
+    for copy in copies:
+        pair = Pair(scene.a, scene.b, copy)
+        poses = settings.poses if copy == 0 else min(settings.copied_poses, settings.poses)
+        for index in range(poses):
+            pose, touch = scene.place(index), touches[index]
+            if not np.isfinite(touch):
+                continue
+            for order in ORDERS:
+                key = (copy, index, order)
+                tables["approaches"].append(
+                    (*key, touch, slopes[index], *_approach(scene, pair, pose, touch, order))
+                )
+                for depth, truth in zip(scene.looked_at, truths[index], strict=True):
+                    row, judged = _look(settings, scene, pair, pose, touch, depth, order)
+                    tables["depths"].append((*key, depth, *truth, *row))
+                    tables["contacts"] += [(*key, depth, *each) for each in judged]
+    key = ("copy", "pose", "order")
+    names = {
+        "approaches": (*key, "touch", "slope", "onset", "unseen"),
+        "depths": (
+            *key,
+            "depth",
+            "way_out",
+            "reach",
+            "yes",
+            "apart_yes",
+            "count",
+            "deepest",
+            "distance",
+            "gap",
+        ),
+        "contacts": (*key, "depth", *JUDGED),
+    }
+    return {table: as_columns(names[table], rows) for table, rows in tables.items()}
+
+
+def _touch(scene: GeometryScene, index: int) -> float:
+    return find_first_touch(
+        make_body(scene.a),
+        make_body(scene.b),
+        scene.place(index),
+        scene.direction,
+        from_here=scene.start == "here",
+    )
+
+
+def _measure_depth(
+    scene: GeometryScene, index: int, touch: float, depth: float
+) -> tuple[float, float]:
+    """The shortest separating translation, and how deep a surface reaches into the other body, metres.
+
+    Only of bodies at rest: else both are the way back. NaN where the bodies never touch.
+    """
+    if not np.isfinite(touch):
+        return np.nan, np.nan
+    if scene.group != "rest":
+        return depth, depth
+    pose = move(scene.place(index), scene.direction, touch + depth)
+    return (
+        _find_way_out(scene, index, touch, depth),
+        max(measure_reach(scene.a, scene.b, pose, _REACH_PLACES)),
+    )
+
+
+def _measure_slope(scene: GeometryScene, index: int, touch: float) -> float:
+    """The shortest separating translation over the way along the approach, just beyond the touch."""
+    if not np.isfinite(touch):
+        return np.nan
+    depth = min(0.25 * scene.onset_bar, 0.1 * scene.reach)
+    return _find_way_out(scene, index, touch, depth) / depth
+
+
+def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
+    """The length of the shortest separating translation that is found, metres: at least the shortest.
+
+    Tried are the way back, and the normals of the largest faces of what the bodies have in common, which
+    are faces of theirs.
+    """
+    pose = move(scene.place(index), scene.direction, touch + depth)
+    common = overlap(scene.a, scene.b, pose)
+    if common.is_empty():
+        return depth
+    mesh = as_mesh(common)
+    corners = mesh.vertices[mesh.faces]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(areas, axis=1)
+    sound = sizes > 1e-18
+    normals, which = np.unique(
+        (areas[sound] / sizes[sound, None]).round(6), axis=0, return_inverse=True
+    )
+    shares = np.bincount(which.ravel(), sizes[sound])
+    lengths = [depth]
+    for normal in normals[np.argsort(-shares, kind="stable")[:_FACES]]:
+        into = normal / np.linalg.norm(normal)
+        into *= 1.0 if into @ scene.direction > 0.0 else -1.0
+        # Moved out and come back along the normal, the bodies touch before they are in this pose.
+        lengths.append(-find_first_touch(make_body(scene.a), make_body(scene.b), pose, into))
+    return min(length for length in lengths if np.isfinite(length) and length >= 0.0)
+
+
+def _approach(
+    scene: GeometryScene, pair: Pair, pose: NDArray[np.float64], touch: float, order: int
+) -> tuple[float, float]:
+    """The offset of the first yes on the way, and of the last no, from the first touch, metres."""
+
+    def says(offset: float) -> bool:
+        return pair.ask(collide, move(pose, scene.direction, touch + offset), order)
+
+    far = 0.25 * scene.size
+    if scene.start == "here":
+        far = min(far, touch)
+    before = -np.geomspace(max(far, 2.0 * _NEAREST_STEP), _NEAREST_STEP, _SCANNED)
+    after = np.geomspace(_NEAREST_STEP, scene.reach, _SCANNED)
+    even = np.linspace(0.0, scene.reach, _SCANNED + 1)[1:]
+    offsets = np.unique(np.concatenate([before, [0.0], after, even]))
+    said = np.array([says(float(offset)) for offset in offsets])
+    onset, unseen = np.inf, 0.0
+    if said.any():
+        first = int(np.argmax(said))
+        onset = float(offsets[first])
+        if first > 0:
+            low, high = float(offsets[first - 1]), onset
+            while high - low > _EXACT:
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if says(middle) else (middle, high)
+            onset = high
+    missed = offsets[~said & (offsets > 0.0)][::-1]
+    for offset in missed:
+        # Far beyond the first touch a body may have come out on the other side.
+        common = overlap(scene.a, scene.b, move(pose, scene.direction, touch + float(offset)))
+        if not common.is_empty():
+            unseen = float(offset)
+            break
+    return onset, max(unseen, onset if np.isfinite(onset) else 0.0)
+
+
+def _look(
+    settings: GeometrySettings,
+    scene: GeometryScene,
+    pair: Pair,
+    pose: NDArray[np.float64],
+    touch: float,
+    depth: float,
+    order: int,
+) -> tuple[tuple[float, ...], list[tuple[float, ...]]]:
+    """What the queries say at a depth, and so far apart; and the contacts that are judged."""
+    inside = move(pose, scene.direction, touch + depth)
+    apart = move(pose, scene.direction, touch - depth)
+    has_room = scene.start == "far" or touch > depth
+    found: Contacts = pair.ask(contacts, inside, order)
+    row = (
+        float(pair.ask(collide, inside, order)),
+        float(pair.ask(collide, apart, order)) if has_room else -1.0,
+        float(len(found)),
+        float(found.depths.max(initial=-np.inf)),
+        pair.ask(distance, inside, order).distance,
+        pair.ask(distance, apart, order).distance if has_room else np.nan,
+    )
+    return row, judge_contacts(pair, inside, found, order, settings.judged)
+
+
+# ---- bodies in the very same pose ----------------------------------------------------------------
+
+
+def measure_coincident(settings: GeometrySettings) -> Tables:
+    """Asks about bodies in one pose with their copies.
+
+    Returns:
+        "bodies", a row a body of ``COINCIDENT``: whether ``collide`` says yes, how many contacts there
+        are, how deep the deepest is, and what ``distance`` says, metres.
+    """
+    rows = []
+    rng = np.random.default_rng(settings.seed)
+    for body in COINCIDENT:
+        pair = Pair(body, body)
+        pose = np.eye(4)
+        pose[:3, :3] = random_rotation(rng)
+        model = build_copy(body, 0).model
+        found = contacts(model, model, pose, pose)
+        rows.append(
+            (
+                float(collide(model, model, pose, pose)),
+                float(len(found)),
+                float(found.depths.max(initial=-np.inf)),
+                pair.ask(distance, np.eye(4), 0).distance,
+            )
+        )
+    return {"bodies": as_columns(("yes", "count", "deepest", "distance"), rows)}

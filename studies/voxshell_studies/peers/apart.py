@@ -1,0 +1,131 @@
+"""Work in a process of its own, which may crash or hang without ending what asked for it."""
+
+from __future__ import annotations
+
+import faulthandler
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from voxshell.errors import MissingExtraError
+
+from voxshell_studies.peers.measure import describe
+from voxshell_studies.workers import begin_worker, starting_workers
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from multiprocessing.connection import Connection
+    from pathlib import Path
+
+_GRACE = 5.0
+"""Seconds that a process has to end by itself after its last word."""
+
+_LAST_WORDS = 200
+"""Characters of a log that say why a process ended."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How work ended.
+
+    Attributes:
+        how: "done"; "missing": a library is not installed; "failed": it raised or its process ended;
+            "timed out".
+        reason: Why it is not done.
+    """
+
+    how: Literal["done", "missing", "failed", "timed out"]
+    reason: str = ""
+
+
+def run_apart(
+    work: Callable[..., Iterator[object]],
+    arguments: dict[str, Any],
+    receive: Callable[[Any], object],
+    *,
+    limit: float,
+    log: Path,
+) -> Ending:
+    """Runs a generator in a fresh process and hands over what it yields, as soon as it does.
+
+    Args:
+        work: A generator function at a module's top level.
+        arguments: Its keyword arguments, which can be pickled.
+        receive: Called with each thing that it yields.
+        limit: Seconds after which the process is killed.
+        log: Takes what the process and its libraries print; its folder is where the process runs.
+    """
+    # Forking would hand over whatever the parent has loaded.
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(
+        target=_run, args=(work, arguments, sender, log.absolute()), daemon=True, name="peer"
+    )
+    end = time.monotonic() + limit
+    try:
+        with starting_workers():
+            process.start()
+        sender.close()
+        while (remaining := end - time.monotonic()) > 0.0:
+            if not receiver.poll(min(remaining, 1.0)):
+                continue
+            try:
+                message = receiver.recv()
+            except EOFError:
+                process.join()
+                return Ending("failed", _describe_exit(process.exitcode, log))
+            if isinstance(message, Ending):
+                process.join(_GRACE)
+                return message
+            receive(message)
+        return Ending("timed out", f"killed after {limit:g} s")
+    finally:
+        # Also work that has told its ending, but hangs in a library's clean-up.
+        if process.pid is not None:
+            process.kill()
+            process.join()
+        receiver.close()
+
+
+def _run(
+    work: Callable[..., Iterator[object]],
+    arguments: dict[str, Any],
+    sender: Connection,
+    log: Path,
+) -> None:
+    begin_worker()
+    try:
+        # Libraries write to the descriptors, past Python's streams.
+        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        os.dup2(descriptor, 1)
+        os.dup2(descriptor, 2)
+        faulthandler.enable(sys.stderr)
+        # Some libraries leave files wherever they run.
+        os.chdir(log.parent)
+        for message in work(**arguments):
+            sender.send(message)
+        sender.send(Ending("done"))
+    except MissingExtraError as error:
+        sender.send(Ending("missing", str(error)))
+    except Exception as error:
+        sender.send(Ending("failed", describe(error)))
+
+
+def _describe_exit(code: int | None, log: Path) -> str:
+    """What ended a process that did not say so itself."""
+    if code is not None and code < 0:
+        how = f"crashed with {signal.Signals(-code).name}"
+    else:
+        how = f"its process ended with code {code}"
+    try:
+        lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    except OSError:
+        lines = []
+    # Of a crash, faulthandler's first line is the reason and the rest the stack.
+    words = [line for line in lines if line.startswith("Fatal") or line.startswith("terminate")]
+    last = (words or lines[-1:] or [""])[0].strip()[:_LAST_WORDS]
+    return f"{how} ({last})" if last else how

@@ -1,0 +1,394 @@
+"""The comparison written down: data as JSON and CSV, tables as Markdown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from voxshell._outputs import make_folder, write_text
+from voxshell.measuring.files import write_csv, write_json
+from voxshell.measuring.units import format_time
+
+from voxshell_studies.part import plain
+from voxshell_studies.peers.cases import (
+    BOX_HALF_EXTENTS,
+    DROP_HEIGHT,
+    LENGTH,
+    POSES,
+    SHIFT,
+    TURN,
+)
+from voxshell_studies.peers.measure import REST_SPEED, REST_SPIN, SUNK
+from voxshell_studies.peers.roster import REFERENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from voxshell_studies.peers.comparison import Comparison
+    from voxshell_studies.peers.protocol import Case, CaseResult, DropResult, PeerResult
+
+GROUNDS = ("plane", "box")
+
+
+def write_results(out: Path, comparison: Comparison, command: str) -> None:
+    """Writes ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
+    make_folder(out)
+    write_json(out / "peers.json", describe(comparison) | {"command": command})
+    _write_csv(out / "cases.csv", list_cases(comparison))
+    _write_csv(out / "drops.csv", list_drops(comparison))
+    write_text(out / "peers.md", write_markdown(comparison, command))
+
+
+def describe(comparison: Comparison) -> dict[str, object]:
+    """Everything, ready for JSON. Seconds, metres, m/s, rad/s."""
+    return {
+        "experiment": "peers",
+        "units": "seconds, metres, m/s, rad/s",
+        "settings": plain(comparison.settings),
+        "environment": comparison.environment,
+        "truth_problem": comparison.truth_problem,
+        "cases": [
+            {
+                "key": case.key,
+                "label": case.label,
+                "other": case.other,
+                "depth": comparison.true_depth(case),
+                "pose": case.poses[0].tolist(),
+                "other_pose": case.other_pose.tolist(),
+                "truth": asdict(comparison.truths[case.key])
+                if case.key in comparison.truths
+                else None,
+            }
+            for case in comparison.cases
+        ],
+        "peers": [asdict(peer) for peer in comparison.peers],
+        "results": list_cases(comparison),
+    }
+
+
+def list_cases(comparison: Comparison) -> list[dict[str, object]]:
+    """A row a peer and case: times, their ratio to ours, contacts, depth and its error."""
+    rows = []
+    for peer in comparison.peers:
+        for case in comparison.cases:
+            result = find_case(peer, case)
+            if result is None:
+                continue
+            depth = result.depth
+            rows.append(
+                {
+                    "peer": peer.key,
+                    "case": case.key,
+                    "median": result.median,
+                    "p99": result.p99,
+                    "least": result.least,
+                    "ratio": compute_ratio(comparison, case, result),
+                    "queries": result.queries,
+                    "contacts": result.contacts,
+                    "depth": depth,
+                    "true_depth": comparison.true_depth(case),
+                    "depth_error": None if depth is None else depth - comparison.true_depth(case),
+                    "problem": result.problem,
+                }
+            )
+    return rows
+
+
+def list_drops(comparison: Comparison) -> list[dict[str, object]]:
+    """A row a peer, ground and rate."""
+    return [{"peer": peer.key, **asdict(drop)} for peer in comparison.peers for drop in peer.drops]
+
+
+def find_case(peer: PeerResult, case: Case) -> CaseResult | None:
+    """What the peer did there; None where it was not asked."""
+    return next((result for result in peer.cases if result.case == case.key), None)
+
+
+def find_drop(peer: PeerResult, ground: str, rate: float) -> DropResult | None:
+    """What the peer did there; None where it did not drop."""
+    return next((d for d in peer.drops if (d.other, d.rate) == (ground, rate)), None)
+
+
+def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> float:
+    """Least time as a multiple of that of voxshell's contacts on voxels; NaN without it."""
+    ours = next((peer for peer in comparison.peers if peer.key == REFERENCE), None)
+    reference = None if ours is None else find_case(ours, case)
+    return math.nan if reference is None else result.least / reference.least
+
+
+# ---- cells ---------------------------------------------------------------------------------------
+
+
+def format_times(
+    comparison: Comparison, peer: PeerResult, case: Case, *, with_p99: bool = False
+) -> str:
+    """Median, perhaps p99, and the least as a multiple of ours: "16.1 µs 1.0x"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return "error"
+    ratio = compute_ratio(comparison, case, result)
+    times = format_time(result.median) + (f" / {format_time(result.p99)}" if with_p99 else "")
+    return times + (f" {format_ratio(ratio)}" if math.isfinite(ratio) else "")
+
+
+def format_ratio(ratio: float) -> str:
+    """Two digits that matter, or none; how many times slower, or faster.
+
+    Example:
+        >>> [format_ratio(ratio) for ratio in (0.0754, 0.5, 1.0, 12.3, 1234.0)]
+        ['1/13', '1/2.0', '1.0x', '12x', '1234x']
+    """
+    number = ratio if ratio >= 0.95 else 1.0 / ratio
+    digits = 1 if number < 9.95 else 0
+    return f"{number:.{digits}f}x" if ratio >= 0.95 else f"1/{number:.{digits}f}"
+
+
+def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
+    """Contacts, deepest depth and how far that is off: "94: 0.98 (-0.02)"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return result.problem[:60]
+    if result.contacts == 0:
+        return "0: no contact"
+    if result.depth is None:
+        return f"{result.contacts}: none given"
+    error = 1e3 * (result.depth - comparison.true_depth(case))
+    # Not "-0.00".
+    return f"{result.contacts}: {1e3 * result.depth:.2f} ({round(error, 2) + 0.0:+.2f})"
+
+
+def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
+    """Contacts and how far the deepest depth is off, millimetres: "94 -0.02"."""
+    result = find_case(peer, case)
+    if result is None:
+        return "-"
+    if result.problem:
+        return "error"
+    if result.contacts == 0 or result.depth is None:
+        return f"{result.contacts} -"
+    error = 1e3 * (result.depth - comparison.true_depth(case))
+    return f"{result.contacts} {round(error, 2) + 0.0:+.2f}"
+
+
+def format_drop(drop: DropResult | None) -> str:
+    """How it ended, and the height of the lowest vertex, millimetres: "rests -0.10"."""
+    if drop is None:
+        return "-"
+    if drop.problem:
+        return "error"
+    if drop.outcome in ("through", "off", "unstable"):
+        return drop.outcome
+    return f"{drop.outcome} {round(1e3 * drop.rest_height, 1) + 0.0:+.1f}"
+
+
+def format_preparation(peer: PeerResult) -> str:
+    """Seconds, with those of the decomposition: "247 + 0.2"."""
+    if not math.isfinite(peer.preparation):
+        return "-"
+    parts = peer.settings.get("decomposition_seconds")
+    before = f"{parts:.0f} + " if isinstance(parts, float) else ""
+    return f"{before}{peer.preparation:.1f}"
+
+
+def describe_truth(comparison: Comparison) -> str:
+    """Where the true depths are from."""
+    if comparison.truth_problem:
+        return (
+            f"as the poses were set up, with libigl, once: this time it could not say "
+            f"({comparison.truth_problem})"
+        )
+    version = next(iter(comparison.truths.values())).version
+    return f"by libigl {version}, of all vertices and face centres of both meshes"
+
+
+def describe_load(peers: list[PeerResult]) -> str:
+    """What else the machine did: a load above the cores means that other work took turns."""
+    loads = [peer.load for peer in peers]
+    if not loads:
+        return "nothing measured"
+    return f"load average {min(loads):.1f} to {max(loads):.1f} (above the cores, others took turns)"
+
+
+# ---- Markdown ------------------------------------------------------------------------------------
+
+
+def write_markdown(comparison: Comparison, command: str) -> str:
+    """The page: what was asked, the tables, the settings of each peer."""
+    measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
+    lines = [
+        "# What people would use instead",
+        *_describe_setup(comparison, measured, command),
+        *_tabulate_times(comparison, measured),
+        *_tabulate_depths(comparison, measured),
+        *_tabulate_drops(comparison, [peer for peer in measured if peer.drops]),
+        *_tabulate_settings(measured),
+        *_tabulate_problems(comparison),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _describe_setup(comparison: Comparison, measured: list[PeerResult], command: str) -> list[str]:
+    environment = comparison.environment
+    depths = (
+        f"{case.label.split()[0]} {1e3 * comparison.true_depth(case):.2f}"
+        for case in comparison.cases
+    )
+    return [
+        "",
+        "Made by",
+        "",
+        f"    {command}",
+        "",
+        f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
+        f"{environment['system']}, Python {environment['python']}, {describe_load(measured)}. "
+        "Peers: `pip install voxshell-studies[peers]`, or in a checkout `.venv/bin/pip install -c "
+        "tools/constraints.txt -r tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs "
+        "in a process of its own, with the settings below; one that is missing, fails or hangs is a row "
+        "that says so.",
+        "",
+        f"The body is the Stanford bunny, {LENGTH:g} m long. True depths in millimetres, "
+        f"{describe_truth(comparison)}: {', '.join(depths)}.",
+    ]
+
+
+def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    cases = comparison.cases
+    return [
+        "",
+        "## Times",
+        "",
+        f"Median and 99th percentile of a query over {POSES} poses that differ by at most "
+        f"{1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad, asked again and again for "
+        f"{comparison.settings.case_seconds:g} s; and, as a multiple of the first row's, the median over "
+        "poses of the least time, which other work on the machine disturbs less (`cases.csv` has it), "
+        "unless a query is longer than a turn of some 4 ms; "
+        "preparation in seconds, that of the convex parts first. Settings, below, say what is timed. "
+        "Pairs have no ground, so that they are asked about once.",
+        "",
+        *_table(
+            ["peer", "preparation, s", *(case.label for case in cases)],
+            [
+                [
+                    peer.label,
+                    format_preparation(peer),
+                    *(format_times(comparison, peer, case, with_p99=True) for case in cases),
+                ]
+                for peer in peers
+            ],
+        ),
+    ]
+
+
+def _tabulate_depths(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    cases = comparison.cases
+    return [
+        "",
+        "## Contacts and depths",
+        "",
+        "Number of contacts in the first pose: deepest depth reported, millimetres (and how far that "
+        "is off the true one). True is how far the deepest point of either body is from the other's "
+        "surface. Convex shapes report the shortest way out of each other instead, parts pair by pair; "
+        "meshes how deep a triangle is in another.",
+        "",
+        *_table(
+            ["peer", *(case.label for case in cases)],
+            [
+                [peer.label, *(format_depth(comparison, peer, case) for case in cases)]
+                for peer in peers
+            ],
+        ),
+    ]
+
+
+def _tabulate_drops(comparison: Comparison, peers: list[PeerResult]) -> list[str]:
+    if not peers:
+        return []
+    rates = comparison.settings.rates
+    lines = [
+        "",
+        "## Drops",
+        "",
+        f"From {DROP_HEIGHT:g} m, upright, followed for {comparison.settings.drop_seconds:g} s, and the "
+        "height of the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
+        f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second; *moves*: not; *sinks*: "
+        f"deeper than {1e3 * SUNK:g} mm at the end; *through*: its centre is below the surface; *off*: "
+        "it left the box sideways; *unstable*: the simulation blew up. `drops.csv` has how deep each was on the way.",
+    ]
+    for ground in GROUNDS:
+        thick = 2e2 * BOX_HALF_EXTENTS[2]
+        where = "plane" if ground == "plane" else f"box, {thick:g} cm thick"
+        lines += [
+            "",
+            f"On the {where}:",
+            "",
+            *_table(
+                ["peer", *(f"{rate:g} Hz" for rate in rates)],
+                [
+                    [peer.label, *(format_drop(find_drop(peer, ground, rate)) for rate in rates)]
+                    for peer in peers
+                ],
+            ),
+        ]
+    return lines
+
+
+def _tabulate_settings(peers: list[PeerResult]) -> list[str]:
+    return [
+        "",
+        "## Settings",
+        "",
+        *_table(
+            ["peer", "version", "timed", "settings"],
+            [[peer.label, peer.version, peer.timed, format_settings(peer)] for peer in peers],
+        ),
+    ]
+
+
+def _tabulate_problems(comparison: Comparison) -> list[str]:
+    problems = list(list_problems(comparison))
+    if not problems:
+        return []
+    return ["", "## Not measured", "", *_table(["peer", "what", "why"], problems)]
+
+
+def format_settings(peer: PeerResult) -> str:
+    """Names and values."""
+    return "; ".join(
+        f"{name.replace('_', ' ')} {value:g}"
+        if isinstance(value, float)
+        else f"{name.replace('_', ' ')} {value}"
+        for name, value in peer.settings.items()
+    )
+
+
+def list_problems(comparison: Comparison) -> Iterable[list[str]]:
+    """Peer, what is not measured, and why."""
+    for peer in comparison.peers:
+        if peer.status != "measured":
+            yield [peer.label, peer.status, peer.reason]
+        for case in peer.cases:
+            if case.problem:
+                yield [peer.label, case.case, case.problem]
+        for drop in peer.drops:
+            if drop.problem:
+                yield [peer.label, f"drop, {drop.other}, {drop.rate:g} Hz", drop.problem]
+
+
+def _table(headings: list[str], rows: Iterable[list[str]]) -> list[str]:
+    def line(cells: list[str]) -> str:
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+    return [line(headings), "|" + "---|" * len(headings), *map(line, rows)]
+
+
+def _write_csv(path: Path, rows: list[dict[str, object]]) -> None:
+    if rows:
+        write_csv(path, rows[0], (row.values() for row in rows))
+    else:
+        write_text(path, "")
