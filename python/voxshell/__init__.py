@@ -78,7 +78,7 @@ if TYPE_CHECKING:
         Reaction,
         SliderJoint,
     )
-    from voxshell.urdf import Link, Robot, load_urdf
+    from voxshell.urdf import Link, Robot, RobotWarning, load_urdf
     from voxshell.world import World
     from voxshell.world_state import WorldState
 
@@ -96,6 +96,7 @@ _SIMULATION = {
     "PointJoint": "voxshell.joints",
     "Reaction": "voxshell.joints",
     "Robot": "voxshell.urdf",
+    "RobotWarning": "voxshell.urdf",
     "SliderJoint": "voxshell.joints",
     "World": "voxshell.world",
     "WorldState": "voxshell.world_state",
@@ -147,6 +148,7 @@ __all__ = [
     "RecordingError",
     "Robot",
     "RobotError",
+    "RobotWarning",
     "SettingsError",
     "SimulationError",
     "SliderJoint",

@@ -12,11 +12,13 @@ import numpy as np
 from voxshell._arguments import as_path
 from voxshell._input_files import read_small_file
 from voxshell.errors import FileAccessError, RobotError, SettingsError
-from voxshell.urdf.elements import Element, parse_elements
+from voxshell.urdf.elements import parse_elements
 from voxshell.urdf.mesh_paths import find_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from voxshell.urdf.elements import Element
 
 JointType: TypeAlias = Literal[
     "fixed", "revolute", "continuous", "prismatic", "floating", "spherical"
@@ -208,7 +210,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
     if len(roots) != 1:
         robot.refuse(
             f"it must have one link that is no joint's child, not {len(roots)} "
-            f"({_list_names(roots) or 'its joints go round in a circle'}); connect them with joints, or "
+            f"({shorten_names(roots) or 'its joints go round in a circle'}); connect them with joints, or "
             "make a file of each"
         )
     children: dict[str, list[JointDescription]] = {name: [] for name in links}
@@ -222,11 +224,12 @@ def _describe(path: str, element: Element) -> RobotDescription:
             reached.append(joint.child)
     if len(reached) != len(links):
         lost = sorted(set(links) - set(reached))
-        robot.refuse(f"links {_list_names(lost)} hang on each other in a circle")
+        robot.refuse(f"links {shorten_names(lost)} hang on each other in a circle")
     return RobotDescription(path, robot.name, roots[0], links, ordered, robot.without_limits)
 
 
-def _list_names(names: list[str]) -> str:
+def shorten_names(names: list[str]) -> str:
+    """The first ten, quoted."""
     shown = ", ".join(map(repr, names[:10]))
     return f"{shown}, ..." if len(names) > 10 else shown
 

@@ -57,7 +57,7 @@ class Element:
     def numbers(
         self, attribute: str, counts: tuple[int, ...], *, finite: bool = True
     ) -> list[float] | None:
-        """The numbers of an attribute; None if it is not there.
+        """The numbers of an attribute, parted by spaces or commas; None if it is not there.
 
         Args:
             attribute: Its name.
@@ -71,13 +71,13 @@ class Element:
         if text is None:
             return None
         try:
-            numbers = [float(word) for word in text.split()]
+            numbers = [float(word) for word in text.replace(",", " ").split()]
         except ValueError:
             numbers = []
         fits = "_" not in text and len(numbers) in counts
         if not fits or not all(map(math.isfinite if finite else _is_number, numbers)):
             hint = f"give {' or '.join(map(str, counts))} finite numbers"
-            if "${" in text:
+            if "$" in text:
                 hint = f"it is a macro of xacro; run: xacro {self.path} > expanded.urdf"
             self.refuse(f'has <{self.tag} {attribute}="{text[:60]}">; {hint}')
         return numbers
@@ -132,7 +132,7 @@ def parse_elements(path: str, data: bytes) -> Element:
     parser.EndElementHandler = end
     parser.EntityDeclHandler = refuse_entity
     # In UTF-16 the last letter ends with a zero byte.
-    text = data if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data.rstrip(_PADDING)
+    text = data if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data.lstrip().rstrip(_PADDING)
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
