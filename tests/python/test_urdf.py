@@ -409,7 +409,9 @@ def test_ball_joints_and_capsules(write):
     robot = vx.load_urdf(world, path)
     assert list(robot.ball_joints) == ["x"]
     assert robot.joints == {}
-    np.testing.assert_allclose(np.ptp(robot.links["b"].body.bounds, axis=0), (0.2, 0.2, 0.6), atol=5e-3)
+    np.testing.assert_allclose(
+        np.ptp(robot.links["b"].body.bounds, axis=0), (0.2, 0.2, 0.6), atol=5e-3
+    )
     robot.remove()
     assert world.joints == []
 

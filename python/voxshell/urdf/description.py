@@ -459,9 +459,7 @@ def _read_pose(origin: Element | None) -> NDArray[np.float64]:
         return pose
     pose[:3, 3] = origin.numbers("xyz", (3,)) or (0.0, 0.0, 0.0)
     roll, pitch, yaw = origin.numbers("rpy", (3,)) or (0.0, 0.0, 0.0)
-    about_x, about_y, about_z = (
-        (math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw)
-    )
+    about_x, about_y, about_z = ((math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw))
     (cr, sr), (cp, sp), (cy, sy) = about_x, about_y, about_z
     pose[:3, :3] = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

@@ -156,7 +156,11 @@ def load_urdf(
     lumps = find_lumps(robot)
     matter = complete_matter(
         robot,
-        (it for it in dict.fromkeys(lumps.values()) if not (fixed_base and it is lumps[robot.root])),
+        (
+            it
+            for it in dict.fromkeys(lumps.values())
+            if not (fixed_base and it is lumps[robot.root])
+        ),
     )
     shaper = _Shaper(robot, voxel_size, resolution, mesh_as)
     shapes = {lump: shaper.shape_of(lump) for lump in dict.fromkeys(lumps.values())}

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from voxshell.shapes import Field
     from voxshell.urdf.description import Collision, Primitive, RobotDescription
     from voxshell.urdf.lumps import Lump
 
@@ -72,7 +71,9 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
                 if solid is not None:
                     inertia = solid.inertia * (inertial.mass / solid.mass)
                     matter.without_inertia.append(name)
-            parts.append((MassProperties(inertial.mass, inertial.center, inertia), lump.links[name]))
+            parts.append(
+                (MassProperties(inertial.mass, inertial.center, inertia), lump.links[name])
+            )
         if not weighed:
             for name, lump_from_link in lump.links.items():
                 solid = _weigh(robot, name)

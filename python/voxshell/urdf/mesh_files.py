@@ -38,9 +38,7 @@ def read_link_mesh(robot: RobotDescription, link: str, file: MeshFile) -> Mesh:
     return Mesh(mesh.vertices * scale, faces)
 
 
-def refuse_mesh(
-    robot: RobotDescription, link: str, file: MeshFile, error: MeshError
-) -> NoReturn:
+def refuse_mesh(robot: RobotDescription, link: str, file: MeshFile, error: MeshError) -> NoReturn:
     """Raises what is wrong with a mesh as a :class:`RobotError` that names the link."""
     what = str(error) if file.path in str(error) else f"{file.path}: {error}"
     line = robot.links[link].line
