@@ -425,7 +425,12 @@ def test_colors_of_visuals_are_kept(write):
              + f'<visual>{shape}<material><color rgba="0 0.2 1 1"/></material></visual>'),
         joint("x", "continuous", "a", "b"),
     )  # fmt: skip
-    robot = vx.load_urdf(vx.World(), path)
+    world = vx.World()
+    robot = vx.load_urdf(world, path)
+    recorder = world.record()
+    world.step()
+    tracks = recorder.recording(colors=robot.colors).bodies
+    assert [track.color for track in tracks] == [(255, 0, 0), (0, 51, 255)]
     assert [robot.colors[body] for body in robot.bodies] == [(255, 0, 0), (0, 51, 255)]
 
 
