@@ -181,7 +181,6 @@ def test_worlds(tmp_path: Path):
 
 
 def test_robots(tmp_path: Path):
-    pytest.importorskip("yourdfpy")
     path = tmp_path / "lamp.urdf"
     path.write_text(URDF)
     robot: vx.Robot = vx.load_urdf(vx.World(), path)

@@ -376,6 +376,16 @@ def test_padding_after_the_last_element_does_not_matter(write):
     assert list(vx.load_urdf(vx.World(), path).links) == ["a"]
 
 
+def test_optional_variables_of_the_environment_have_their_default(write, monkeypatch):
+    origin = '<origin xyz="$(optenv PLACE_OF_B 0.1 0 0.2)"/>'
+    path = write(link("a"), link("b"), joint("x", "continuous", "a", "b", origin))
+    robot = vx.load_urdf(vx.World(), path)
+    np.testing.assert_allclose(robot.links["b"].pose[:3, 3], (0.1, 0, 0.2))
+    monkeypatch.setenv("PLACE_OF_B", "1 2 3")
+    robot = vx.load_urdf(vx.World(), path)
+    np.testing.assert_allclose(robot.links["b"].pose[:3, 3], (1, 2, 3))
+
+
 @pytest.mark.parametrize(
     "name", ["package://bot/parts/box.stl", "package://parts/box.stl", "parts\\box.stl",
              "$(find bot)/parts/box.stl", "model://bot/parts/box.stl", " parts/box.stl"],

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 from xml.parsers import expat
@@ -14,6 +16,9 @@ if TYPE_CHECKING:
 
 _MOST_LEVELS = 8
 """A robot's elements lie in each other; deeper ones belong to extensions and are left out."""
+
+_OPTIONAL = re.compile(r"\$\(optenv +(\w+) +([^()]*)\)")
+"""A variable of the environment and its default, which ROS puts in place of it."""
 
 _PADDING = b"\0 \t\r\n\x1a"
 """Bytes that some exporters leave after the last element."""
@@ -70,6 +75,7 @@ class Element:
         text = self.attributes.get(attribute)
         if text is None:
             return None
+        text = _OPTIONAL.sub(lambda it: os.environ.get(it[1], it[2].strip()), text)
         try:
             numbers = [float(word) for word in text.replace(",", " ").split()]
         except ValueError:

@@ -96,7 +96,7 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
 
 def _moment_of_ball(mass: float) -> float:
     """Of a solid ball of :data:`DENSITY`, kg m2."""
-    radius = math.cbrt(3.0 * mass / (4.0 * math.pi * DENSITY))
+    radius = (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (1.0 / 3.0)
     return 0.4 * mass * radius**2
 
 
