@@ -251,10 +251,6 @@ WRONG = {
         link("a", '<collision><geometry><mesh filename="no.stl"/></geometry></collision>'),
     ],
     "joint 'x' is of type 'planar'": [link("a"), link("b"), joint("x", "planar", "a", "b")],
-    "joint 'x' has limits 1 to -1": [
-        link("a"), link("b"),
-        joint("x", "revolute", "a", "b", '<limit lower="1" upper="-1" effort="1" velocity="1"/>'),
-    ],
     "joint 'x' has an axis of [0.0, 0.0, 0.0]": [
         link("a"), link("b"), joint("x", "continuous", "a", "b", '<axis xyz="0 0 0"/>'),
     ],
@@ -345,8 +341,9 @@ def test_an_inertia_that_no_body_has_is_computed_from_the_shape(write, moments):
     np.testing.assert_allclose(body.angular_velocity, (0, 0, 12 / (3 * (0.04 + 0.16))), rtol=1e-9)
 
 
-def test_a_joint_without_limits_moves_without_an_end(write):
-    path = write(link("a"), link("b"), joint("x", "revolute", "a", "b"))
+@pytest.mark.parametrize("limit", ["", "<limit effort='1'/>", "<limit lower='1' upper='-1'/>"])
+def test_a_joint_without_limits_moves_without_an_end(write, limit):
+    path = write(link("a"), link("b"), joint("x", "revolute", "a", "b", limit))
     with pytest.warns(vx.RobotWarning, match=r"no <limit>.*\('x'\)"):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.joints["x"].kind.limits is None

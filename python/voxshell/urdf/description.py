@@ -424,7 +424,7 @@ def _read_axis(joint: Element) -> tuple[float, float, float]:
 
 
 def _read_limits(limit: Element | None) -> tuple[float, float] | None:
-    """None where neither end is given, or both are infinite."""
+    """None where neither end is given, both are infinite, or the lower is above the upper, as in Bullet."""
     if limit is None:
         return None
     lower, upper = (limit.number(end, finite=False) for end in ("lower", "upper"))
@@ -433,8 +433,10 @@ def _read_limits(limit: Element | None) -> tuple[float, float] | None:
     lower, upper = lower or 0.0, upper or 0.0
     if lower == -math.inf and upper == math.inf:
         return None
-    if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
-        limit.refuse(f"has limits {lower:g} to {upper:g}; swap or correct them")
+    if not (math.isfinite(lower) and math.isfinite(upper)):
+        limit.refuse(f"has limits {lower:g} to {upper:g}; give finite ones")
+    if lower > upper:
+        return None
     return lower, upper
 
 

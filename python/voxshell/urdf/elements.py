@@ -84,7 +84,7 @@ class Element:
         if not fits or not all(map(math.isfinite if finite else _is_number, numbers)):
             hint = f"give {' or '.join(map(str, counts))} finite numbers"
             if "$" in text:
-                hint = f"it is a macro of xacro; run: xacro {self.path} > expanded.urdf"
+                hint = f"it is a macro of xacro: expand it with xacro {self.path}"
             self.refuse(f'has <{self.tag} {attribute}="{text[:60]}">; {hint}')
         return numbers
 

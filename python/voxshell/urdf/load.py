@@ -255,7 +255,10 @@ def _warn_of_completions(robot: RobotDescription, matter: Matter) -> None:
             (matter.without_mass, f"no mass: {DENSITY:g} kg/m3 of {hulls} were taken"),
             (matter.without_shape, f"no mass and no shape: {GHOST_MASS:g} kg were taken"),
             (matter.without_inertia, f"no valid inertia: that of {hulls} was taken"),
-            (robot.without_limits, "no <limit>: it moves without an end"),
+            (
+                robot.without_limits,
+                "no <limit>, or a lower above the upper one: it moves without an end",
+            ),
             (weak, f"no effort to follow its leader with: {_MIMIC_EFFORT:g} N or N m were taken"),
         )
         if names

@@ -172,7 +172,7 @@ def list_numbers() -> Iterator[tuple[str, Content, Wants]]:
         yield f"an axis of {value!r}", with_joint(axis=f'<axis xyz="0 {value} 0"/>'), "refused"
         yield f"a place of {value!r}", with_joint(inside=f'<origin xyz="0 {value} 0"/>'), "refused"
         yield f"a turn of {value!r}", with_joint(inside=f'<origin rpy="0 {value} 0"/>'), "refused"
-    yield "limits the wrong way round", with_joint(limits=limit(lower=1, upper=-1)), "refused"
+    yield "limits the wrong way round", with_joint(limits=limit(lower=1, upper=-1)), "either"
     yield "no limits", with_joint(limits=""), "either"
     yield "limits of 1e300", with_joint(limits=limit(lower=-1e300, upper=1e300)), "either"
     yield "a negative effort", with_joint(limits=limit(effort=-5)), "either"
