@@ -92,7 +92,8 @@ def load_urdf(
 
     Raises:
         FileAccessError: The file cannot be read.
-        MissingExtraError: A mesh is a COLLADA file, and pycollada is not installed.
+        MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia must be
+            computed from a mesh and scipy is not installed.
         RobotError: The file does not describe a robot that can be simulated; the message names the
             file, the line, the link or joint, and what to do.
         SettingsError: A setting is out of range.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.body_shapes import compute_mass_properties
+from voxshell.errors import MissingExtraError
 from voxshell.mass_properties import MassProperties
 from voxshell.shapes import Box, Capsule, Cylinder, Sphere
 from voxshell.urdf.description import MeshFile
@@ -56,6 +57,7 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
 
     Raises:
         RobotError: A mesh cannot be read.
+        MissingExtraError: A hull is needed, and scipy is not installed.
     """
     matter = Matter()
     for lump in lumps:
@@ -121,6 +123,11 @@ def _weigh_collision(
     vertices, _ = read_link_mesh(robot, link, collision.geometry)
     try:
         hull = convex_hull(vertices)
+    except ImportError as error:
+        raise MissingExtraError(
+            f"{robot.path}: the mass or inertia of link {link!r} is computed from a convex hull, which "
+            f"needs scipy ({error}); run: pip install 'voxshell[urdf]'"
+        ) from error
     except Exception:  # of any kind, where the points lie in a plane
         return None
     if not (hull.volume > 0.0 and np.linalg.eigvalsh(hull.moment_inertia)[0] > 0.0):
