@@ -10,6 +10,7 @@ import pytest
 import voxshell as vx
 
 REFUSED = {
+    "biped/biped2d_pybullet.urdf": "<limit lower=",
     "kuka_iiwa/model_for_sdf.urdf": "is not to be found",
     "plane_implicit.urdf": "has a <plane>",
     "quadruped/microtaur/microtaur.urdf": "rpy=",
