@@ -18,7 +18,7 @@ REFUSED = {
     "torus_deform.urdf": "it has no <link>",
     "toys/concave_box.urdf": "has a <cdf>",
 }
-"""Files with a fault, and what the error says; tools/robots.py tries more packages."""
+"""Files with a fault, and what the error says; tools/try_robots.py tries more packages."""
 
 
 @pytest.fixture(scope="module")

@@ -291,6 +291,15 @@ def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
         vx.load_urdf(vx.World(), path)
 
 
+def test_a_flat_mesh_has_no_hull_and_needs_a_thickness(write, tmp_path):
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
+    path = write(
+        link("a", '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>')
+    )
+    with pytest.raises(vx.RobotError, match=r"'a': .*flat\.obj: .*or give it a thickness"):
+        vx.load_urdf(vx.World(), path, mesh_as="hull")
+
+
 def test_wrong_calls_are_refused(write, tmp_path):
     path = write(link("base"), link("a"), joint("x", "continuous", "base", "a"))
     world = vx.World()

@@ -358,7 +358,7 @@ class _Shaper:
         vertices = mesh.vertices @ place[:3, :3].T + place[:3, 3]
         try:
             if self._mesh_as == "hull":
-                return ConvexHull(vertices)
+                return self._make_hull(vertices)
             voxel_size = self._voxel_size
             side = float(np.ptp(vertices, axis=0).max()) if len(vertices) > 0 else 0.0
             if voxel_size is not None and side > 0.0:
@@ -370,3 +370,10 @@ class _Shaper:
             refuse_mesh(self._robot, link, file, error)
         except MemoryLimitError as error:
             raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
+
+    @staticmethod
+    def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:
+        try:
+            return ConvexHull(vertices)
+        except MeshError as error:
+            raise MeshError(f"{error}; repair the mesh, or give it a thickness") from None
