@@ -79,7 +79,7 @@ if TYPE_CHECKING:
         Reaction,
         SliderJoint,
     )
-    from voxshell.urdf import Link, Robot, load_urdf
+    from voxshell.urdf import Link, Robot, RobotWarning, load_urdf
     from voxshell.world import World
     from voxshell.world_state import WorldState
 
@@ -97,6 +97,7 @@ _SIMULATION = {
     "PointJoint": "voxshell.joints",
     "Reaction": "voxshell.joints",
     "Robot": "voxshell.urdf",
+    "RobotWarning": "voxshell.urdf",
     "SliderJoint": "voxshell.joints",
     "World": "voxshell.world",
     "WorldState": "voxshell.world_state",
@@ -148,6 +149,7 @@ __all__ = [
     "RecordingError",
     "Robot",
     "RobotError",
+    "RobotWarning",
     "SettingsError",
     "SimulationError",
     "SliderJoint",

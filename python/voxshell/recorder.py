@@ -11,6 +11,7 @@ from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.world_tables import as_contacts
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from os import PathLike
     from pathlib import Path
 
@@ -49,8 +50,12 @@ class Recorder:
         if self._steps % self._every == 0:
             self._take_frame()
 
-    def recording(self) -> Recording:
+    def recording(self, *, colors: Mapping[Body, tuple[int, int, int]] | None = None) -> Recording:
         """What has been recorded so far, as plain data.
+
+        Args:
+            colors: Red, green and blue, 0 to 255, of bodies, as in :attr:`Robot.colors`; the viewer
+                chooses those of the others.
 
         Raises:
             RecordingError: The world had no body when the recording began.
@@ -61,15 +66,28 @@ class Recorder:
             mesh = mesh_of(body.shape)
             faces = mesh.faces.astype(np.int64)
             name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
-            tracks.append(BodyTrack(name, mesh.vertices, faces, None, poses[:, index]))
+            color = None if colors is None else colors.get(body)
+            tracks.append(BodyTrack(name, mesh.vertices, faces, color, poses[:, index]))
         contacts = ContactTrack.from_frames(
             [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
         )
         return Recording(self._every * self._time_step, tuple(tracks), contacts)
 
-    def save_html(self, path: str | PathLike[str], **options: Any) -> Path:
-        """Writes the recording so far as one offline page; see :meth:`Recording.save_html`."""
-        return self.recording().save_html(path, **options)
+    def save_html(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Writes the recording so far as one offline page; see :meth:`Recording.save_html`.
+
+        Args:
+            path: Of the page.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_html`.
+        """
+        return self.recording(colors=colors).save_html(path, **options)
 
     def _take_frame(self) -> None:
         self._poses.append(

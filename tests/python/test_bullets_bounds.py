@@ -146,7 +146,6 @@ def test_scene_files_are_held_to_the_bounds(tmp_path: Path, scene: str, message:
 
 
 def test_robots_are_held_to_the_bounds(tmp_path: Path):
-    pytest.importorskip("yourdfpy")
     path = tmp_path / "robot.urdf"
     path.write_text(
         '<robot name="r"><link name="l"><inertial><mass value="1e20"/>'

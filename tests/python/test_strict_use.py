@@ -184,7 +184,6 @@ def test_worlds(tmp_path: Path):
 
 
 def test_robots(tmp_path: Path):
-    pytest.importorskip("yourdfpy")
     path = tmp_path / "lamp.urdf"
     path.write_text(URDF)
     robot: vx.Robot = vx.load_urdf(vx.World(), path)
@@ -218,6 +217,7 @@ def test_errors_and_warnings(tmp_path: Path):
         warnings.simplefilter("ignore", vx.CacheWarning)
         warnings.simplefilter("ignore", vx.MeshWarning)
         warnings.simplefilter("ignore", vx.AccuracyWarning)
+        warnings.simplefilter("ignore", vx.RobotWarning)
         box = vx.ConvexHull([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]).mesh
         model = vx.Model.from_mesh((box.vertices, box.faces[1:]), resolution=20)
         assert len(model.shell) > 0

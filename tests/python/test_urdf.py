@@ -242,31 +242,15 @@ def test_robots_do_not_hit_themselves_unless_told(write):
         assert (len(world.contacts()) > 0) == self_collision
 
 
-MIMIC = joint("x", "revolute", "base", "a", LIMIT.replace("30", "0"))
 WRONG = {
     "it is no XML": ["<link"],
     "it has no <link>": [],
-    "link 'a' moves and has no mass; add an <inertial>": [
-        link("base"), link("a", BALL), joint("x", "continuous", "base", "a"),
-    ],
-    "link 'a' moves and has no mass (nor have those fixed to it: 'b')": [
-        link("base"), link("a", BALL), link("b", ""), joint("x", "continuous", "base", "a"),
-        joint("y", "fixed", "a", "b"),
-    ],
     "link 'a' has a mass of -2 kg": [link("a", INERTIAL.replace('"2"', '"-2"'))],
-    "link 'a' has an <inertia> with principal moments": [link("a", INERTIAL.replace("0.02", "0"))],
     "link 'a' has a sphere of [-0.05] m": [link("a", BALL.replace("0.05", "-0.05"))],
     "link 'a' has a mesh 'no.stl' that is not to be found": [
         link("a", '<collision><geometry><mesh filename="no.stl"/></geometry></collision>'),
     ],
     "joint 'x' is of type 'planar'": [link("a"), link("b"), joint("x", "planar", "a", "b")],
-    "joint 'x' is revolute and needs a <limit>": [
-        link("a"), link("b"), joint("x", "revolute", "a", "b"),
-    ],
-    "joint 'x' has limits 1 to -1": [
-        link("a"), link("b"),
-        joint("x", "revolute", "a", "b", '<limit lower="1" upper="-1" effort="1" velocity="1"/>'),
-    ],
     "joint 'x' has an axis of [0.0, 0.0, 0.0]": [
         link("a"), link("b"), joint("x", "continuous", "a", "b", '<axis xyz="0 0 0"/>'),
     ],
@@ -280,13 +264,9 @@ WRONG = {
     "links 'b', 'c' hang on each other in a circle": [
         link("a"), link("b"), link("c"), joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b"),
     ],
-    "two links are named 'a'": [link("a"), link("a")],
+    "link 'a' is the second of two links of that name, the first in line 1": [link("a"), link("a")],
     "joint 'y' mimics 'z', which is no joint that moves": [
         link("base"), link("a"), joint("y", "continuous", "base", "a", '<mimic joint="z"/>'),
-    ],
-    "joint 'y' mimics 'x', and neither has an effort": [
-        link("base"), link("a"), link("b"), MIMIC,
-        joint("y", "continuous", "base", "b", '<mimic joint="x"/>'),
     ],
 }  # fmt: skip
 
@@ -307,8 +287,17 @@ def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
     path = write(
         link("a", '<collision><geometry><mesh filename="bad.stl"/></geometry></collision>')
     )
-    with pytest.raises(vx.RobotError, match=r"robot\.urdf: link 'a': .*bad\.stl"):
+    with pytest.raises(vx.RobotError, match=r"robot\.urdf:1: link 'a': .*bad\.stl"):
         vx.load_urdf(vx.World(), path)
+
+
+def test_a_flat_mesh_has_no_hull_and_needs_a_thickness(write, tmp_path):
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
+    path = write(
+        link("a", '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>')
+    )
+    with pytest.raises(vx.RobotError, match=r"'a': .*flat\.obj: .*or give it a thickness"):
+        vx.load_urdf(vx.World(), path, mesh_as="hull")
 
 
 def test_wrong_calls_are_refused(write, tmp_path):
@@ -326,10 +315,139 @@ def test_wrong_calls_are_refused(write, tmp_path):
     robot.set_targets({"x": 1.0}, max_force=1.0)
 
 
-def test_without_yourdfpy_it_says_what_to_install(write, monkeypatch):
-    monkeypatch.setitem(sys.modules, "yourdfpy", None)
+def test_without_pycollada_it_says_what_to_install(write, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "collada", None)
+    (tmp_path / "part.dae").write_text("<COLLADA/>")
+    mesh = '<collision><geometry><mesh filename="part.dae"/></geometry></collision>'
     with pytest.raises(vx.MissingExtraError, match=r"voxshell\[urdf\]"):
-        vx.load_urdf(vx.World(), write(link("a")))
+        vx.load_urdf(vx.World(), write(link("a", mesh)))
+
+
+def test_a_missing_mass_is_computed_from_the_shape(write):
+    path = write(link("base", ""), link("a", BALL), joint("x", "continuous", "base", "a"))
+    with pytest.warns(vx.RobotWarning, match=r"no mass: 1000 kg/m3 .* \('a'\)"):
+        robot = vx.load_urdf(vx.World(), path)
+    assert robot.links["a"].body.mass == pytest.approx(1000 * 4 / 3 * np.pi * 0.05**3)
+
+
+def test_what_moves_without_mass_and_shape_gets_a_little_mass(write):
+    path = write(link("base", ""), link("a", ""), joint("x", "continuous", "base", "a"))
+    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: 0.1 kg were taken \('a'\)"):
+        robot = vx.load_urdf(vx.World(), path)
+    assert robot.links["a"].body.mass == 0.1
+
+
+@pytest.mark.parametrize("moments", ["0 0 0", "0.01 -0.02 0.03"])
+def test_an_inertia_that_no_body_has_is_computed_from_the_shape(write, moments):
+    x, y, z = moments.split()
+    tensor = f'<inertia ixx="{x}" iyy="{y}" izz="{z}" ixy="0" ixz="0" iyz="0"/>'
+    box = '<collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision>'
+    path = write(link("a", f'<inertial><mass value="3"/>{tensor}</inertial>{box}'))
+    with pytest.warns(vx.RobotWarning, match=r"no valid inertia.*\('a'\)"):
+        robot = vx.load_urdf(vx.World(gravity=(0, 0, 0)), path, fixed_base=False)
+    (body,) = robot.bodies
+    body.apply_torque_impulse((0, 0, 1))
+    np.testing.assert_allclose(body.angular_velocity, (0, 0, 12 / (3 * (0.04 + 0.16))), rtol=1e-9)
+
+
+@pytest.mark.parametrize("limit", ["", "<limit effort='1'/>", "<limit lower='1' upper='-1'/>"])
+def test_a_joint_without_limits_moves_without_an_end(write, limit):
+    path = write(link("a"), link("b"), joint("x", "revolute", "a", "b", limit))
+    with pytest.warns(vx.RobotWarning, match=r"no <limit>.*\('x'\)"):
+        robot = vx.load_urdf(vx.World(), path)
+    assert robot.joints["x"].kind.limits is None
+
+
+def test_a_follower_without_an_effort_follows(write):
+    path = write(
+        link("base"), link("a"), link("b"), joint("x", "continuous", "base", "a"),
+        joint("y", "continuous", "base", "b", '<mimic joint="x"/>'),
+    )  # fmt: skip
+    world = vx.World(gravity=(0, 0, 0))
+    with pytest.warns(vx.RobotWarning, match=r"no effort to follow its leader.*\('y'\)"):
+        robot = vx.load_urdf(world, path)
+    robot.set_targets({"x": 0.5}, max_force=10.0)
+    world.step(200)
+    assert robot.positions["y"] == pytest.approx(0.5, abs=1e-2)
+
+
+def test_the_axis_of_a_fixed_joint_does_not_matter(write):
+    path = write(link("a"), link("b"), joint("x", "fixed", "a", "b", '<axis xyz="0 0 0"/>'))
+    assert len(vx.load_urdf(vx.World(), path).bodies) == 1
+
+
+def test_padding_after_the_last_element_does_not_matter(write):
+    path = write(link("a"))
+    path.write_bytes(path.read_bytes() + b"\r\n\0\0")
+    assert list(vx.load_urdf(vx.World(), path).links) == ["a"]
+
+
+def test_optional_variables_of_the_environment_have_their_default(write, monkeypatch):
+    origin = '<origin xyz="$(optenv PLACE_OF_B 0.1 0 0.2)"/>'
+    path = write(link("a"), link("b"), joint("x", "continuous", "a", "b", origin))
+    robot = vx.load_urdf(vx.World(), path)
+    np.testing.assert_allclose(robot.links["b"].pose[:3, 3], (0.1, 0, 0.2))
+    monkeypatch.setenv("PLACE_OF_B", "1 2 3")
+    robot = vx.load_urdf(vx.World(), path)
+    np.testing.assert_allclose(robot.links["b"].pose[:3, 3], (1, 2, 3))
+
+
+@pytest.mark.parametrize(
+    "name", ["package://bot/parts/box.stl", "package://parts/box.stl", "parts\\box.stl",
+             "$(find bot)/parts/box.stl", "model://bot/parts/box.stl", " parts/box.stl"],
+)  # fmt: skip
+def test_meshes_are_found_from_the_folder_upwards(tmp_path, name):
+    folder = tmp_path / "bot"
+    (folder / "parts").mkdir(parents=True)
+    (folder / "urdf").mkdir()
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(folder / "parts/box.stl")
+    mesh = f'<collision><geometry><mesh filename="{name}"/></geometry></collision>'
+    path = folder / "urdf/bot.urdf"
+    path.write_text(f'<robot name="bot">{link("a", mesh)}</robot>')
+    (body,) = vx.load_urdf(vx.World(), path, mesh_as="hull").bodies
+    np.testing.assert_allclose(np.ptp(body.bounds, axis=0), (0.1, 0.2, 0.3), atol=5e-3)
+
+
+def test_collada_meshes_have_a_unit(write, tmp_path):
+    pytest.importorskip("collada")
+    data = trimesh.creation.box((100, 200, 300)).export(file_type="dae")
+    text = data.decode().replace("<asset>", '<asset><unit name="millimeter" meter="0.001"/>')
+    (tmp_path / "part.dae").write_text(text)
+    mesh = '<collision><geometry><mesh filename="part.dae"/></geometry></collision>'
+    (body,) = vx.load_urdf(vx.World(), write(link("a", mesh)), mesh_as="hull").bodies
+    np.testing.assert_allclose(np.ptp(body.bounds, axis=0), (0.1, 0.2, 0.3), atol=5e-3)
+
+
+def test_ball_joints_and_capsules(write):
+    capsule = '<collision><geometry><capsule radius="0.1" length="0.4"/></geometry></collision>'
+    path = write(link("a"), link("b", INERTIAL + capsule), joint("x", "spherical", "a", "b"))
+    world = vx.World()
+    robot = vx.load_urdf(world, path)
+    assert list(robot.ball_joints) == ["x"]
+    assert robot.joints == {}
+    np.testing.assert_allclose(
+        np.ptp(robot.links["b"].body.bounds, axis=0), (0.2, 0.2, 0.6), atol=5e-3
+    )
+    robot.remove()
+    assert world.joints == []
+
+
+def test_colors_of_visuals_are_kept(write):
+    shape = "<geometry><sphere radius='1'/></geometry>"
+    path = write(
+        '<material name="red"><color rgba="1 0 0 1"/></material>',
+        link("a", INERTIAL + BALL + f'<visual>{shape}<material name="red"/></visual>'),
+        link("b", INERTIAL + BALL
+             + f'<visual>{shape}<material><color rgba="0 0.2 1 1"/></material></visual>'),
+        joint("x", "continuous", "a", "b"),
+    )  # fmt: skip
+    world = vx.World()
+    robot = vx.load_urdf(world, path)
+    recorder = world.record()
+    world.step()
+    tracks = recorder.recording(colors=robot.colors).bodies
+    assert [track.color for track in tracks] == [(255, 0, 0), (0, 51, 255)]
+    assert [robot.colors[body] for body in robot.bodies] == [(255, 0, 0), (0, 51, 255)]
 
 
 def test_a_mesh_that_refers_to_a_pipe_keeps_no_robot_waiting(tmp_path: Path):

@@ -5,20 +5,27 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeAlias
-from xml.parsers import expat
+from typing import TYPE_CHECKING, Literal, NoReturn, TypeAlias, cast
 
 import numpy as np
 
 from voxshell._arguments import as_path
 from voxshell._input_files import read_small_file
-from voxshell.errors import FileAccessError, MissingExtraError, RobotError, SettingsError
-from voxshell.mass_properties import MassProperties
+from voxshell.errors import FileAccessError, RobotError, SettingsError
+from voxshell.urdf.elements import parse_elements
+from voxshell.urdf.mesh_paths import find_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-JointType: TypeAlias = Literal["fixed", "revolute", "continuous", "prismatic", "floating"]
+    from voxshell.urdf.elements import Element
+
+JointType: TypeAlias = Literal[
+    "fixed", "revolute", "continuous", "prismatic", "floating", "spherical"
+]
+
+Color: TypeAlias = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
 
 _MOST_BYTES = 100_000_000
 """Of a file, without the meshes that it names."""
@@ -26,25 +33,22 @@ _MOST_BYTES = 100_000_000
 MOST_LINKS = 1000
 """Of a robot; each two of them are kept apart, which takes time that grows as their square."""
 
-_NUMBERS = {
-    "origin": ("xyz", "rpy"),
-    "axis": ("xyz",),
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),
-    "box": ("size",),
-    "mesh": ("scale",),
-    "limit": ("lower", "upper", "effort", "velocity"),
-    "dynamics": ("damping", "friction"),
-    "mimic": ("multiplier", "offset"),
+_JOINT_TYPES: dict[str, JointType] = {
+    "fixed": "fixed",
+    "revolute": "revolute",
+    "continuous": "continuous",
+    "prismatic": "prismatic",
+    "floating": "floating",
+    "spherical": "spherical",
+    "ball": "spherical",
 }
-"""Attributes of elements that must be numbers."""
+"""Those of URDF, and what simulators add to them."""
 
-_COUNTS = {"xyz": (3,), "rpy": (3,), "size": (3,), "scale": (1, 3)}
-"""Of numbers in an attribute; in others one."""
+_WITH_AXIS = ("revolute", "continuous", "prismatic")
 
-_JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "floating")
+_LEAST_MOMENT = 1e-8
+"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular: Bullet
+inverts it, and a bar of a millimetre and ten metres has 1e-8."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +61,9 @@ class MeshFile:
 
 @dataclass(frozen=True)
 class Primitive:
-    """A box (edges), sphere (radius) or cylinder (radius, length), metres."""
+    """A box (edges), sphere (radius), cylinder or capsule (radius, length without caps), metres."""
 
-    kind: Literal["box", "sphere", "cylinder"]
+    kind: Literal["box", "sphere", "cylinder", "capsule"]
     sizes: tuple[float, ...]
 
 
@@ -72,12 +76,30 @@ class Collision:
 
 
 @dataclass(frozen=True, eq=False)
+class Inertial:
+    """What a file says about a link's matter.
+
+    Attributes:
+        mass: Kilograms, above 0.
+        center: (3,) float64, metres, link frame.
+        inertia: (3, 3) float64, kg m2, about the center, along the link's axes; None where the file gives
+            none, zeros, or what is not positive definite.
+    """
+
+    mass: float
+    center: NDArray[np.float64]
+    inertia: NDArray[np.float64] | None
+
+
+@dataclass(frozen=True, eq=False)
 class LinkDescription:
-    """A link; ``matter`` in its frame, None where the file gives no mass."""
+    """A link; ``inertial`` is None where the file gives no mass, or 0."""
 
     name: str
+    line: int
     collisions: tuple[Collision, ...]
-    matter: MassProperties | None
+    inertial: Inertial | None
+    color: Color | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +107,7 @@ class JointDescription:
     """A joint; effort and velocity are None where the file gives none, or 0."""
 
     name: str
+    line: int
     type: JointType
     parent: str
     child: str
@@ -108,10 +131,13 @@ class RobotDescription:
     root: str
     links: dict[str, LinkDescription]
     joints: list[JointDescription] = field(default_factory=list)
+    without_limits: list[str] = field(default_factory=list)
+    """Joints that need limits, and have none in the file."""
 
-    def refuse(self, what: str) -> NoReturn:
-        """Raises a :class:`RobotError` that names the file."""
-        raise RobotError(f"{self.path}: {what}")
+    def refuse(self, what: str, at: LinkDescription | JointDescription | None = None) -> NoReturn:
+        """Raises a :class:`RobotError` that names the file, and the line of what is wrong."""
+        where = self.path if at is None else f"{self.path}:{at.line}"
+        raise RobotError(f"{where}: {what}")
 
 
 def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
@@ -119,9 +145,8 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
 
     Raises:
         FileAccessError: The file cannot be read.
-        MissingExtraError: yourdfpy is not installed.
         RobotError: The file does not describe a robot that can be simulated; the message names the
-            file, the link or joint, and what to do.
+            file, the line, the link or joint, and what to do.
     """
     name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):
@@ -130,118 +155,83 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
         data = read_small_file(name, _MOST_BYTES, "robot")
     except SettingsError as error:
         raise RobotError(f"cannot read robot {name}: {error}") from None
-    try:
-        import yourdfpy
-    except ImportError as error:
-        raise MissingExtraError(
-            f"robots need yourdfpy, which cannot be imported ({error}); "
-            "run: pip install 'voxshell[urdf]'"
-        ) from error
-    _check_xml(name, data)
-    try:
-        raw = yourdfpy.URDF.load(name, build_scene_graph=False, load_meshes=False).robot
-    except Exception as error:  # of which files with something missing raise every kind
-        raise RobotError(
-            f"{name}: it is no robot that can be read: {type(error).__name__}: {error}"
-        ) from error
-    return _describe(name, raw)
+    return _describe(name, parse_elements(name, data))
 
 
-def _check_xml(path: str, data: bytes) -> None:
-    """Refuses what yourdfpy reads on beyond: text that is no XML, entities, and no numbers.
-
-    Raises:
-        RobotError: It has them.
-    """
-    parser = expat.ParserCreate(namespace_separator=None)
-
-    def refuse_entity(*_: object) -> None:
-        raise RobotError(f"{path}: it declares XML entities, which no robot needs; write them out")
-
-    where = ["robot"]
-
-    def start(element: str, attributes: dict[str, str]) -> None:
-        if element in ("link", "joint"):
-            where[0] = f"{element} {attributes.get('name', '')[:60]!r}"
-        for name in _NUMBERS.get(element, ()):
-            if name in attributes and not _are_numbers(attributes[name], name):
-                raise RobotError(
-                    f'{path}: {where[0]} has <{element} {name}="{attributes[name][:60]}">; give '
-                    f"{' or '.join(map(str, _COUNTS.get(name, (1,))))} finite numbers"
-                )
-        if element == "inertia" and not {"ixx", "iyy", "izz"} <= attributes.keys():
-            raise RobotError(f"{path}: {where[0]} has an <inertia> without ixx, iyy or izz; add it")
-
-    parser.StartElementHandler = start
-    parser.EntityDeclHandler = refuse_entity
-    try:
-        parser.Parse(data, True)
-    except expat.ExpatError as error:
-        raise RobotError(f"{path}: it is no XML: {error}") from None
-
-
-def _are_numbers(text: str, name: str) -> bool:
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        return False
-    if "_" in text or len(numbers) not in _COUNTS.get(name, (1,)):
-        return False
-    if name in ("effort", "velocity"):  # infinity means that there is no bound
-        return not any(map(math.isnan, numbers))
-    return all(map(math.isfinite, numbers))
-
-
-def _describe(path: str, raw: Any) -> RobotDescription:
-    robot = RobotDescription(path, str(raw.name), "", {})
-    if not raw.links:
+def _describe(path: str, element: Element) -> RobotDescription:
+    robot = RobotDescription(path, element.attributes.get("name", "robot"), "", {})
+    found = list(element.all("link"))
+    if not found:
         robot.refuse("it has no <link>")
-    if len(raw.links) > MOST_LINKS:
-        robot.refuse(f"it has {len(raw.links)} links, and at most {MOST_LINKS} are read")
-    links = {}
-    for link in raw.links:
+    if len(found) > MOST_LINKS:
+        robot.refuse(f"it has {len(found)} links, and at most {MOST_LINKS} are read")
+    colors = {
+        material.attributes.get("name", ""): color
+        for material in element.all("material")
+        if (color := _read_color(material)) is not None
+    }
+    links: dict[str, LinkDescription] = {}
+    for each in found:
+        link = _describe_link(each, colors)
         if link.name in links:
-            robot.refuse(f"two links are named {link.name!r}; rename one")
-        links[link.name] = _describe_link(robot, link)
+            each.refuse(
+                f"is the second of two links of that name, the first in line "
+                f"{links[link.name].line}; rename one"
+            )
+        links[link.name] = link
     joints: dict[str, JointDescription] = {}
-    for joint in raw.joints:
+    for each in element.all("joint"):
+        joint = _describe_joint(robot, each, links)
         if joint.name in joints:
-            robot.refuse(f"two joints are named {joint.name!r}; rename one")
-        joints[joint.name] = _describe_joint(robot, joint, links)
+            each.refuse(
+                f"is the second of two joints of that name, the first in line "
+                f"{joints[joint.name].line}; rename one"
+            )
+        joints[joint.name] = joint
     parents: dict[str, str] = {}
     for joint in joints.values():
         if joint.child in parents:
             robot.refuse(
                 f"link {joint.child!r} is the child of two joints, {parents[joint.child]!r} and "
-                f"{joint.name!r}: URDF has trees only; leave one out and add it with World.add_joint"
+                f"{joint.name!r}: URDF has trees only; leave one out and add it with World.add_joint",
+                joint,
             )
         parents[joint.child] = joint.name
         if joint.mimic is not None:
             leader = joints.get(joint.mimic[0])
-            if leader is None or leader.type in ("fixed", "floating") or leader is joint:
+            if leader is None or leader.type not in _WITH_AXIS or leader is joint:
                 robot.refuse(
-                    f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is no joint that moves"
+                    f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is no joint that moves; "
+                    "correct the name",
+                    joint,
                 )
     _check_mimics(robot, joints)
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
         robot.refuse(
             f"it must have one link that is no joint's child, not {len(roots)} "
-            f"({', '.join(map(repr, roots)) or 'its joints go round in a circle'})"
+            f"({shorten_names(roots) or 'its joints go round in a circle'}); connect them with joints, or "
+            "make a file of each"
         )
     children: dict[str, list[JointDescription]] = {name: [] for name in links}
     for joint in joints.values():
         children[joint.parent].append(joint)
     ordered: list[JointDescription] = []
     reached = [roots[0]]
-    for link in reached:
-        for joint in children[link]:
+    for name in reached:
+        for joint in children[name]:
             ordered.append(joint)
             reached.append(joint.child)
     if len(reached) != len(links):
         lost = sorted(set(links) - set(reached))
-        robot.refuse(f"links {', '.join(map(repr, lost))} hang on each other in a circle")
-    return RobotDescription(path, robot.name, roots[0], links, ordered)
+        robot.refuse(f"links {shorten_names(lost)} hang on each other in a circle")
+    return RobotDescription(path, robot.name, roots[0], links, ordered, robot.without_limits)
+
+
+def shorten_names(names: list[str]) -> str:
+    """The first ten, quoted."""
+    shown = ", ".join(map(repr, names[:10]))
+    return f"{shown}, ..." if len(names) > 10 else shown
 
 
 def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) -> None:
@@ -251,128 +241,231 @@ def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) 
         at = name
         while at not in checked and (mimic := joints[at].mimic) is not None:
             if at in followed:
-                robot.refuse(f"joints mimic each other in a circle, {at!r} among them")
+                robot.refuse(f"joints mimic each other in a circle, {at!r} among them", joints[at])
             followed[at] = None
             at = mimic[0]
         checked.update(followed)
 
 
-def _describe_link(robot: RobotDescription, raw: Any) -> LinkDescription:
-    where = f"link {raw.name!r}"
-    collisions = tuple(_describe_collision(robot, where, it) for it in raw.collisions)
-    if raw.inertial is None or not raw.inertial.mass:
-        return LinkDescription(raw.name, collisions, None)
-    mass, inertia = raw.inertial.mass, raw.inertial.inertia
-    if not (np.isfinite(mass) and mass > 0.0):
-        robot.refuse(f"{where} has a mass of {mass:g} kg; it must be above 0")
-    if inertia is None:
-        robot.refuse(f"{where} has a mass but no <inertia>; add it")
-    if not (np.isfinite(inertia).all() and np.linalg.eigvalsh(inertia).min() > 0.0):
-        robot.refuse(
-            f"{where} has an <inertia> with principal moments "
-            f"{np.array2string(np.linalg.eigvalsh(np.nan_to_num(inertia)), precision=3)} kg m2; "
-            "they must be above 0"
-        )
-    place = _as_pose(raw.inertial.origin)
-    turned = place[:3, :3] @ inertia @ place[:3, :3].T
-    return LinkDescription(raw.name, collisions, MassProperties(mass, place[:3, 3], turned))
-
-
-def _describe_collision(robot: RobotDescription, where: str, raw: Any) -> Collision:
-    geometry, place = raw.geometry, _as_pose(raw.origin)
-    if geometry.mesh is not None:
-        path = _find(robot, where, geometry.mesh.filename)
-        scale = geometry.mesh.scale
-        scales = np.ravel(1.0 if scale is None else np.asarray(scale, float))
-        if len(scales) not in (1, 3):
-            robot.refuse(f"{where} has a mesh with {len(scales)} scales; give one number or three")
-        scales = np.broadcast_to(scales, 3)
-        if not (np.isfinite(scales).all() and scales.all()):
-            robot.refuse(f"{where} has a mesh with a scale of {scales.tolist()}; it must not be 0")
-        return Collision(MeshFile(path, tuple(scales.tolist())), place)
-    if geometry.box is not None:
-        primitive = Primitive("box", tuple(float(it) for it in np.ravel(geometry.box.size)))
-        if len(primitive.sizes) != 3:
-            robot.refuse(f"{where} has a box of {len(primitive.sizes)} sizes; give three")
-    elif geometry.sphere is not None:
-        primitive = Primitive("sphere", (float(geometry.sphere.radius),))
-    else:
-        primitive = Primitive(
-            "cylinder", (float(geometry.cylinder.radius), float(geometry.cylinder.length))
-        )
-    if not all(np.isfinite(it) and it > 0.0 for it in primitive.sizes):
-        robot.refuse(
-            f"{where} has a {primitive.kind} of {list(primitive.sizes)} m; it must be above 0"
-        )
-    return Collision(primitive, place)
-
-
-def _find(robot: RobotDescription, where: str, name: str) -> str:
-    from yourdfpy import filename_handler_magic
-
-    try:
-        path = filename_handler_magic(name, dir=os.path.dirname(robot.path))
-    except Exception:  # of any kind, where nothing is left of a name without its scheme
-        path = ""
-    if not os.path.isfile(path):
-        robot.refuse(
-            f"{where} has a mesh {name[:200]!r} that is not to be found; put it where the path points, "
-            "seen from the file's folder or, for package://, from one above it"
-        )
-    return path
-
-
-def _describe_joint(
-    robot: RobotDescription, raw: Any, links: dict[str, LinkDescription]
-) -> JointDescription:
-    where = f"joint {raw.name!r}"
-    if raw.type not in _JOINT_TYPES:
-        robot.refuse(
-            f"{where} is of type {raw.type!r}; types are {', '.join(_JOINT_TYPES)}: make a planar one of "
-            "two prismatic ones and a continuous one"
-        )
-    for end in ("parent", "child"):
-        if getattr(raw, end) not in links:
-            robot.refuse(f"{where} has a {end} {getattr(raw, end)!r}, and there is no such link")
-    axis = np.array([1.0, 0.0, 0.0]) if raw.axis is None else np.asarray(raw.axis, float)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        robot.refuse(f"{where} has an axis of {axis.tolist()}; give three numbers, not all 0")
-    limits = None
-    if raw.type in ("revolute", "prismatic"):
-        if raw.limit is None:
-            robot.refuse(f"{where} is {raw.type} and needs a <limit>; add it")
-        limits = (float(raw.limit.lower or 0.0), float(raw.limit.upper or 0.0))
-        if not (np.isfinite(limits).all() and limits[0] <= limits[1]):
-            robot.refuse(f"{where} has limits {limits[0]:g} to {limits[1]:g}; swap or correct them")
-    mimic = None
-    if raw.mimic is not None:
-        multiplier = 1.0 if raw.mimic.multiplier is None else float(raw.mimic.multiplier)
-        mimic = (raw.mimic.joint, multiplier, float(raw.mimic.offset or 0.0))
-    losses = [
-        float((getattr(raw.dynamics, loss) if raw.dynamics else None) or 0.0)
-        for loss in ("friction", "damping")
-    ]
-    if min(losses) < 0.0:
-        robot.refuse(f"{where} has a friction or damping below 0")
-    return JointDescription(
-        raw.name,
-        raw.type,
-        raw.parent,
-        raw.child,
-        _as_pose(raw.origin),
-        tuple(axis.tolist()),
-        limits,
-        _above_zero(raw.limit.effort if raw.limit else None),
-        _above_zero(raw.limit.velocity if raw.limit else None),
-        losses[0],
-        losses[1],
-        mimic,
+def _describe_link(element: Element, colors: dict[str, Color]) -> LinkDescription:
+    collisions = tuple(
+        collision
+        for each in element.all("collision")
+        if (collision := _describe_collision(each)) is not None
+    )
+    return LinkDescription(
+        element.text("name"),
+        element.line,
+        collisions,
+        _describe_inertial(element.first("inertial")),
+        _find_color(element, colors),
     )
 
 
-def _above_zero(value: float | None) -> float | None:
-    return float(value) if value and np.isfinite(value) and value > 0.0 else None
+def _find_color(link: Element, named: dict[str, Color]) -> Color | None:
+    """The first that a visual has, by itself or by the name of a material."""
+    for visual in link.all("visual"):
+        material = visual.first("material")
+        if material is None:
+            continue
+        color = _read_color(material)
+        if color is None:
+            color = named.get(material.attributes.get("name", ""))
+        if color is not None:
+            return color
+    return None
 
 
-def _as_pose(origin: NDArray[np.float64] | None) -> NDArray[np.float64]:
-    return np.eye(4) if origin is None else np.asarray(origin, np.float64)
+def _read_color(material: Element) -> Color | None:
+    """Colors do not matter to the simulation: one that is wrong is none."""
+    color = material.first("color")
+    try:
+        numbers = None if color is None else color.numbers("rgba", (3, 4))
+    except RobotError:
+        return None
+    if numbers is None:
+        return None
+    red, green, blue = (round(255.0 * min(max(it, 0.0), 1.0)) for it in numbers[:3])
+    return red, green, blue
+
+
+def _describe_inertial(element: Element | None) -> Inertial | None:
+    if element is None:
+        return None
+    mass_element, tensor = element.first("mass"), element.first("inertia")
+    mass = mass_element.number("value") if mass_element is not None else None
+    place = _read_pose(element.first("origin"))
+    inertia = None
+    if tensor is not None:
+        read = {name: tensor.number(name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")}
+        if None in (read["ixx"], read["iyy"], read["izz"]):
+            tensor.refuse("has an <inertia> without ixx, iyy or izz; add it")
+        xx, xy, xz, yy, yz, zz = (value or 0.0 for value in read.values())
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not mass:
+        return None
+    if mass < 0.0:
+        element.refuse(f"has a mass of {mass:g} kg; it must not be below 0")
+    if inertia is not None:
+        moments = np.linalg.eigvalsh(inertia)
+        if moments[0] > _LEAST_MOMENT * moments[-1]:
+            inertia = place[:3, :3] @ inertia @ place[:3, :3].T
+        else:
+            inertia = None
+    return Inertial(mass, place[:3, 3], inertia)
+
+
+def _describe_collision(element: Element) -> Collision | None:
+    """None where it has no geometry, as some exporters write it."""
+    geometry = element.first("geometry")
+    if geometry is None or not geometry.children:
+        return None
+    place = _read_pose(element.first("origin"))
+    shape = geometry.children[0]
+    match shape.tag:
+        case "mesh":
+            return Collision(_read_mesh_name(shape), place)
+        case "box":
+            sizes = shape.numbers("size", (3,))
+        case "sphere":
+            sizes = _read_sizes(shape, "radius")
+        case "cylinder" | "capsule":
+            sizes = _read_sizes(shape, "radius", "length")
+        case _:
+            shape.refuse(
+                f"has a <{shape.tag[:60]}>, which is no shape; use a box, sphere, cylinder, capsule or "
+                "mesh"
+            )
+    if sizes is None:
+        shape.refuse("has a box without a size; add it")
+    if min(sizes) <= 0.0:
+        shape.refuse(f"has a {shape.tag} of {sizes} m; it must be above 0")
+    kind = cast("Literal['box', 'sphere', 'cylinder', 'capsule']", shape.tag)
+    return Collision(Primitive(kind, tuple(sizes)), place)
+
+
+def _read_sizes(shape: Element, *names: str) -> list[float]:
+    sizes = []
+    for name in names:
+        shape.text(name)
+        sizes.append(shape.number(name) or 0.0)
+    return sizes
+
+
+def _read_mesh_name(mesh: Element) -> MeshFile:
+    name = mesh.text("filename")
+    path = find_mesh(mesh.path, name)
+    if path is None:
+        mesh.refuse(
+            f"has a mesh {name[:200]!r} that is not to be found; put it where the path points, seen from "
+            "the file's folder or one above it, or name the folder of its package in ROS_PACKAGE_PATH"
+        )
+    scales = mesh.numbers("scale", (1, 3)) or [1.0]
+    x, y, z = scales if len(scales) == 3 else scales * 3
+    if not (x and y and z):
+        mesh.refuse(f"has a mesh with a scale of {[x, y, z]}; it must not be 0")
+    return MeshFile(path, (x, y, z))
+
+
+def _describe_joint(
+    robot: RobotDescription, element: Element, links: dict[str, LinkDescription]
+) -> JointDescription:
+    kind = _JOINT_TYPES.get(element.text("type"))
+    if kind is None:
+        element.refuse(
+            f"is of type {element.text('type')[:60]!r}; types are {', '.join(_JOINT_TYPES)}: make a "
+            "planar one of two prismatic ones and a continuous one"
+        )
+    ends = {}
+    for end in ("parent", "child"):
+        link = element.first(end)
+        if link is None:
+            element.refuse(f"has no <{end}>; add it")
+        ends[end] = link.text("link")
+        if ends[end] not in links:
+            link.refuse(f"has a {end} {ends[end][:60]!r}, and there is no such link")
+    axis = _read_axis(element) if kind in _WITH_AXIS else (1.0, 0.0, 0.0)
+    limit, dynamics, mimic = (element.first(tag) for tag in ("limit", "dynamics", "mimic"))
+    limits = _read_limits(limit) if kind in ("revolute", "prismatic") else None
+    name = element.text("name")
+    if kind in ("revolute", "prismatic") and limits is None:
+        robot.without_limits.append(name)
+    losses = [
+        (dynamics.number(loss) if dynamics is not None else None) or 0.0
+        for loss in ("friction", "damping")
+    ]
+    if min(losses) < 0.0:
+        element.refuse("has a friction or damping below 0")
+    return JointDescription(
+        name,
+        element.line,
+        kind,
+        ends["parent"],
+        ends["child"],
+        _read_pose(element.first("origin")),
+        axis,
+        limits,
+        _read_bound(limit, "effort"),
+        _read_bound(limit, "velocity"),
+        losses[0],
+        losses[1],
+        _read_mimic(mimic) if mimic is not None and kind in _WITH_AXIS else None,
+    )
+
+
+def _read_axis(joint: Element) -> tuple[float, float, float]:
+    """Along x by default, as URDF has it."""
+    axis = joint.first("axis")
+    numbers = None if axis is None else axis.numbers("xyz", (3,))
+    x, y, z = numbers or (1.0, 0.0, 0.0)
+    if axis is not None and not (x or y or z):
+        axis.refuse(f"has an axis of {[x, y, z]}; give three numbers, not all 0")
+    return x, y, z
+
+
+def _read_limits(limit: Element | None) -> tuple[float, float] | None:
+    """None where neither end is given, both are infinite, or the lower is above the upper, as in Bullet."""
+    if limit is None:
+        return None
+    lower, upper = (limit.number(end, finite=False) for end in ("lower", "upper"))
+    if lower is None and upper is None:
+        return None
+    lower, upper = lower or 0.0, upper or 0.0
+    if lower == -math.inf and upper == math.inf:
+        return None
+    if not (math.isfinite(lower) and math.isfinite(upper)):
+        limit.refuse(f"has limits {lower:g} to {upper:g}; give finite ones")
+    if lower > upper:
+        return None
+    return lower, upper
+
+
+def _read_mimic(mimic: Element) -> tuple[str, float, float]:
+    multiplier = mimic.number("multiplier")
+    return (
+        mimic.text("joint"),
+        1.0 if multiplier is None else multiplier,
+        mimic.number("offset") or 0.0,
+    )
+
+
+def _read_bound(limit: Element | None, name: str) -> float | None:
+    """None where there is no bound."""
+    value = None if limit is None else limit.number(name, finite=False)
+    return value if value is not None and 0.0 < value < math.inf else None
+
+
+def _read_pose(origin: Element | None) -> NDArray[np.float64]:
+    pose = np.eye(4)
+    if origin is None:
+        return pose
+    pose[:3, 3] = origin.numbers("xyz", (3,)) or (0.0, 0.0, 0.0)
+    roll, pitch, yaw = origin.numbers("rpy", (3,)) or (0.0, 0.0, 0.0)
+    about_x, about_y, about_z = ((math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw))
+    (cr, sr), (cp, sp), (cy, sy) = about_x, about_y, about_z
+    pose[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return pose

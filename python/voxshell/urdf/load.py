@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import combinations
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -18,19 +19,21 @@ from voxshell.errors import (
     RobotError,
     SettingsError,
 )
-from voxshell.joints import HingeJoint, Joint, SliderJoint
-from voxshell.meshes import read_mesh
+from voxshell.joints import HingeJoint, Joint, PointJoint, SliderJoint
 from voxshell.model import Model
-from voxshell.shapes import Box, Cylinder, Sphere
+from voxshell.shapes import Box, Capsule, Cylinder, Sphere
 from voxshell.urdf.description import (
     Collision,
     MeshFile,
     Primitive,
     RobotDescription,
     read_urdf,
+    shorten_names,
 )
 from voxshell.urdf.lumps import Lump, find_lumps
-from voxshell.urdf.robot import Link, Robot, Strength
+from voxshell.urdf.matter import DENSITY, GHOST_MASS, Matter, complete_matter
+from voxshell.urdf.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.urdf.robot import Link, Robot, RobotWarning, Strength
 
 if TYPE_CHECKING:
     import os
@@ -44,6 +47,10 @@ if TYPE_CHECKING:
 _DEFAULT_RESOLUTION = 100
 _MARKER_RADIUS = 0.005
 """Of the ball that stands for a body without a surface, metres; it meets nothing."""
+
+_MIMIC_EFFORT = 1000.0
+"""Of a joint that follows another where the file names none for either, newtons or newton metres: beyond
+what robots' joints can do, so that it follows as gears do."""
 
 
 def load_urdf(
@@ -60,15 +67,17 @@ def load_urdf(
 ) -> Robot:
     """Adds the robot of a URDF file to a world, all joints at position 0.
 
-    Collision meshes become models, which the cache keeps; boxes, spheres and cylinders stay what they
-    are. Links that fixed joints hold together become one body, so that frames without a mass, such as a
-    tool's, are welcome. Joints have their limits, friction and damping; they move freely until they are
+    Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules stay
+    what they are. Links that fixed joints hold together become one body, so that frames without a mass, such as a
+    tool's, are welcome. A mass or inertia that the file leaves out is computed from the collision
+    geometry, with a :class:`RobotWarning` that names the links. Joints have their limits, friction and damping; they move freely until they are
     driven, but for those that mimic others, which follow them. Grippers of light fingers that hold on
     firmly want short steps: ``World(time_step=1 / 1000)``.
 
     Args:
         world: Where to.
-        path: Of the file. Meshes are looked for from its folder; ``package://`` from there upwards.
+        path: Of the file. Meshes are looked for from its folder upwards, those of ``package://`` with and
+            without the name of the package, and in the folders of ``ROS_PACKAGE_PATH``.
         pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
         fixed_base: Whether the root is fixed to the world; it then needs no mass.
         voxel_size: Of the models, metres; of smaller links their longest side.
@@ -83,13 +92,18 @@ def load_urdf(
 
     Raises:
         FileAccessError: The file cannot be read.
-        MissingExtraError: yourdfpy is not installed.
+        MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia must be
+            computed from a mesh and scipy is not installed.
         RobotError: The file does not describe a robot that can be simulated; the message names the
-            file, the link or joint, and what to do.
+            file, the line, the link or joint, and what to do.
         SettingsError: A setting is out of range.
         PoseError: ``pose`` is not a rigid transform.
         MemoryLimitError: A model would be too large.
         InputTypeError: ``world`` is no world, or ``path`` no path.
+
+    Warns:
+        RobotWarning: The file leaves out what a simulation needs: masses, inertias, limits, or the effort
+            of a joint that mimics another. The message says what was taken instead.
 
     Where it raises, the world has none of the robot's bodies.
 
@@ -141,8 +155,14 @@ def load_urdf(
     World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_root, friction=friction)
     robot = read_urdf(path)
     lumps = find_lumps(robot)
-    _check_masses(robot, lumps, fixed_base)
-    _check_efforts(robot)
+    matter = complete_matter(
+        robot,
+        (
+            it
+            for it in dict.fromkeys(lumps.values())
+            if not (fixed_base and it is lumps[robot.root])
+        ),
+    )
     shaper = _Shaper(robot, voxel_size, resolution, mesh_as)
     shapes = {lump: shaper.shape_of(lump) for lump in dict.fromkeys(lumps.values())}
 
@@ -151,9 +171,7 @@ def load_urdf(
         places[joint.child] = places[joint.parent] @ joint.parent_from_joint
     added: list[Body] = []
     try:
-        return _add(
-            world, robot, lumps, shapes, places, fixed_base, friction, self_collision, added
-        )
+        made = _add(world, robot, lumps, shapes, places, matter, friction, self_collision, added)
     except BaseException as error:
         for each in added:
             world.remove(each)
@@ -161,6 +179,8 @@ def load_urdf(
         if isinstance(error, (PoseError, SettingsError)):
             raise RobotError(f"{robot.path}: {error}") from error
         raise
+    _warn_of_completions(robot, matter)
+    return made
 
 
 def _add(
@@ -169,7 +189,7 @@ def _add(
     lumps: dict[str, Lump],
     shapes: dict[Lump, Part | Compound | None],
     places: dict[str, NDArray[np.float64]],
-    fixed_base: bool,
+    matter: Matter,
     friction: float,
     self_collision: bool,
     added: list[Body],
@@ -177,15 +197,14 @@ def _add(
     """Adds bodies and joints, the bodies to ``added`` as well."""
     bodies: dict[Lump, Body | None] = {}
     for lump, shape in shapes.items():
-        is_base = lump is lumps[robot.root] and fixed_base
-        matter = None if is_base else lump.matter(robot)
-        if is_base and shape is None:
+        own = matter.of_lumps.get(lump)
+        if own is None and shape is None:
             bodies[lump] = None
             continue
         body = bodies[lump] = world.add(
             Sphere(_MARKER_RADIUS) if shape is None else shape,
-            mass=0.0 if matter is None else matter.mass,
-            inertia="solid" if matter is None else matter,
+            mass=0.0 if own is None else own.mass,
+            inertia="solid" if own is None else own,
             pose=places[lump.first],
             friction=friction,
             name=f"{robot.name}/{lump.first}",
@@ -196,60 +215,62 @@ def _add(
     for name, lump in lumps.items():
         body = bodies[lump]
         offset = lump.links[name] if body is not None else places[name]
-        links[name] = Link(name, body, offset)
+        links[name] = Link(name, body, offset, robot.links[name].color)
     if not self_collision:
         present = [body for body in bodies.values() if body is not None]
         for a, b in combinations(present, 2):
             world.set_collision(a, b, False)
-    joints = {
-        joint.name: made
-        for joint in robot.joints
-        if (made := _add_joint(world, robot, joint, links)) is not None
-    }
-    strengths = {it.name: Strength(it.effort, it.velocity) for it in robot.joints}
+    joints: dict[str, Joint] = {}
+    ball_joints: dict[str, Joint] = {}
     for joint in robot.joints:
-        if joint.mimic is not None and joint.name in joints:
+        made = _add_joint(world, robot, joint, links)
+        if made is not None:
+            (ball_joints if joint.type == "spherical" else joints)[joint.name] = made
+    by_name = {joint.name: joint for joint in robot.joints}
+    for joint in robot.joints:
+        if joint.mimic is not None:
             leader, multiplier, offset = joint.mimic
             joints[joint.name].follow(
                 joints[leader],
                 multiplier=multiplier,
                 offset=offset,
-                max_force=_effort_of_mimic(robot, joint),
+                max_force=joint.effort or by_name[leader].effort or _MIMIC_EFFORT,
             )
+    strengths = {it.name: Strength(it.effort, it.velocity) for it in robot.joints}
     mimics = frozenset(joint.name for joint in robot.joints if joint.mimic is not None)
-    return Robot(world, robot.name, links, joints, strengths, mimics)
+    return Robot(world, robot.name, links, joints, ball_joints, strengths, mimics)
 
 
-def _check_masses(robot: RobotDescription, lumps: dict[str, Lump], fixed_base: bool) -> None:
-    for lump in dict.fromkeys(lumps.values()):
-        if lump is lumps[robot.root] and fixed_base:
-            continue
-        if lump.matter(robot) is None:
-            hint = "; or pass fixed_base=True" if lump is lumps[robot.root] else ""
-            others = f" (nor have those fixed to it: {', '.join(map(repr, [*lump.links][1:]))})"
-            robot.refuse(
-                f"link {lump.first!r} moves and has no mass{others if len(lump.links) > 1 else ''}; "
-                f"add an <inertial> with a <mass> above 0 and its <inertia>{hint}"
-            )
-
-
-def _check_efforts(robot: RobotDescription) -> None:
-    for joint in robot.joints:
-        if joint.mimic is not None:
-            _effort_of_mimic(robot, joint)
-
-
-def _effort_of_mimic(robot: RobotDescription, joint: JointDescription) -> float:
-    """Its own, else that of its leader."""
-    assert joint.mimic is not None
-    leader = next(it for it in robot.joints if it.name == joint.mimic[0])
-    effort = joint.effort or leader.effort
-    if effort is None:
-        robot.refuse(
-            f"joint {joint.name!r} mimics {leader.name!r}, and neither has an effort above 0 in its "
-            "<limit>; add one: it is what follows the other with"
+def _warn_of_completions(robot: RobotDescription, matter: Matter) -> None:
+    """Says in one warning what the file left out, and what was taken instead."""
+    efforts = {joint.name: joint.effort for joint in robot.joints}
+    weak = [
+        joint.name
+        for joint in robot.joints
+        if joint.mimic is not None and not (joint.effort or efforts[joint.mimic[0]])
+    ]
+    hulls = "the convex hulls of its collision geometry"
+    lines = [
+        f"{text} ({shorten_names(names)})"
+        for names, text in (
+            (matter.without_mass, f"no mass: {DENSITY:g} kg/m3 of {hulls} were taken"),
+            (matter.without_shape, f"no mass and no shape: {GHOST_MASS:g} kg were taken"),
+            (matter.without_inertia, f"no valid inertia: that of {hulls} was taken"),
+            (
+                robot.without_limits,
+                "no <limit>, or a lower above the upper one: it moves without an end",
+            ),
+            (weak, f"no effort to follow its leader with: {_MIMIC_EFFORT:g} N or N m were taken"),
         )
-    return effort
+        if names
+    ]
+    if lines:
+        warnings.warn(
+            f"{robot.path} leaves out what a simulation needs: {'; '.join(lines)}; complete the file to "
+            "be rid of this warning",
+            RobotWarning,
+            stacklevel=3,
+        )
 
 
 def _add_joint(
@@ -260,6 +281,8 @@ def _add_joint(
             kind = HingeJoint(joint.axis, joint.limits, joint.friction, joint.damping)
         case "prismatic":
             kind = SliderJoint(joint.axis, joint.limits, joint.friction, joint.damping)
+        case "spherical":
+            kind = PointJoint()
         case _:
             return None
     parent, child = links[joint.parent], links[joint.child]
@@ -315,7 +338,8 @@ class _Shaper:
         try:
             return self._make_primitive(geometry), place
         except SettingsError as error:
-            raise RobotError(f"{self._robot.path}: link {link!r}: {error}") from error
+            line = self._robot.links[link].line
+            raise RobotError(f"{self._robot.path}:{line}: link {link!r}: {error}") from error
 
     @staticmethod
     def _make_primitive(geometry: Primitive) -> Part:
@@ -326,27 +350,30 @@ class _Shaper:
                 return Sphere(geometry.sizes[0])
             case "cylinder":
                 return Cylinder(*geometry.sizes)
+            case "capsule":
+                return Capsule(*geometry.sizes)
 
     def _make_mesh(self, link: str, file: MeshFile, place: NDArray[np.float64]) -> Part:
+        mesh = read_link_mesh(self._robot, link, file)
+        vertices = mesh.vertices @ place[:3, :3].T + place[:3, 3]
         try:
-            mesh = read_mesh(file.path)
-            vertices = mesh.vertices * file.scale @ place[:3, :3].T + place[:3, 3]
             if self._mesh_as == "hull":
-                return ConvexHull(vertices)
-            mirrored = np.prod(file.scale) < 0.0
-            faces = mesh.faces[:, ::-1] if mirrored else mesh.faces
+                return self._make_hull(vertices)
             voxel_size = self._voxel_size
             side = float(np.ptp(vertices, axis=0).max()) if len(vertices) > 0 else 0.0
             if voxel_size is not None and side > 0.0:
                 voxel_size = min(voxel_size, side)
             return Model.from_mesh(
-                (vertices, faces), voxel_size=voxel_size, resolution=self._resolution
+                (vertices, mesh.faces), voxel_size=voxel_size, resolution=self._resolution
             )
         except MeshError as error:
-            self._refuse(link, file, error)
+            refuse_mesh(self._robot, link, file, error)
         except MemoryLimitError as error:
             raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
 
-    def _refuse(self, link: str, file: MeshFile, error: MeshError) -> NoReturn:
-        what = str(error) if file.path in str(error) else f"{file.path}: {error}"
-        raise RobotError(f"{self._robot.path}: link {link!r}: {what}") from error
+    @staticmethod
+    def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:
+        try:
+            return ConvexHull(vertices)
+        except MeshError as error:
+            raise MeshError(f"{error}; repair the mesh, or give it a thickness") from None

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.mass_properties import MassProperties
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -26,26 +24,6 @@ class Lump:
     def first(self) -> str:
         """The link nearest to the root."""
         return next(iter(self.links))
-
-    def matter(self, robot: RobotDescription) -> MassProperties | None:
-        """Of all its links together, in its frame; None where none has a mass."""
-        parts = [
-            (matter, place)
-            for name, place in self.links.items()
-            if (matter := robot.links[name].matter) is not None
-        ]
-        if not parts:
-            return None
-        mass = sum(matter.mass for matter, _ in parts)
-        centers = [place[:3, :3] @ matter.center_of_mass + place[:3, 3] for matter, place in parts]
-        masses = np.array([matter.mass for matter, _ in parts])
-        center = masses @ np.array(centers) / mass
-        inertia = np.zeros((3, 3))
-        for (matter, place), own in zip(parts, centers, strict=True):
-            lever = own - center
-            inertia += place[:3, :3] @ matter.inertia @ place[:3, :3].T
-            inertia += matter.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        return MassProperties(mass, center, inertia)
 
 
 def find_lumps(robot: RobotDescription) -> dict[str, Lump]:

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from voxshell.world import World
 
 
+class RobotWarning(UserWarning):
+    """A robot's file leaves out what a simulation needs; the message says what was taken instead."""
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """A link of a robot. Links that fixed joints hold together are one body.
@@ -27,11 +31,13 @@ class Link:
         name: As in the file.
         body: What it is part of; None for links that are fixed to the world and have no surface.
         body_from_link: (4, 4) float64; without a body, ``world_from_link``.
+        color: Red, green and blue, 0 to 255, of its first visual; None where the file gives none.
     """
 
     name: str
     body: Body | None
     body_from_link: NDArray[np.float64]
+    color: tuple[int, int, int] | None
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -53,11 +59,21 @@ class Robot:
     Attributes:
         name: As in the file.
         links: All links, by name.
-        joints: The joints that move, by name: those that are not fixed or floating.
+        joints: The joints that move along or about an axis, by name.
+        ball_joints: The joints of type "spherical", by name; they have no motor.
         bodies: What the links are made of.
     """
 
-    __slots__ = ("_mimics", "_strengths", "_world", "bodies", "joints", "links", "name")
+    __slots__ = (
+        "_mimics",
+        "_strengths",
+        "_world",
+        "ball_joints",
+        "bodies",
+        "joints",
+        "links",
+        "name",
+    )
 
     def __init__(
         self,
@@ -65,6 +81,7 @@ class Robot:
         name: str,
         links: dict[str, Link],
         joints: dict[str, Joint],
+        ball_joints: dict[str, Joint],
         strengths: dict[str, Strength],
         mimics: frozenset[str],
     ) -> None:
@@ -74,10 +91,24 @@ class Robot:
         self.name: str = name
         self.links: dict[str, Link] = links
         self.joints: dict[str, Joint] = joints
+        self.ball_joints: dict[str, Joint] = ball_joints
         self.bodies: list[Body] = []
         for link in links.values():
             if link.body is not None and link.body not in self.bodies:
                 self.bodies.append(link.body)
+
+    @property
+    def colors(self) -> dict[Body, tuple[int, int, int]]:
+        """Red, green and blue, 0 to 255, of the bodies whose links have a color in the file.
+
+        A body of several links has the color of the one nearest to the root. For
+        :meth:`Recorder.recording` and :meth:`Recorder.save_html`.
+        """
+        colors: dict[Body, tuple[int, int, int]] = {}
+        for link in self.links.values():
+            if link.body is not None and link.color is not None:
+                colors.setdefault(link.body, link.color)
+        return colors
 
     @property
     def positions(self) -> dict[str, float]:
@@ -138,7 +169,7 @@ class Robot:
 
     def remove(self) -> None:
         """Takes the robot out of its world."""
-        for part in (*self.joints.values(), *self.bodies):
+        for part in (*self.joints.values(), *self.ball_joints.values(), *self.bodies):
             if not part.removed:
                 self._world.remove(part)
 

@@ -307,7 +307,7 @@ def list_robots() -> Iterator[tuple[str, Content, Wants]]:
     yield "a place of two numbers", with_joint(inside='<origin xyz="0 0"/>'), "refused"
     yield "a turn of four numbers", with_joint(inside='<origin rpy="0 0 0 1"/>'), "refused"
     yield "a place without numbers", with_joint(inside="<origin/>"), "loaded"
-    yield "numbers parted by commas", with_joint(inside='<origin xyz="0,0,0"/>'), "refused"
+    yield "numbers parted by commas", with_joint(inside='<origin xyz="0,0,0"/>'), "loaded"
     yield (
         "numbers parted by line feeds",
         with_joint(inside='<origin xyz="0&#10;0&#10;0"/>'),

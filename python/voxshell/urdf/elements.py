@@ -1,0 +1,152 @@
+"""A URDF file as elements that know their line, and the numbers in their attributes."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NoReturn
+from xml.parsers import expat
+
+from voxshell.errors import RobotError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_MOST_LEVELS = 8
+"""A robot's elements lie in each other; deeper ones belong to extensions and are left out."""
+
+_OPTIONAL = re.compile(r"\$\(optenv +(\w+) +([^()]*)\)")
+"""A variable of the environment and its default, which ROS puts in place of it."""
+
+_PADDING = b"\0 \t\r\n\x1a"
+"""Bytes that some exporters leave after the last element."""
+
+
+@dataclass(eq=False)
+class Element:
+    """An element of a file.
+
+    Attributes:
+        path: Of the file.
+        owner: The link or joint that it belongs to, for errors: "link 'arm'".
+        line: Where it begins, counted from 1.
+    """
+
+    path: str
+    owner: str
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """The elements of that name directly in this one."""
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> Element | None:
+        """The first element of that name directly in this one."""
+        return next(self.all(tag), None)
+
+    def text(self, attribute: str) -> str:
+        """An attribute that must be there.
+
+        Raises:
+            RobotError: It is not.
+        """
+        if attribute not in self.attributes:
+            self.refuse(f"has a <{self.tag}> without {attribute}; add it")
+        return self.attributes[attribute]
+
+    def numbers(
+        self, attribute: str, counts: tuple[int, ...], *, finite: bool = True
+    ) -> list[float] | None:
+        """The numbers of an attribute, parted by spaces or commas; None if it is not there.
+
+        Args:
+            attribute: Its name.
+            counts: How many numbers it may have.
+            finite: Whether infinity is refused; NaN always is.
+
+        Raises:
+            RobotError: It does not hold that many numbers.
+        """
+        text = self.attributes.get(attribute)
+        if text is None:
+            return None
+        text = _OPTIONAL.sub(lambda it: os.environ.get(it[1], it[2].strip()), text)
+        try:
+            numbers = [float(word) for word in text.replace(",", " ").split()]
+        except ValueError:
+            numbers = []
+        fits = "_" not in text and len(numbers) in counts
+        if not fits or not all(map(math.isfinite if finite else _is_number, numbers)):
+            hint = f"give {' or '.join(map(str, counts))} finite numbers"
+            if "$" in text:
+                hint = f"it is a macro of xacro: expand it with xacro {self.path}"
+            self.refuse(f'has <{self.tag} {attribute}="{text[:60]}">; {hint}')
+        return numbers
+
+    def number(self, attribute: str, *, finite: bool = True) -> float | None:
+        """The number of an attribute; None if it is not there.
+
+        Raises:
+            RobotError: It is not one number.
+        """
+        numbers = self.numbers(attribute, (1,), finite=finite)
+        return None if numbers is None else numbers[0]
+
+    def refuse(self, what: str) -> NoReturn:
+        """Raises a :class:`RobotError` that names the file, the line, and the link or joint."""
+        raise RobotError(f"{self.path}:{self.line}: {self.owner} {what}")
+
+
+def parse_elements(path: str, data: bytes) -> Element:
+    """The root element of a file.
+
+    Raises:
+        RobotError: It is not XML, declares entities, or its root is not ``<robot>``.
+    """
+    parser = expat.ParserCreate(namespace_separator=None)
+    opened: list[Element] = []
+    roots: list[Element] = []
+    depth = 0
+
+    def refuse_entity(*_: object) -> None:
+        raise RobotError(f"{path}: it declares XML entities, which no robot needs; write them out")
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > _MOST_LEVELS:
+            return
+        owner = opened[-1].owner if opened else "the robot"
+        if depth == 2 and tag in ("link", "joint"):
+            owner = f"{tag} {attributes.get('name', '')[:60]!r}"
+        element = Element(path, owner, tag, attributes, parser.CurrentLineNumber)
+        (opened[-1].children if opened else roots).append(element)
+        opened.append(element)
+
+    def end(_: str) -> None:
+        nonlocal depth
+        if depth <= _MOST_LEVELS:
+            opened.pop()
+        depth -= 1
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.EntityDeclHandler = refuse_entity
+    # In UTF-16 the last letter ends with a zero byte.
+    text = data if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data.lstrip().rstrip(_PADDING)
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise RobotError(f"{path}: it is no XML: {error}") from None
+    if roots[0].tag != "robot":
+        raise RobotError(f"{path}:{roots[0].line}: it is a <{roots[0].tag[:60]}>, not a <robot>")
+    return roots[0]
+
+
+def _is_number(value: float) -> bool:
+    return not math.isnan(value)

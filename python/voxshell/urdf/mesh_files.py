@@ -1,0 +1,85 @@
+"""Meshes of a robot's links, in metres."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NoReturn
+from xml.parsers import expat
+
+import numpy as np
+
+from voxshell.errors import MeshError, MissingExtraError, RobotError
+from voxshell.meshes import Mesh, read_mesh
+
+if TYPE_CHECKING:
+    from voxshell.urdf.description import MeshFile, RobotDescription
+
+
+def read_link_mesh(robot: RobotDescription, link: str, file: MeshFile) -> Mesh:
+    """A mesh with its scale applied, and the unit of a COLLADA file.
+
+    Faces of a mesh that is mirrored are turned, so that they stay counter-clockwise seen from outside. The
+    axis of a COLLADA file that points up is not heeded, as in ROS.
+
+    Raises:
+        RobotError: It cannot be read; the message names the robot's file, the link and the mesh.
+        MissingExtraError: It is a COLLADA file, and pycollada is not installed.
+        MemoryLimitError: The system gives no more memory for it.
+    """
+    is_collada = file.path.lower().endswith(".dae")
+    if is_collada:
+        _need_collada(file.path)
+    try:
+        mesh = read_mesh(file.path)
+    except MeshError as error:
+        refuse_mesh(robot, link, file, error)
+    scale = np.array(file.scale) * (_read_unit(file.path) if is_collada else 1.0)
+    faces = mesh.faces[:, ::-1] if np.prod(scale) < 0.0 else mesh.faces
+    return Mesh(mesh.vertices * scale, faces)
+
+
+def refuse_mesh(robot: RobotDescription, link: str, file: MeshFile, error: MeshError) -> NoReturn:
+    """Raises what is wrong with a mesh as a :class:`RobotError` that names the link."""
+    what = str(error) if file.path in str(error) else f"{file.path}: {error}"
+    line = robot.links[link].line
+    raise RobotError(f"{robot.path}:{line}: link {link!r}: {what}") from error
+
+
+def _need_collada(path: str) -> None:
+    try:
+        import collada  # noqa: F401
+    except ImportError as error:
+        raise MissingExtraError(
+            f"cannot read mesh {path}: COLLADA files need pycollada, which cannot be imported "
+            f"({error}); run: pip install 'voxshell[urdf]'"
+        ) from error
+
+
+class _Found(Exception):  # noqa: N818
+    """Ends the parsing."""
+
+
+def _read_unit(path: str) -> float:
+    """How many metres a COLLADA file's unit has; 1 where it does not say."""
+    parser = expat.ParserCreate()
+    unit = [1.0]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag.rpartition(":")[2] == "unit":
+            meters = float(attributes.get("meter", "1"))
+            if math.isfinite(meters) and meters > 0.0:
+                unit[0] = meters
+            raise _Found
+
+    def end(tag: str) -> None:
+        if tag.rpartition(":")[2] == "asset":
+            raise _Found
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    try:
+        with open(path, "rb") as file:
+            parser.ParseFile(file)
+    except (_Found, expat.ExpatError, ValueError, OSError):
+        pass
+    return unit[0]

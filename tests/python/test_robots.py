@@ -1,0 +1,46 @@
+"""Robots that people share: those of the package pybullet, where it is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import warnings
+from pathlib import Path
+
+import pytest
+import voxshell as vx
+
+REFUSED = {
+    "biped/biped2d_pybullet.urdf": "<limit lower=",
+    "kuka_iiwa/model_for_sdf.urdf": "is not to be found",
+    "plane_implicit.urdf": "has a <plane>",
+    "quadruped/microtaur/microtaur.urdf": "rpy=",
+    "racecar/racecar_differential.urdf": "scale=",
+    "torus_deform.urdf": "it has no <link>",
+    "toys/concave_box.urdf": "has a <cdf>",
+}
+"""Files with a fault, and what the error says; tools/try_robots.py tries more packages."""
+
+
+@pytest.fixture(scope="module")
+def folder() -> Path:
+    spec = importlib.util.find_spec("pybullet_data")
+    if spec is None or spec.origin is None:
+        pytest.skip("needs the package pybullet")
+    return Path(spec.origin).parent
+
+
+def test_every_robot_of_pybullet_loads_or_has_a_fault(folder):
+    found = {}
+    paths = [it for it in sorted(folder.rglob("*.urdf")) if "random_urdfs" not in it.parts]
+    assert len(paths) > 90
+    for path in paths:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", vx.RobotWarning)
+            warnings.simplefilter("ignore", vx.MeshWarning)
+            try:
+                vx.load_urdf(vx.World(), path, mesh_as="hull")
+            except vx.RobotError as error:
+                found[path.relative_to(folder).as_posix()] = str(error)
+    assert found.keys() == REFUSED.keys()
+    for name, text in REFUSED.items():
+        assert text in found[name]
