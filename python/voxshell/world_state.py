@@ -19,7 +19,7 @@ class WorldState:
     It is for the world that it was taken from, with the bodies and joints that there were.
     """
 
-    __slots__ = ("_bodies", "_joints", "_state", "_world")
+    __slots__ = ("_bodies", "_joints", "_state", "_steps", "_world")
 
     def __init__(
         self,
@@ -27,11 +27,13 @@ class WorldState:
         state: _bullet.SimulationState,
         bodies: tuple[Body, ...],
         joints: tuple[Joint, ...],
+        steps: int,
     ) -> None:
         self._world = world
         self._state = state
         self._bodies = bodies
         self._joints = joints
+        self._steps = steps
 
     def __repr__(self) -> str:
         return f"WorldState({len(self._bodies)} bodies, {len(self._joints)} joints)"
