@@ -162,7 +162,7 @@ class Model:
     @property
     def openings(self) -> tuple[int, float, int, float, list[float], float]:
         """
-        Loops, share, mouths, largest diameter, first location, and the sheet's thickness or 0.
+        Loops, fraction, mouths, largest diameter, first location, and the sheet's thickness or 0.
         """
 
     @property

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from voxshell import _bullet
 from voxshell._arguments import as_integer, as_not_negative, as_real, as_vector
-from voxshell._poses import as_rigid_pose
-from voxshell.errors import SettingsError
+from voxshell._poses import as_pose, as_rigid_pose
+from voxshell._rotations import xyzw_from_rotation
+from voxshell.errors import PoseError, SettingsError
+from voxshell.poses import pose as make_pose
 from voxshell.world_part import WorldPart
 
 if TYPE_CHECKING:
@@ -33,7 +36,8 @@ class Body(WorldPart):
     """A body of a :class:`World`; made by :meth:`World.add`.
 
     Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
-    business. Vectors are in the world frame. All that is set wakes the body.
+    business. Vectors are in the world frame. All that is set wakes the body. Arrays that a body returns are
+    read-only copies: set the property, or change a copy of it.
 
     Attributes:
         name: For people.
@@ -50,7 +54,7 @@ class Body(WorldPart):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_mass", "_motion", "_moves_surfaces", "_number", "_shape")
+    __slots__ = ("_center", "_mass", "_motion", "_moves_surfaces", "_number", "_shape")
 
     def __init__(
         self,
@@ -61,8 +65,10 @@ class Body(WorldPart):
         mass: float,
         motion: Motion,
         moves_surfaces: bool,
+        center_of_mass: NDArray[np.float64],
     ) -> None:
         super().__init__(simulation, name)
+        self._center = center_of_mass
         self._moves_surfaces = moves_surfaces
         self._number = number
         self._shape: Shape = shape
@@ -94,7 +100,7 @@ class Body(WorldPart):
 
     @property
     def pose(self) -> NDArray[np.float64]:
-        """``world_from_body``, (4, 4) float64.
+        """``world_from_body``, (4, 4) float64, metres, read-only; settable to any form that :func:`pose` lists.
 
         A dynamic body that is given a pose is there at once, whatever lies between. A kinematic one
         moves there within the next step, and takes along what lies on it.
@@ -102,23 +108,87 @@ class Body(WorldPart):
         Raises:
             PoseError: It is set to what is in no form that :func:`pose` lists, is not rigid, or is not
                 finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.1))
+            >>> body.pose = (0, 0, 1)
+            >>> body.pose[2, 3] = 2.0
+            Traceback (most recent call last):
+            ValueError: assignment destination is read-only
         """
-        return self._simulation.pose(self.number)
+        return _read_only(self._simulation.pose(self.number))
 
     @pose.setter
     def pose(self, value: ArrayLike) -> None:
+        pose = as_pose(value, "pose")
+        if pose is not None:
+            # Bullet's side checks what most callers hand over, 5 us sooner.
+            with suppress(PoseError):
+                self._simulation.set_pose(self.number, pose)
+                return
         self._simulation.set_pose(self.number, as_rigid_pose(value, "pose"))
 
     @property
+    def position(self) -> NDArray[np.float64]:
+        """The origin of the body, (3,) float64, metres, world frame, read-only; setting it keeps the orientation.
+
+        Setting it moves the body as setting :attr:`pose` does. The center of mass may lie elsewhere.
+
+        Raises:
+            SettingsError: It is set to anything but three finite numbers.
+            PoseError: It is set to a place too far from the world's origin.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.1))
+            >>> body.position = (0, 0, 1)
+            >>> body.position
+            array([0., 0., 1.])
+        """
+        return _read_only(self._simulation.pose(self.number)[:3, 3].copy())
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        pose = self._simulation.pose(self.number).copy()
+        pose[:3, 3] = as_vector(value, "position")
+        self.pose = pose
+
+    @property
+    def orientation_xyzw(self) -> NDArray[np.float64]:
+        """The unit quaternion x, y, z, w of ``world_from_body``, (4,) float64, read-only; w is at least 0.
+
+        Setting it turns the body about its origin, as setting :attr:`pose` does.
+
+        Raises:
+            PoseError: It is set to anything but four finite numbers, or its length is off 1 by more than
+                1e-3.
+
+        Example:
+            >>> import math
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Box((1, 1, 1)))
+            >>> body.orientation_xyzw = (0, 0, math.sqrt(0.5), math.sqrt(0.5))
+            >>> body.orientation_xyzw.round(6)
+            array([0.      , 0.      , 0.707107, 0.707107])
+        """
+        return _read_only(xyzw_from_rotation(self._simulation.pose(self.number)[:3, :3]))
+
+    @orientation_xyzw.setter
+    def orientation_xyzw(self, value: ArrayLike) -> None:
+        position = self._simulation.pose(self.number)[:3, 3]
+        self.pose = make_pose(position, xyzw=value)
+
+    @property
     def linear_velocity(self) -> NDArray[np.float64]:
-        """Of the centre of mass, (3,) float64, m/s.
+        """Velocity of the center of mass, (3,) float64, m/s, world frame, read-only; settable.
 
         Of kinematic bodies, whose origin takes the place of a centre of mass, that of the last step.
 
         Raises:
             SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
         """
-        return np.array(self._simulation.linear_velocity(self.number))
+        return _read_only(np.array(self._simulation.linear_velocity(self.number)))
 
     @linear_velocity.setter
     def linear_velocity(self, value: ArrayLike) -> None:
@@ -127,17 +197,42 @@ class Body(WorldPart):
 
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
-        """(3,) float64, rad/s.
+        """Angular velocity, (3,) float64, rad/s, world frame, read-only; settable.
 
         Raises:
             SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
         """
-        return np.array(self._simulation.angular_velocity(self.number))
+        return _read_only(np.array(self._simulation.angular_velocity(self.number)))
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
         velocity = as_vector(value, "angular_velocity")
         self._moved_by_forces("angular_velocity").set_angular_velocity(self.number, velocity)
+
+    def velocity_at(self, point: ArrayLike) -> NDArray[np.float64]:
+        """Returns the velocity of the place of the body that is at a point now.
+
+        Args:
+            point: (3,), metres, world frame; it may lie outside the body.
+
+        Returns:
+            (3,) float64, m/s, world frame, read-only. A kinematic body has the velocity of its last step.
+
+        Raises:
+            SettingsError: ``point`` is not three finite numbers.
+
+        Example:
+            >>> import voxshell as vx
+            >>> wheel = vx.World().add(vx.Cylinder(0.5, 0.1))
+            >>> wheel.angular_velocity = (0, 0, 2.0)
+            >>> wheel.velocity_at((0.5, 0, 0)).round(9) + 0.0
+            array([0., 1., 0.])
+        """
+        place = as_vector(point, "point")
+        pose = self._simulation.pose(self.number)
+        center = pose[:3, :3] @ self._center + pose[:3, 3]
+        turning = np.cross(self._simulation.angular_velocity(self.number), place - center)
+        return _read_only(np.array(self._simulation.linear_velocity(self.number)) + turning)
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -151,7 +246,7 @@ class Body(WorldPart):
             >>> body.bounds.tolist()
             [[-0.25, -0.25, -0.25], [0.25, 0.25, 0.25]]
         """
-        return np.array(self._simulation.bounds(self.number))
+        return _read_only(np.array(self._simulation.bounds(self.number)))
 
     @property
     def sleeping(self) -> bool:
@@ -198,18 +293,36 @@ class Body(WorldPart):
         """
         self._moved_by_forces("a torque").apply_torque(self.number, as_vector(torque, "torque"))
 
-    def apply_impulse(self, impulse: ArrayLike, *, at: ArrayLike | None = None) -> None:
+    def apply_impulse(
+        self,
+        impulse: ArrayLike,
+        point: ArrayLike | None = None,
+        *,
+        at: ArrayLike | None = None,
+    ) -> None:
         """Changes the velocities at once, as a blow does.
 
         Args:
             impulse: (3,), newton seconds, world frame.
-            at: (3,), metres, world frame: the point that is hit; the centre of mass by default.
+            point: (3,), metres, world frame: the point that is hit; the center of mass by default.
+            at: Another name of ``point``, as :meth:`apply_force` has it.
 
         Raises:
-            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
+            SettingsError: The body is not dynamic, an argument is not three finite numbers, or both
+                ``point`` and ``at`` are given.
+
+        Example:
+            >>> import voxshell as vx
+            >>> ball = vx.World(gravity=(0, 0, 0)).add(vx.Sphere(0.1), mass=2.0)
+            >>> ball.apply_impulse((1.0, 0, 0), (0, 0, 0.1))
+            >>> ball.linear_velocity, ball.angular_velocity.round(6)
+            (array([0.5, 0. , 0. ]), array([ 0. , 12.5,  0. ]))
         """
+        if point is not None and at is not None:
+            raise SettingsError("give either point or at, not both: they are the same")
+        name, place = ("at", at) if point is None else ("point", point)
         self._moved_by_forces("an impulse").apply_impulse(
-            self.number, as_vector(impulse, "impulse"), _as_place(at)
+            self.number, as_vector(impulse, "impulse"), _as_place(place, name)
         )
 
     def apply_torque_impulse(self, impulse: ArrayLike) -> None:
@@ -334,7 +447,7 @@ class Body(WorldPart):
             >>> float(belt.pose[0, 3])
             0.0
         """
-        return np.array(self._simulation.material(self.number).surface_velocity)
+        return _read_only(np.array(self._simulation.material(self.number).surface_velocity))
 
     @surface_velocity.setter
     def surface_velocity(self, value: ArrayLike) -> None:
@@ -391,7 +504,12 @@ class Body(WorldPart):
         return self._simulation
 
     def __repr__(self) -> str:
-        return f"Body({self.number}, {self.name!r}, {self.shape!r}, mass={self.mass:g})"
+        what = f"Body({self.number}, {self.name!r}, {self.shape!r}, "
+        matter = f"mass={self.mass:g} kg" if self.motion == "dynamic" else self.motion
+        if self.removed:
+            return f"{what}{matter}, removed)"
+        x, y, z = (self._simulation.pose(self.number)[:3, 3] + 0.0).tolist()
+        return f"{what}{matter}, position=({x:.4g}, {y:.4g}, {z:.4g}) m)"
 
 
 def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
@@ -463,5 +581,11 @@ def as_groups(value: int, name: str) -> int:
     return as_integer(value, name, 0, _ALL_GROUPS)
 
 
-def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
-    return None if at is None else as_vector(at, "at")
+def _as_place(place: ArrayLike | None, name: str = "at") -> tuple[float, float, float] | None:
+    return None if place is None else as_vector(place, name)
+
+
+def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same array, which refuses assignments: they would not reach the body."""
+    array.setflags(write=False)
+    return array

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, TypeAlias
+import os
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -12,12 +13,14 @@ from voxshell.comparison_shapes import ConvexDecomposition, GImpact
 from voxshell.compound import Compound
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh
+from voxshell.meshes import MODEL_SUFFIX, Mesh
 from voxshell.model import Model
 from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from voxshell.meshes import MeshLike
 
 Shape: TypeAlias = (
     Model
@@ -54,6 +57,24 @@ PLANE_EXTENT = 2.0
 
 _PLANE_THICKNESS = 0.01
 _ROUND_SECTIONS = 96
+
+
+def as_shape(shape: Shape | MeshLike) -> Shape:
+    """The shape itself; of a mesh or a path, its model at default settings.
+
+    Raises:
+        MeshError: A mesh cannot be read or made into a model.
+        ModelFileError: A model file is damaged or of another version.
+        FileAccessError: A model file cannot be read.
+    """
+    given: Any = shape
+    if isinstance(given, (str, os.PathLike)):
+        is_model = os.fsdecode(given).lower().endswith(MODEL_SUFFIX)
+        return Model.load(given) if is_model else Model.from_mesh(given)
+    # By name: importing trimesh takes longer than all the rest of voxshell.
+    if any(kind.__name__ == "Trimesh" for kind in type(given).__mro__):
+        return Model.from_mesh(given)
+    return given
 
 
 def make_geometry(shape: Shape) -> PartGeometry | _bullet.CompoundGeometry:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections import Counter
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
@@ -22,7 +23,7 @@ from voxshell._arguments import (
 )
 from voxshell._poses import as_rigid_pose
 from voxshell.body import MOTIONS, Body, as_mass_and_motion, check_surface, make_material
-from voxshell.body_shapes import compute_mass_properties, make_geometry
+from voxshell.body_shapes import as_shape, compute_mass_properties, make_geometry
 from voxshell.comparison_shapes import GImpact
 from voxshell.compound import Compound
 from voxshell.errors import InputTypeError, SettingsError
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from voxshell.body import Motion
     from voxshell.body_shapes import Inertia, Shape
     from voxshell.joints import JointKind
+    from voxshell.meshes import MeshLike
 
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
 """Of the library that simulates."""
@@ -182,6 +184,10 @@ class World:
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
+        self._gravity = np.array(as_vector(gravity, "gravity"))
+        self._gravity.setflags(write=False)
+        self._steps = 0
+        self._counting = threading.Lock()  # of steps that threads make
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._moves_surfaces = solver == "coulomb" and directions == 2
@@ -218,7 +224,7 @@ class World:
 
     def add(
         self,
-        shape: Shape,
+        shape: Shape | MeshLike,
         *,
         mass: float = 1.0,
         pose: ArrayLike | None = None,
@@ -238,7 +244,10 @@ class World:
         """Adds a body.
 
         Args:
-            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison.
+            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison. A
+                mesh, as a ``trimesh.Trimesh`` or the path of a file, becomes a model as
+                :meth:`Model.from_mesh` builds it by default, in metres, and is cached; the path of a model
+                file (``.vxs``) is loaded.
             mass: Kilograms; 0 makes the body static.
             pose: ``world_from_body`` in any form that :func:`pose` lists; the identity by default.
             friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
@@ -265,6 +274,9 @@ class World:
             The body.
 
         Raises:
+            MeshError: A mesh cannot be read or made into a model: see :meth:`Model.from_mesh`.
+            ModelFileError: A model file is damaged or of another version.
+            FileAccessError: A model file cannot be read.
             InputTypeError: ``shape`` cannot be simulated, or ``inertia`` is of another type.
             SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
                 0 and the body is not kinematic, the solver is not "coulomb", or
@@ -282,9 +294,7 @@ class World:
             >>> on_top[2, 3] = 0.1
             >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_top, friction=1.0)
             >>> def push(world):
-            ...     pose = plate.pose
-            ...     pose[0, 3] += 1.0 * world.time_step
-            ...     plate.pose = pose
+            ...     plate.position = plate.position + (1.0 * world.time_step, 0, 0)
             >>> world.step(400, before=push)
             >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
             True
@@ -307,6 +317,7 @@ class World:
         )
         if any(material.surface_velocity):
             check_surface(motion, label, self._moves_surfaces)
+        shape = as_shape(shape)
         geometry = make_geometry(shape)
         matter = compute_mass_properties(shape, kilograms, inertia)
         world_from_body = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
@@ -333,6 +344,7 @@ class World:
             kilograms,
             motion,
             self._moves_surfaces,
+            matter.center_of_mass,
         )
         self.bodies.append(body)
         if self._judges:
@@ -500,18 +512,60 @@ class World:
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
-            self._simulation.step(count)
+            for _ in range(count):
+                self._step_once()
             check_motions(self._simulation, self.bodies, self._advice)
             return
         for _ in range(count):
             if before is not None:
                 before(self)
-            self._simulation.step(1)
+            self._step_once()
             check_motions(self._simulation, self.bodies, self._advice)
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
+
+    def _step_once(self) -> None:
+        try:
+            self._simulation.step(1)
+        finally:  # Ctrl-C raises after the step
+            with self._counting:
+                self._steps += 1
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the world was made: steps times ``time_step``.
+
+        :meth:`restore_state` sets it back to the time of the state.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World(time_step=0.01)
+            >>> world.step(25)
+            >>> world.time
+            0.25
+        """
+        return self._steps * self.time_step
+
+    @property
+    def gravity(self) -> NDArray[np.float64]:
+        """The acceleration of free bodies, (3,) float64, m/s2, world frame, read-only.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.World().gravity
+            array([ 0.  ,  0.  , -9.81])
+        """
+        return self._gravity
+
+    def __repr__(self) -> str:
+        bodies, joints = len(self.bodies), len(self.joints)
+        return (
+            f"World({bodies} {'body' if bodies == 1 else 'bodies'}, "
+            f"{joints} {'joint' if joints == 1 else 'joints'}, time={self.time:.6g} s, "
+            f"time_step={self.time_step:.6g} s)"
+        )
 
     def _judge_models(self) -> None:
         """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""
@@ -562,7 +616,7 @@ class World:
             >>> bool((ball.pose == first).all())
             True
         """
-        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints))
+        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints), self._steps)
 
     def restore_state(self, state: WorldState) -> None:
         """Goes back to a state of :meth:`save_state`, as often as one likes.
@@ -575,6 +629,7 @@ class World:
         """
         check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
         self._simulation.restore(state._state)
+        self._steps = state._steps
 
     def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
         """What rays meet first, of all bodies as they stand now.

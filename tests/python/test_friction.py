@@ -158,9 +158,7 @@ def test_a_torque_below_friction_turns_nothing():
 def test_an_impact_aslant_loses_friction_times_its_normal_impulse(speed):
     """Contacts that are made before they touch have their friction in the same step."""
     world, body, _ = lay("cube", "plane", rate=60)
-    pose = body.pose
-    pose[2, 3] += 0.03
-    body.pose = pose
+    body.position = np.add(body.position, (0, 0, 0.03))
     body.linear_velocity = (3.0 * speed, 0.0, -speed)
     world.step(10)
     lost_by_weight = FRICTION * GRAVITY * 10 / 60

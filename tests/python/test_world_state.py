@@ -98,7 +98,7 @@ def driven(ring, brick):
     world.set_collision(passing, rider, False)
 
     def push(world):
-        pose = plate.pose
+        pose = plate.pose.copy()
         pose[0, 3] += 0.2 * world.time_step
         plate.pose = pose
         ghost.apply_force((0.0, 0.1, 9.0))
