@@ -134,7 +134,7 @@ def override(settings: Settings, table: Mapping[str, Any], name: str) -> Setting
         Fall(height=2.0)
         >>> override(Fall(), {"hight": 2}, "fall")
         Traceback (most recent call last):
-        voxshell.errors.SettingsError: fall.hight is no setting; there are: height
+        voxshell.errors.SettingsError: fall.hight: unknown setting; valid settings: height
     """
     changes = _convert_table(type(settings), table, name)
     try:
@@ -171,7 +171,7 @@ def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict
     for key, value in table.items():
         if key not in known:
             raise SettingsError(
-                f"unknown setting {name}.{key[:80]}; valid settings: {', '.join(known)}"
+                f"{name}.{key[:80]}: unknown setting; valid settings: {', '.join(known)}"
             )
         values[key] = _convert(value, types[key], f"{name}.{key}")
     return values

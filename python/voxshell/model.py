@@ -273,7 +273,7 @@ class Model:
             >>> import voxshell as vx
             >>> vx.Model.load("pyproject.toml")
             Traceback (most recent call last):
-            voxshell.errors.ModelFileError: pyproject.toml: it is no model file: it does not begin as one
+            voxshell.errors.ModelFileError: pyproject.toml: not a model file: it does not begin with the signature of one
         """
         return cls(CoreModel.load(as_path(path, "path")))
 

@@ -88,7 +88,7 @@ def read_scene(path: Path) -> Scene:
         return _make_scene(path, text, tables)
     except SettingsError as error:
         # What is wrong with a key begins with its name.
-        keys = str(error).partition(" ")[0].partition("[")[0].split(".")
+        keys = str(error).partition(" ")[0].partition("[")[0].rstrip(":").split(".")
         raise _locate(path, text, tuple(keys), str(error)) from None
 
 
@@ -100,7 +100,7 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     for name, table in tables.items():
         if name not in _TABLES:
             raise SettingsError(
-                f"unknown table {name[:80]}; tables of a scene: {', '.join(_TABLES)}"
+                f"{name[:80]}: unknown table; tables of a scene: {', '.join(_TABLES)}"
             )
         if not isinstance(table, dict):
             raise SettingsError(f"{name} must be a table, [{name}]")

@@ -68,7 +68,7 @@ def test_second_run_reads_what_the_first_measured(printed, settings, out):
     ("arguments", "table", "message"),
     [
         (("--only", "coral"), "", "there is no peer 'coral'; there are: voxshell, "),
-        ((), "rate = [20]", "unknown setting peers.rate; valid settings: case_seconds, rates"),
+        ((), "rate = [20]", "peers.rate: unknown setting; valid settings: case_seconds, rates"),
         ((), "rates = [0]", "peers.rates must be above 0, not 0"),
         ((), "time_limit = -1", "peers.time_limit must be above 0, not -1"),
     ],

@@ -113,7 +113,7 @@ def test_mesh_without_area_is_refused_with_its_path(tmp_path):
 def test_help_teaches():
     result = voxshell("simulate", "drop", "--help")
     assert result.returncode == 0
-    for word in ("--fine-points", "part.stl", "results.json", "metres"):
+    for word in ("--fine-points", "part.stl", "results.json", "meters"):
         assert word in result.stdout
     assert "simulate" in voxshell("--help").stdout
 

@@ -18,7 +18,7 @@ ONE = '[bodies.a]\nshape = "sphere"\nradius = 1\nmass = 1\n'
 HOSTILE: dict[str, tuple[Callable[[], str], str]] = {
     "typo in the last of 400 bodies": (
         lambda: BODIES.replace("mass = 1\n", "mas = 1\n", 400).replace("mas = ", "mass = ", 399),
-        r":2001: unknown setting bodies.b399.mas",
+        r":2001: bodies.b399.mas: unknown setting",
     ),
     "key of 100,000 parts": (
         lambda: ONE + "x" + ".a" * 100_000 + " = 1\n",

@@ -39,7 +39,7 @@ def test_every_kind_of_field_can_be_overridden():
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"hight": 1.0}, "unknown setting fall.hight; valid settings: height, steps"),
+        ({"hight": 1.0}, "fall.hight: unknown setting; valid settings: height, steps"),
         ({"height": "high"}, "fall.height must be a number, not 'high'"),
         ({"height": True}, "fall.height must be a number, not True"),
         ({"steps": 1.5}, "fall.steps must be an integer, not 1.5"),
