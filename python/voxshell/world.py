@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections import Counter
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
@@ -186,8 +185,6 @@ class World:
             iterations = 10 if as_needed else self._fixed_iterations()
         self._gravity = np.array(as_vector(gravity, "gravity"))
         self._gravity.setflags(write=False)
-        self._steps = 0
-        self._counting = threading.Lock()  # of steps that threads make
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
         self._moves_surfaces = solver == "coulomb" and directions == 2
@@ -512,26 +509,18 @@ class World:
         if self._new:
             self._judge_models()
         if callback is None and before is None and not self._recorders:
-            for _ in range(count):
-                self._step_once()
+            self._simulation.step(count)
             check_motions(self._simulation, self.bodies, self._advice)
             return
         for _ in range(count):
             if before is not None:
                 before(self)
-            self._step_once()
+            self._simulation.step(1)
             check_motions(self._simulation, self.bodies, self._advice)
             for recorder in self._recorders:
                 recorder.take()
             if callback is not None:
                 callback(self)
-
-    def _step_once(self) -> None:
-        try:
-            self._simulation.step(1)
-        finally:  # Ctrl-C raises after the step
-            with self._counting:
-                self._steps += 1
 
     @property
     def time(self) -> float:
@@ -546,7 +535,7 @@ class World:
             >>> world.time
             0.25
         """
-        return self._steps * self.time_step
+        return self._simulation.step_count() * self.time_step
 
     @property
     def gravity(self) -> NDArray[np.float64]:
@@ -616,7 +605,7 @@ class World:
             >>> bool((ball.pose == first).all())
             True
         """
-        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints), self._steps)
+        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints))
 
     def restore_state(self, state: WorldState) -> None:
         """Goes back to a state of :meth:`save_state`, as often as one likes.
@@ -629,7 +618,6 @@ class World:
         """
         check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
         self._simulation.restore(state._state)
-        self._steps = state._steps
 
     def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
         """What rays meet first, of all bodies as they stand now.

@@ -18,20 +18,18 @@ class WorldState:
     It is for the world that it was taken from, with the bodies and joints that there were.
     """
 
-    __slots__ = ("_bodies", "_joints", "_simulation", "_state", "_steps")
+    __slots__ = ("_bodies", "_joints", "_simulation", "_state")
 
     def __init__(
         self,
         simulation: _bullet.Simulation,
         bodies: tuple[Body, ...],
         joints: tuple[Joint, ...],
-        steps: int,
     ) -> None:
         self._simulation = simulation
         self._state = simulation.save()
         self._bodies = bodies
         self._joints = joints
-        self._steps = steps
 
     def __repr__(self) -> str:
         return f"WorldState({len(self._bodies)} bodies, {len(self._joints)} joints)"

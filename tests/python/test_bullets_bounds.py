@@ -91,9 +91,12 @@ def test_a_simulation_that_diverges_is_an_error():
     with pytest.raises(vx.SimulationError, match=r"'ball' is no longer finite.*'coulomb'"):
         world.step(5, steps.append)
     assert not steps
+    lost_at = world.time
     with pytest.raises(vx.SimulationError, match="diverged"):
         world.step(5)
+    assert world.time == lost_at + world.time_step, "it goes on after the step that failed"
     world.restore_state(before)
+    assert world.time == 0.0
     world.step(5)
     assert np.isfinite(body.pose).all()
 

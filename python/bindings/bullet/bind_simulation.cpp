@@ -261,6 +261,7 @@ void bind_simulation(nb::module_& module) {
            [](const Simulation& s, std::size_t i) { return BodyMaterial(s.material(i)); })
       .def("set_material", &Simulation::set_material)
       .def("set_collision", &Simulation::set_collision)
+      .def("step_count", &Simulation::step_count)
       .def("save", &Simulation::save)
       .def("restore", &Simulation::restore)
       .def("is_asleep", &Simulation::is_asleep)

@@ -292,6 +292,7 @@ void Simulation::step() {
   model_timings_ = {};
   const auto start = Clock::now();
   world_->stepSimulation(settings_.time_step, 0);
+  ++step_count_;
   timings_.push_back({seconds_since(start), dispatcher_->seconds,
                       model_timings_.query + dispatcher_->parallel_seconds(),
                       model_timings_.reduction, model_timings_.manifold});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <numbers>
@@ -137,6 +138,8 @@ class Simulation {
   void set_motor(std::size_t joint, const Motor& motor);
 
   void step();
+  /// Made since the start, or since that of a state that was restored.
+  std::uint64_t step_count() const { return step_count_; }
   /// Bodies that turn by more than kMostTurn a step, each of them once, with how far that is,
   /// radians; and forgets them.
   std::vector<std::pair<std::size_t, double>> take_fast_spins() {
@@ -234,6 +237,7 @@ class Simulation {
   std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not meet, ascending
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
+  std::uint64_t step_count_ = 0;
   std::deque<StepTimings> timings_;
   std::vector<std::pair<std::size_t, double>> fast_spins_;
   std::vector<std::pair<std::size_t, double>> long_ways_;

@@ -74,6 +74,7 @@ std::shared_ptr<const SimulationState> Simulation::save() {
     state->manifolds.push_back(std::move(saved));
   }
   state->contacts = compute_contacts();
+  state->step_count = step_count_;
   rebuild(*state);
   return state;
 }
@@ -88,6 +89,7 @@ void Simulation::restore(const SimulationState& state) {
     throw std::out_of_range("the world has other bodies or joints than the state");
   }
   rebuild(state);
+  step_count_ = state.step_count;
 }
 
 /// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on all that went before: a new

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <utility>
 #include <vector>
@@ -41,6 +42,7 @@ struct SimulationState {
   std::set<std::pair<int, int>> apart;
   std::vector<ManifoldState> manifolds;  ///< whose impulses the next step begins with
   std::vector<SimulationContact> contacts;
+  std::uint64_t step_count = 0;
 };
 
 }  // namespace voxshell::python
