@@ -45,7 +45,7 @@ def as_rigid_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """A 4x4 array that the core takes: finite, rigid, and not too far away.
 
     Raises:
-        PoseError: It is none, or too far from one.
+        PoseError: The value is not a pose, or its rotation is off orthonormal by more than 1e-3.
     """
     pose = as_pose(value, name)
     if pose is None:

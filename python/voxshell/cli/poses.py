@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell._input_files import read_small_file
+from voxshell._poses import as_rigid_pose
 from voxshell.errors import PoseError, SettingsError
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, row by row)"
 """How many numbers make a pose."""
-
-_UNIT_TOLERANCE = 1e-3
 
 _WHAT = "file of poses"
 
@@ -44,25 +43,9 @@ def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
                [ 0. , -1. ,  0. ,  0. ]])
     """
     values = np.asarray(numbers, dtype=np.float64)
-    if not np.isfinite(values).all():
-        raise PoseError(f"{name} must be finite numbers")
-    pose = np.eye(4)
-    if len(values) == 16:
-        return values.reshape(4, 4)
-    if len(values) not in (3, 7):
+    if len(values) not in (3, 7, 16):
         raise PoseError(f"{name} must be {FORMS} numbers, not {len(values)}")
-    pose[:3, 3] = values[:3]
-    if len(values) == 7:
-        length = float(np.linalg.norm(values[3:]))
-        if abs(length - 1.0) > _UNIT_TOLERANCE:
-            raise PoseError(f"{name} must have a quaternion of length 1, not {length:.6g}")
-        x, y, z, w = values[3:] / length
-        pose[:3, :3] = (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
-            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
-            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
-        )
-    return pose
+    return as_rigid_pose(values.reshape(4, 4) if len(values) == 16 else values, name)
 
 
 def read_poses(path: Path) -> NDArray[np.float64]:

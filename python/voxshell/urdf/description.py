@@ -12,6 +12,7 @@ import numpy as np
 from voxshell._arguments import as_path
 from voxshell._input_files import read_small_file
 from voxshell.errors import FileAccessError, RobotError, SettingsError
+from voxshell.poses import pose as make_pose
 from voxshell.urdf.elements import parse_elements
 from voxshell.urdf.mesh_paths import find_mesh
 
@@ -456,16 +457,7 @@ def _read_bound(limit: Element | None, name: str) -> float | None:
 
 
 def _read_pose(origin: Element | None) -> NDArray[np.float64]:
-    pose = np.eye(4)
     if origin is None:
-        return pose
-    pose[:3, 3] = origin.numbers("xyz", (3,)) or (0.0, 0.0, 0.0)
-    roll, pitch, yaw = origin.numbers("rpy", (3,)) or (0.0, 0.0, 0.0)
-    about_x, about_y, about_z = ((math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw))
-    (cr, sr), (cp, sp), (cy, sy) = about_x, about_y, about_z
-    pose[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return pose
+        return make_pose()
+    zero = (0.0, 0.0, 0.0)
+    return make_pose(origin.numbers("xyz", (3,)) or zero, euler=origin.numbers("rpy", (3,)) or zero)
