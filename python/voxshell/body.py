@@ -296,7 +296,6 @@ class Body(WorldPart):
     def apply_impulse(
         self,
         impulse: ArrayLike,
-        point: ArrayLike | None = None,
         *,
         at: ArrayLike | None = None,
     ) -> None:
@@ -304,25 +303,20 @@ class Body(WorldPart):
 
         Args:
             impulse: (3,), newton seconds, world frame.
-            point: (3,), metres, world frame: the point that is hit; the center of mass by default.
-            at: Another name of ``point``, as :meth:`apply_force` has it.
+            at: (3,), meters, world frame: the point that is hit; the center of mass by default.
 
         Raises:
-            SettingsError: The body is not dynamic, an argument is not three finite numbers, or both
-                ``point`` and ``at`` are given.
+            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
 
         Example:
             >>> import voxshell as vx
             >>> ball = vx.World(gravity=(0, 0, 0)).add(vx.Sphere(0.1), mass=2.0)
-            >>> ball.apply_impulse((1.0, 0, 0), (0, 0, 0.1))
+            >>> ball.apply_impulse((1.0, 0, 0), at=(0, 0, 0.1))
             >>> ball.linear_velocity, ball.angular_velocity.round(6)
             (array([0.5, 0. , 0. ]), array([ 0. , 12.5,  0. ]))
         """
-        if point is not None and at is not None:
-            raise SettingsError("give either point or at, not both: they are the same")
-        name, place = ("at", at) if point is None else ("point", point)
         self._moved_by_forces("an impulse").apply_impulse(
-            self.number, as_vector(impulse, "impulse"), _as_place(place, name)
+            self.number, as_vector(impulse, "impulse"), _as_place(at)
         )
 
     def apply_torque_impulse(self, impulse: ArrayLike) -> None:
@@ -581,8 +575,8 @@ def as_groups(value: int, name: str) -> int:
     return as_integer(value, name, 0, _ALL_GROUPS)
 
 
-def _as_place(place: ArrayLike | None, name: str = "at") -> tuple[float, float, float] | None:
-    return None if place is None else as_vector(place, name)
+def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
+    return None if at is None else as_vector(at, "at")
 
 
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
