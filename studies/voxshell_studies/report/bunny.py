@@ -296,7 +296,7 @@ def _rows_of_pictures(tables: Tables) -> list[Row]:
             note="levels 1 to 5: " + ", ".join(f"{count:,}" for count in levels.values()),
         ),
         Row(
-            f"frames of the drop, steps {', '.join(map(str, FRAME_STEPS))}: way down after the first",
+            f"frames of the drop, steps {', '.join(map(str, FRAME_STEPS))}: distance down after the first",
             "falls, then lies",
             1e3 * (heights[0] - heights[-1]),
             "mm",

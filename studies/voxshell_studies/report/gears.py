@@ -108,7 +108,7 @@ def _measure_ratio(settings: GearsSettings, tables: Tables) -> tuple[float, str]
         )
     lag = 360.0 * (other - driven / settings.ratio)[: done[0] + 1]
     ratio = float(driven[done[0]] / other[done[0]])
-    return ratio, f"the other gear is {lag.min():+.2f} to {lag.max():+.2f} degrees ahead on its way"
+    return ratio, f"the other gear is {lag.min():+.2f} to {lag.max():+.2f} degrees ahead"
 
 
 def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Picture]:

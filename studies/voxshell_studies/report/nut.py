@@ -133,12 +133,12 @@ def draw(settings: BoltSettings, results: Results, folder: Path) -> list[Picture
         axes.plot(
             [0, most], [0, most * settings.pitch * 1e3], "--", color="#999999", label="the thread"
         )
-        axes.set(xlabel="turns", ylabel="way down, mm")
+        axes.set(xlabel="turns", ylabel="distance down, mm")
         axes.legend(fontsize=8, frameon=False)
     _draw_places(settings, results, folder / "places.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("thread.png", "The nut's way down over its turns without friction; dashed: the pitch."),
+        Picture("thread.png", "The nut's distance down over its turns without friction; dashed: the pitch."),
         Picture("places.png", "At the start, and at the end: with friction, and without (regular contacts)."),
         Picture("replay.html", "The nut with and without friction."),
     ]  # fmt: skip
