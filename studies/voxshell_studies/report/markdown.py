@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from voxshell_studies.verdict import Row
 
 _HEAD = (
-    "| quantity | published | here | unit | ours should be | verdict | note |",
+    "| quantity | published | here | unit | required of voxshell | verdict | note |",
     "|---|---|---|---|---|---|---|",
 )
 

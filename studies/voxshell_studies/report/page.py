@@ -169,7 +169,7 @@ def _tell(out: Path, finding: Finding) -> str:
 <h3>Result</h3>{pictures}
 <h3>Verdict</h3>
 <table><tr><th>quantity</th><th class="number">published</th><th class="number">here</th><th>unit</th>
-<th>ours should be</th><th>verdict</th></tr>{lines}</table>"""
+<th>required of voxshell</th><th>verdict</th></tr>{lines}</table>"""
 
 
 def _show(out: Path, folder: str, picture: Picture) -> str:

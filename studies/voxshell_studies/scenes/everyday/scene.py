@@ -225,7 +225,7 @@ class Measure:
         """How far off, as the bar is meant; infinite where there is no finite value.
 
         Example:
-            >>> Measure("way", "m", lambda _: 0.0, lambda _: 0.0, 0.05, relative=True).error(1.9, 2.0)
+            >>> Measure("distance", "m", lambda _: 0.0, lambda _: 0.0, 0.05, relative=True).error(1.9, 2.0)
             0.05
         """
         if not np.isfinite(value):
