@@ -12,7 +12,7 @@ import re
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.queries import collide, contacts, distance
+from voxshell.query.queries import collide, contacts, distance
 
 from voxshell_studies.first_touch import find_first_touch
 from voxshell_studies.geometry_contacts import JUDGED, judge_contacts, measure_contacts
@@ -41,7 +41,7 @@ from voxshell_studies.scenes.solids import as_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.contact_set import Contacts
+    from voxshell.query.contact_set import Contacts
 
     from voxshell_studies.part import Tables
 

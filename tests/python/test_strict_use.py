@@ -160,7 +160,7 @@ def test_worlds(tmp_path: Path):
     def note(world: vx.World) -> None:
         heights.append(float(body.pose[2, 3]))
 
-    recorder = world.record(every=2)
+    recorder: vx.Recorder = world.record(every=2)
     state: vx.WorldState = world.save_state()
     world.step(10, note, before=lambda world: body.apply_force((0, 0, 0.1)))
     reaction: vx.Reaction = slide.reaction
@@ -180,7 +180,8 @@ def test_worlds(tmp_path: Path):
     assert not world.overlaps(ground, body)
     assert world.ray_cast((0, 0, 1), (0, 0, -1))["body"][0] >= 0
     assert world.timings["step"].shape == (10,)
-    assert recorder.recording().frame_count == 6
+    recording: vx.Recording = recorder.recording()
+    assert recording.frame_count == 6
 
 
 def test_robots(tmp_path: Path):

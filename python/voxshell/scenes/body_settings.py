@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_not_negative, as_positive, as_real
+from voxshell.base.arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
 

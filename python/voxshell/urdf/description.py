@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Literal, NoReturn, TypeAlias, cast
 
 import numpy as np
 
-from voxshell._arguments import as_path
-from voxshell._input_files import read_small_file
+from voxshell.base.arguments import as_path
+from voxshell.base.input_files import read_small_file
+from voxshell.base.poses import pose as make_pose
 from voxshell.errors import FileAccessError, RobotError, SettingsError
-from voxshell.poses import pose as make_pose
 from voxshell.urdf.elements import parse_elements
 from voxshell.urdf.mesh_paths import find_mesh
 

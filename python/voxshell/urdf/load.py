@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_floats, as_integer, as_positive
-from voxshell.comparison_shapes import ConvexHull
-from voxshell.compound import Compound, Part
+from voxshell.base.arguments import as_floats, as_integer, as_positive
 from voxshell.errors import (
     InputTypeError,
     MemoryLimitError,
@@ -19,9 +17,11 @@ from voxshell.errors import (
     RobotError,
     SettingsError,
 )
-from voxshell.joints import HingeJoint, Joint, PointJoint, SliderJoint
-from voxshell.model import Model
-from voxshell.shapes import Box, Capsule, Cylinder, Sphere
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cylinder, Sphere
+from voxshell.simulation.comparison_shapes import ConvexHull
+from voxshell.simulation.compound import Compound, Part
+from voxshell.simulation.joints import HingeJoint, Joint, PointJoint, SliderJoint
 from voxshell.urdf.description import (
     Collision,
     MeshFile,
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from voxshell.body import Body
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.world import World
     from voxshell.urdf.description import JointDescription
-    from voxshell.world import World
 
 _DEFAULT_RESOLUTION = 100
 _MARKER_RADIUS = 0.005
@@ -147,7 +147,7 @@ def load_urdf(
     if voxel_size is None and resolution is None:
         resolution = _DEFAULT_RESOLUTION
     world_from_root = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
-    from voxshell.world import World  # which imports robots
+    from voxshell.simulation.world import World  # which imports robots
 
     if not isinstance(world, World):
         raise InputTypeError(f"world must be a World, not {type(world).__name__}")

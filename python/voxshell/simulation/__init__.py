@@ -1,0 +1,33 @@
+"""Worlds in stock Bullet, with their bodies and joints. Only this room and `urdf` need Bullet."""
+
+from voxshell.simulation.body import Body
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
+from voxshell.simulation.compound import Compound
+from voxshell.simulation.joints import (
+    FixedJoint,
+    HingeJoint,
+    Joint,
+    PointJoint,
+    Reaction,
+    SliderJoint,
+)
+from voxshell.simulation.recorder import Recorder
+from voxshell.simulation.state import WorldState
+from voxshell.simulation.world import World
+
+__all__ = [
+    "Body",
+    "Compound",
+    "ConvexDecomposition",
+    "ConvexHull",
+    "FixedJoint",
+    "GImpact",
+    "HingeJoint",
+    "Joint",
+    "PointJoint",
+    "Reaction",
+    "Recorder",
+    "SliderJoint",
+    "World",
+    "WorldState",
+]
