@@ -53,7 +53,7 @@ def _list_module(module: ModuleType) -> Iterator[str]:
 
 
 def _list_class(path: str, cls: type) -> Iterator[str]:
-    bases = ", ".join(base.__name__ for base in cls.__bases__ if base is not object)
+    bases = ", ".join(base.__name__ for base in cls.__bases__ if _is_public(base))
     made = "" if issubclass(cls, BaseException) else _describe_signature(cls)
     if made.startswith(_MADE_BY_US):
         made = ""
@@ -74,6 +74,13 @@ def _list_class(path: str, cls: type) -> Iterator[str]:
             del members[name]
     for name in sorted(members):
         yield f"    {name}{members[name]}"
+
+
+def _is_public(base: type) -> bool:
+    """Whether it is a name of ours that is public, or Python's own."""
+    return base is not object and (
+        base.__module__ == "builtins" or base.__name__ in voxshell.__all__
+    )
 
 
 def _describe_member(cls: type, name: str, member: Any) -> str:

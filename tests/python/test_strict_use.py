@@ -148,7 +148,9 @@ def test_worlds(tmp_path: Path):
         world.add(shape, pose=aside + number * (aside - np.eye(4)), mask=0)
     pose = np.eye(4)
     pose[2, 3] = 0.3
-    body = world.add(model, mass=0.2, pose=pose, inertia="solid", motion="dynamic")
+    rubber: vx.Material = vx.Material(friction=1.0)
+    body = world.add(model, mass=0.2, pose=pose, inertia="solid", motion="dynamic", material=rubber)
+    body.material = vx.Material(body.friction, restitution=0.1)
     kinds = (vx.FixedJoint(), vx.PointJoint(), vx.HingeJoint((0, 1, 0), limits=(-1, 1)))
     for kind in kinds:
         joint: vx.Joint = world.add_joint(kind, None, body)

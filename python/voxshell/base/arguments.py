@@ -54,6 +54,14 @@ def as_not_negative(value: Any, name: str) -> float:
     return number
 
 
+def as_share(value: float, name: str) -> float:
+    """A number from 0 to 1."""
+    share = as_real(value, name)
+    if not 0.0 <= share <= 1.0:
+        raise SettingsError(f"{name} must be from 0 to 1, not {share:g}")
+    return share
+
+
 def as_length(value: Any, name: str) -> float:
     """A length above zero, in metres."""
     number = as_positive(value, name)

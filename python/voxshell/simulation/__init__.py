@@ -11,6 +11,7 @@ from voxshell.simulation.joints import (
     Reaction,
     SliderJoint,
 )
+from voxshell.simulation.material import Material
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState
 from voxshell.simulation.world import World
@@ -24,6 +25,7 @@ __all__ = [
     "GImpact",
     "HingeJoint",
     "Joint",
+    "Material",
     "PointJoint",
     "Reaction",
     "Recorder",

@@ -3,36 +3,26 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell import _bullet
-from voxshell.base.arguments import as_integer, as_not_negative, as_real, as_vector
+from voxshell.base.arguments import as_vector
 from voxshell.base.pose_forms import as_pose, as_rigid_pose
 from voxshell.base.poses import pose as make_pose
 from voxshell.base.rotations import xyzw_from_rotation
 from voxshell.errors import PoseError, SettingsError
-from voxshell.simulation.part import WorldPart
+from voxshell.simulation.body_properties import BodyProperties, read_only
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from voxshell import _bullet
     from voxshell.simulation.body_shapes import Shape
-
-Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
-"""Who moves a body: forces, nobody, or the user, pose by pose."""
-
-MOTIONS: dict[Motion, _bullet.Motion] = {
-    "dynamic": _bullet.Motion.DYNAMIC,
-    "static": _bullet.Motion.STATIC,
-    "kinematic": _bullet.Motion.KINEMATIC,
-}
-
-_ALL_GROUPS = 2**31 - 1
+    from voxshell.simulation.motion import Motion
 
 
-class Body(WorldPart):
+class Body(BodyProperties):
     """A body of a :class:`World`; made by :meth:`World.add`.
 
     Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
@@ -54,7 +44,7 @@ class Body(WorldPart):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_center", "_mass", "_motion", "_moves_surfaces", "_number", "_shape")
+    __slots__ = ("_center", "_mass", "_shape")
 
     def __init__(
         self,
@@ -67,21 +57,10 @@ class Body(WorldPart):
         moves_surfaces: bool,
         center_of_mass: NDArray[np.float64],
     ) -> None:
-        super().__init__(simulation, name)
+        super().__init__(simulation, number, name, motion, moves_surfaces)
         self._center = center_of_mass
-        self._moves_surfaces = moves_surfaces
-        self._number = number
         self._shape: Shape = shape
         self._mass = mass
-        self._motion: Motion = motion
-
-    @property
-    def number(self) -> int:
-        """What ``World.contacts()`` and other results call it; no two bodies of a world have had the same.
-
-        It is the body's place in ``World.bodies`` as long as none is removed.
-        """
-        return self._number
 
     @property
     def shape(self) -> Shape:
@@ -92,11 +71,6 @@ class Body(WorldPart):
     def mass(self) -> float:
         """Kilograms; 0 for static and kinematic bodies."""
         return self._mass
-
-    @property
-    def motion(self) -> Motion:
-        """Who moves it: "dynamic" (forces), "static" (nobody), "kinematic" (the user)."""
-        return self._motion
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -117,7 +91,7 @@ class Body(WorldPart):
             Traceback (most recent call last):
             ValueError: assignment destination is read-only
         """
-        return _read_only(self._simulation.pose(self.number))
+        return read_only(self._simulation.pose(self.number))
 
     @pose.setter
     def pose(self, value: ArrayLike) -> None:
@@ -146,7 +120,7 @@ class Body(WorldPart):
             >>> body.position
             array([0., 0., 1.])
         """
-        return _read_only(self._simulation.pose(self.number)[:3, 3].copy())
+        return read_only(self._simulation.pose(self.number)[:3, 3].copy())
 
     @position.setter
     def position(self, value: ArrayLike) -> None:
@@ -172,7 +146,7 @@ class Body(WorldPart):
             >>> body.orientation_xyzw.round(6)
             array([0.      , 0.      , 0.707107, 0.707107])
         """
-        return _read_only(xyzw_from_rotation(self._simulation.pose(self.number)[:3, :3]))
+        return read_only(xyzw_from_rotation(self._simulation.pose(self.number)[:3, :3]))
 
     @orientation_xyzw.setter
     def orientation_xyzw(self, value: ArrayLike) -> None:
@@ -188,7 +162,7 @@ class Body(WorldPart):
         Raises:
             SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
         """
-        return _read_only(np.array(self._simulation.linear_velocity(self.number)))
+        return read_only(np.array(self._simulation.linear_velocity(self.number)))
 
     @linear_velocity.setter
     def linear_velocity(self, value: ArrayLike) -> None:
@@ -202,7 +176,7 @@ class Body(WorldPart):
         Raises:
             SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
         """
-        return _read_only(np.array(self._simulation.angular_velocity(self.number)))
+        return read_only(np.array(self._simulation.angular_velocity(self.number)))
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
@@ -232,7 +206,7 @@ class Body(WorldPart):
         pose = self._simulation.pose(self.number)
         center = pose[:3, :3] @ self._center + pose[:3, 3]
         turning = np.cross(self._simulation.angular_velocity(self.number), place - center)
-        return _read_only(np.array(self._simulation.linear_velocity(self.number)) + turning)
+        return read_only(np.array(self._simulation.linear_velocity(self.number)) + turning)
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -246,7 +220,7 @@ class Body(WorldPart):
             >>> body.bounds.tolist()
             [[-0.25, -0.25, -0.25], [0.25, 0.25, 0.25]]
         """
-        return _read_only(np.array(self._simulation.bounds(self.number)))
+        return read_only(np.array(self._simulation.bounds(self.number)))
 
     @property
     def sleeping(self) -> bool:
@@ -332,162 +306,6 @@ class Body(WorldPart):
             self.number, as_vector(impulse, "impulse")
         )
 
-    @property
-    def friction(self) -> float:
-        """Coulomb coefficient; Bullet multiplies those of the two bodies."""
-        return self._simulation.material(self.number).friction
-
-    @friction.setter
-    def friction(self, value: float) -> None:
-        self._set(friction=as_not_negative(value, "friction"))
-
-    @property
-    def rolling_friction(self) -> float:
-        """Lever of the torque that withstands rolling on a body of friction 1, metres.
-
-        That torque is at most the normal force times the sum of this times the other's friction and
-        the other's rolling friction times this body's friction.
-
-        Example:
-            A ball rolls on for ever, but with 2 mm it stops:
-
-            >>> import numpy as np
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> on_top = np.eye(4)
-            >>> on_top[2, 3] = 0.1
-            >>> ball = world.add(vx.Sphere(0.1), pose=on_top)
-            >>> ball.linear_velocity, ball.angular_velocity = (0.1, 0, 0), (0, 1, 0)
-            >>> world.step(400)
-            >>> bool(ball.linear_velocity[0] > 0.099)
-            True
-            >>> ball.rolling_friction = 0.002
-            >>> world.step(400)
-            >>> bool(abs(ball.linear_velocity[0]) < 1e-4)
-            True
-        """
-        return self._simulation.material(self.number).rolling_friction
-
-    @rolling_friction.setter
-    def rolling_friction(self, value: float) -> None:
-        self._set(rolling_friction=as_not_negative(value, "rolling_friction"))
-
-    @property
-    def spinning_friction(self) -> float:
-        """Lever of the torque that withstands spinning about the contact's normal, metres.
-
-        As :attr:`rolling_friction`; Bullet's solver heeds it only where there is that, too.
-        """
-        return self._simulation.material(self.number).spinning_friction
-
-    @spinning_friction.setter
-    def spinning_friction(self, value: float) -> None:
-        self._set(spinning_friction=as_not_negative(value, "spinning_friction"))
-
-    @property
-    def restitution(self) -> float:
-        """0 to 1; Bullet multiplies those of the two bodies."""
-        return self._simulation.material(self.number).restitution
-
-    @restitution.setter
-    def restitution(self, value: float) -> None:
-        self._set(restitution=as_share(value, "restitution"))
-
-    @property
-    def linear_damping(self) -> float:
-        """Share of the velocity that is lost in a second, 0 to 1."""
-        return self._simulation.material(self.number).linear_damping
-
-    @linear_damping.setter
-    def linear_damping(self, value: float) -> None:
-        self._set(linear_damping=as_share(value, "linear_damping"))
-
-    @property
-    def angular_damping(self) -> float:
-        """Share of the angular velocity that is lost in a second, 0 to 1."""
-        return self._simulation.material(self.number).angular_damping
-
-    @angular_damping.setter
-    def angular_damping(self, value: float) -> None:
-        self._set(angular_damping=as_share(value, "angular_damping"))
-
-    @property
-    def surface_velocity(self) -> NDArray[np.float64]:
-        """Of a kinematic body's surface while the body stays, (3,) float64, m/s, body frame.
-
-        Friction takes along what touches the body, as a conveyor's belt does. The part along a
-        contact's normal does not count.
-
-        Raises:
-            SettingsError: It is set to what is not three finite numbers, or to other than 0 of a body that
-                is not kinematic or in a world with another solver than "coulomb" or with one friction
-                direction.
-
-        Example:
-            A belt takes a parcel along at 0.5 m/s:
-
-            >>> import numpy as np
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> box = vx.Box((1.0, 0.2, 0.05))
-            >>> belt = world.add(box, motion="kinematic", surface_velocity=(0.5, 0, 0))
-            >>> on_it = np.eye(4)
-            >>> on_it[:3, 3] = -0.5, 0.0, 0.1
-            >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_it)
-            >>> world.step(200)
-            >>> bool(abs(parcel.linear_velocity[0] - 0.5) < 0.01)
-            True
-            >>> float(belt.pose[0, 3])
-            0.0
-        """
-        return _read_only(np.array(self._simulation.material(self.number).surface_velocity))
-
-    @surface_velocity.setter
-    def surface_velocity(self, value: ArrayLike) -> None:
-        velocity = as_vector(value, "surface_velocity")
-        if any(velocity):
-            check_surface(self.motion, repr(self.name), self._moves_surfaces)
-        self._set(surface_velocity=velocity)
-
-    @property
-    def group(self) -> int:
-        """Bits of the groups that it is in; bodies meet if each is in a group of the other's mask.
-
-        Example:
-            Ghosts fall through each other, but not through the ground:
-
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> ghosts = [world.add(vx.Sphere(0.1), group=2, mask=1) for _ in range(2)]
-            >>> world.overlaps(*ghosts)
-            True
-            >>> world.step(300)
-            >>> sorted({(int(c["body_a"]), int(c["body_b"])) for c in world.contacts()})
-            [(1, 0), (2, 0)]
-        """
-        return self._simulation.material(self.number).group
-
-    @group.setter
-    def group(self, value: int) -> None:
-        self._set(group=as_groups(value, "group"))
-
-    @property
-    def mask(self) -> int:
-        """Bits of the groups that it meets; all by default."""
-        return self._simulation.material(self.number).mask
-
-    @mask.setter
-    def mask(self, value: int) -> None:
-        self._set(mask=as_groups(value, "mask"))
-
-    def _set(self, **changes: object) -> None:
-        material = self._simulation.material(self.number)
-        for name, value in changes.items():
-            setattr(material, name, value)
-        self._simulation.set_material(self.number, material)
-
     def _moved_by_forces(self, what: str) -> _bullet.Simulation:
         if self.motion == "static":
             raise SettingsError(f"body {self.name!r} is static: {what} cannot move it")
@@ -506,80 +324,5 @@ class Body(WorldPart):
         return f"{what}{matter}, position=({x:.4g}, {y:.4g}, {z:.4g}) m)"
 
 
-def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
-    """Kilograms, 0 of what forces do not move, and who moves a body; by its mass, if nobody says."""
-    kilograms = as_not_negative(mass, "mass")
-    if motion is None:
-        motion = "dynamic" if kilograms > 0.0 else "static"
-    elif motion not in MOTIONS:
-        raise SettingsError(
-            f"motion must be one of {', '.join(map(repr, MOTIONS))}, not {motion!r}"
-        )
-    elif motion == "dynamic" and kilograms == 0.0:
-        raise SettingsError("mass must be above 0 for a body that forces move")
-    return (kilograms if motion == "dynamic" else 0.0), motion
-
-
-def make_material(
-    *,
-    friction: float,
-    rolling_friction: float,
-    spinning_friction: float,
-    restitution: float,
-    linear_damping: float,
-    angular_damping: float,
-    group: int,
-    mask: int,
-    surface_velocity: ArrayLike,
-) -> _bullet.BodyMaterial:
-    """What a body has beside its matter, checked."""
-    material = _bullet.BodyMaterial()
-    material.friction = as_not_negative(friction, "friction")
-    material.rolling_friction = as_not_negative(rolling_friction, "rolling_friction")
-    material.spinning_friction = as_not_negative(spinning_friction, "spinning_friction")
-    material.restitution = as_share(restitution, "restitution")
-    material.linear_damping = as_share(linear_damping, "linear_damping")
-    material.angular_damping = as_share(angular_damping, "angular_damping")
-    material.group = as_groups(group, "group")
-    material.mask = as_groups(mask, "mask")
-    material.surface_velocity = as_vector(surface_velocity, "surface_velocity")
-    return material
-
-
-def check_surface(motion: Motion, name: str, moves_surfaces: bool) -> None:
-    """Whether a body's surface can move while the body stays.
-
-    Raises:
-        SettingsError: It cannot.
-    """
-    if motion != "kinematic":
-        raise SettingsError(
-            f"surface_velocity is for kinematic bodies and {name} is {motion}: pass motion='kinematic'"
-        )
-    if not moves_surfaces:
-        raise SettingsError(
-            "surface_velocity needs a world with solver='coulomb' and friction_directions=2"
-        )
-
-
-def as_share(value: float, name: str) -> float:
-    """A number from 0 to 1."""
-    share = as_real(value, name)
-    if not 0.0 <= share <= 1.0:
-        raise SettingsError(f"{name} must be from 0 to 1, not {share:g}")
-    return share
-
-
-def as_groups(value: int, name: str) -> int:
-    """Up to 31 bits; all of them stand for every group."""
-    return as_integer(value, name, 0, _ALL_GROUPS)
-
-
 def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
     return None if at is None else as_vector(at, "at")
-
-
-def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same array, which refuses assignments: they would not reach the body."""
-    array.setflags(write=False)
-    return array

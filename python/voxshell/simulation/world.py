@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -13,37 +11,21 @@ from voxshell import _bullet
 from voxshell.base.arguments import (
     as_integer,
     as_not_negative,
-    as_points,
     as_positive,
     as_real,
     as_threads,
     as_vector,
 )
-from voxshell.base.pose_forms import as_rigid_pose
-from voxshell.errors import InputTypeError, SettingsError
-from voxshell.model.model import Model
-from voxshell.model.shapes import Plane
-from voxshell.query.accuracy_warning import judge_world
-from voxshell.simulation.body import MOTIONS, Body, as_mass_and_motion, check_surface, make_material
-from voxshell.simulation.body_shapes import as_shape, compute_mass_properties, make_geometry
-from voxshell.simulation.comparison_shapes import GImpact
-from voxshell.simulation.compound import Compound
-from voxshell.simulation.joints import Joint, JointFrames, make_settings
-from voxshell.simulation.limits import check_extent, check_fall, check_mass, check_motions
-from voxshell.simulation.part import check_own
+from voxshell.errors import SettingsError
+from voxshell.simulation.limits import check_fall, check_motions
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
-from voxshell.simulation.tables import as_contacts, as_hits, as_timings
+from voxshell.simulation.world_queries import WorldQueries
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
-
-    from voxshell.model.meshes import MeshLike
-    from voxshell.simulation.body import Motion
-    from voxshell.simulation.body_shapes import Inertia, Shape
-    from voxshell.simulation.joints import JointKind
 
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
 """Of the library that simulates."""
@@ -68,7 +50,7 @@ _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
 
 
-class World:
+class World(WorldQueries):
     """A world of stock Bullet (double precision) in which models collide.
 
     Bodies that turn freely keep their angular momentum and energy.
@@ -185,18 +167,9 @@ class World:
             iterations = 10 if as_needed else self._fixed_iterations()
         self._gravity = np.array(as_vector(gravity, "gravity"))
         self._gravity.setflags(write=False)
-        self.bodies: list[Body] = []
-        self.joints: list[Joint] = []
-        self._moves_surfaces = solver == "coulomb" and directions == 2
-        self._takes_joints = solver != "nncg"
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
         self._recorders: list[Recorder] = []
-        self._judges = shell == "auto"
-        # Bodies ever added, by the model's serial and whether they may move.
-        self._known: Counter[tuple[int, bool]] = Counter()
-        self._new: set[Model] = set()  # that may meet others than before the last step
-        self._judged: set[frozenset[int]] = set()  # pairs of serials; one of a model with itself
-        self._simulation = _bullet.Simulation(
+        simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
             time_step=self.time_step,
             sleeping=bool(sleeping),
@@ -214,276 +187,16 @@ class World:
             else _as_reach(ccd_motion_threshold),
             threads=as_threads(threads),
         )
+        super().__init__(
+            simulation,
+            moves_surfaces=solver == "coulomb" and directions == 2,
+            takes_joints=solver != "nncg",
+            judges_pairs=shell == "auto",
+        )
 
     def _fixed_iterations(self) -> int:
         """Those of solvers that do not find out how many they need."""
         return max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
-
-    def add(
-        self,
-        shape: Shape | MeshLike,
-        *,
-        mass: float = 1.0,
-        pose: ArrayLike | None = None,
-        friction: float = 0.5,
-        restitution: float = 0.0,
-        inertia: Inertia = "solid",
-        name: str | None = None,
-        motion: Motion | None = None,
-        rolling_friction: float = 0.0,
-        spinning_friction: float = 0.0,
-        linear_damping: float = 0.0,
-        angular_damping: float = 0.0,
-        surface_velocity: ArrayLike = (0.0, 0.0, 0.0),
-        group: int = 1,
-        mask: int = 2**31 - 1,
-    ) -> Body:
-        """Adds a body.
-
-        Args:
-            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison. A
-                mesh, as a ``trimesh.Trimesh`` or the path of a file, becomes a model as
-                :meth:`Model.from_mesh` builds it by default, in metres, and is cached; the path of a model
-                file (``.vxs``) is loaded.
-            mass: Kilograms; 0 makes the body static.
-            pose: ``world_from_body`` in any form that :func:`pose` lists; the identity by default.
-            friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
-            restitution: 0 to 1; Bullet multiplies those of the two bodies.
-            inertia: Of the uniform solid, of a thin skin on the surface, or given: then its mass is
-                replaced by ``mass``.
-            name: For people; "body" and its number by default.
-            motion: "dynamic", moved by forces; "static", by nobody; "kinematic", by the user, who sets
-                its pose before each step. By default the first two, by the mass, which the last two
-                do without.
-            rolling_friction: Lever of the torque that withstands rolling, metres; see
-                :attr:`Body.rolling_friction`.
-            spinning_friction: The same of spinning about the contact's normal; Bullet heeds it only
-                beside rolling friction.
-            linear_damping: Share of the velocity that is lost in a second, 0 to 1.
-            angular_damping: The same of the angular velocity.
-            surface_velocity: Of a kinematic body's surface, (3,), m/s, body frame: the body stays, and
-                friction takes along what touches it; see :attr:`Body.surface_velocity`.
-            group: Bits of the groups that the body is in.
-            mask: Bits of the groups that it meets. Two bodies meet if each one's group has a bit of
-                the other's mask; see also :meth:`set_collision`.
-
-        Returns:
-            The body.
-
-        Raises:
-            MeshError: A mesh cannot be read or made into a model: see :meth:`Model.from_mesh`.
-            ModelFileError: A model file is damaged or of another version.
-            FileAccessError: A model file cannot be read.
-            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` is of another type.
-            SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
-                0 and the body is not kinematic, the solver is not "coulomb", or
-                ``friction_directions`` is 1.
-            PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
-
-        Example:
-            A kinematic plate carries what lies on it, one metre a second:
-
-            >>> import numpy as np
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> plate = world.add(vx.Box((0.5, 0.5, 0.05)), motion="kinematic")
-            >>> on_top = np.eye(4)
-            >>> on_top[2, 3] = 0.1
-            >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_top, friction=1.0)
-            >>> def push(world):
-            ...     plate.position = plate.position + (1.0 * world.time_step, 0, 0)
-            >>> world.step(400, before=push)
-            >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
-            True
-        """
-        kilograms, motion = as_mass_and_motion(mass, motion)
-        label = "the body" if name is None else repr(name)
-        check_mass(kilograms, label)
-        if isinstance(shape, Plane) and motion != "static":
-            raise SettingsError("a plane has no end and cannot move: pass mass=0")
-        material = make_material(
-            friction=friction,
-            rolling_friction=rolling_friction,
-            spinning_friction=spinning_friction,
-            restitution=restitution,
-            linear_damping=linear_damping,
-            angular_damping=angular_damping,
-            group=group,
-            mask=mask,
-            surface_velocity=surface_velocity,
-        )
-        if any(material.surface_velocity):
-            check_surface(motion, label, self._moves_surfaces)
-        shape = as_shape(shape)
-        geometry = make_geometry(shape)
-        matter = compute_mass_properties(shape, kilograms, inertia)
-        world_from_body = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
-        number = self._simulation.add_body(
-            geometry,
-            motion=MOTIONS[motion],
-            mass=kilograms,
-            centre_of_mass=matter.center_of_mass.tolist(),
-            inertia=matter.inertia.tolist(),
-            pose=world_from_body,
-            material=material,
-        )
-        if motion != "static":
-            try:
-                check_extent(self._simulation.bounds(number), label)
-            except SettingsError:
-                self._simulation.remove_body(number)
-                raise
-        body = Body(
-            self._simulation,
-            number,
-            name or f"body {number}",
-            shape,
-            kilograms,
-            motion,
-            self._moves_surfaces,
-            matter.center_of_mass,
-        )
-        self.bodies.append(body)
-        if self._judges:
-            for model in set(_models_of(shape)):
-                key = (model._serial, motion != "static")
-                self._known[key] += 1
-                if self._known[key] <= 2:  # a second body may meet the first
-                    self._new.add(model)
-        return body
-
-    def remove(self, what: Body | Joint) -> None:
-        """Takes a body, with the joints that hold it, or a joint out of the world.
-
-        Everything else stays as it is, numbers included; what was held or carried wakes.
-
-        Raises:
-            InputTypeError: ``what`` is neither.
-            SettingsError: It is of another world, or has been removed before.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ball = world.add(vx.Sphere(0.1))
-            >>> world.remove(ball)
-            >>> world.bodies
-            []
-        """
-        if isinstance(what, Joint):
-            check_own(what, self._simulation)
-            self._simulation.remove_joint(what._number)
-            what._world = None
-            self.joints.remove(what)
-            return
-        self._check_own(what, "what")
-        for joint in [joint for joint in self.joints if what in (joint.parent, joint.child)]:
-            self.remove(joint)
-        self._simulation.remove_body(what.number)
-        what._world = None
-        self.bodies.remove(what)
-
-    def add_joint(
-        self,
-        joint: JointKind,
-        parent: Body | None,
-        child: Body,
-        *,
-        parent_from_joint: ArrayLike | None = None,
-        child_from_joint: ArrayLike | None = None,
-        world_from_joint: ArrayLike | None = None,
-        collide: bool = False,
-        name: str | None = None,
-    ) -> Joint:
-        """Holds two bodies together, or one to the world.
-
-        A joint has a frame in each of its bodies, which coincide at position 0. It is at the child's
-        origin where nothing else is said, and at position 0 as the bodies stand now.
-
-        Args:
-            joint: What it leaves free: :class:`FixedJoint`, :class:`HingeJoint`, :class:`SliderJoint`
-                or :class:`PointJoint`.
-            parent: A body, or None for the world.
-            child: Another body. One of the two must be dynamic.
-            parent_from_joint: (4, 4) pose of the joint in the parent's frame, that of its mesh. Given
-                alone, it says how far the joint is from position 0 now.
-            child_from_joint: (4, 4) pose of the joint in the child's frame; the identity by default.
-            world_from_joint: (4, 4) pose of the joint now, instead of the two above.
-            collide: Whether the two bodies collide with each other.
-            name: For people; "joint" and its number by default.
-
-        Returns:
-            The joint, to read and to drive.
-
-        Raises:
-            InputTypeError: ``joint``, ``parent`` or ``child`` is of a wrong type.
-            SettingsError: A body is of another world or has been removed, both are the same, or none
-                of them can move; or the world's solver is "nncg", under which motors at limits throw
-                bodies about.
-            PoseError: A frame is not a rigid transform.
-
-        Example:
-            A door of 0.8 m, hinged at its edge and pushed at its handle:
-
-            >>> import numpy as np
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> door = world.add(vx.Box((0.4, 0.02, 1.0)), mass=20.0)
-            >>> edge = np.eye(4)
-            >>> edge[0, 3] = -0.4
-            >>> hinge = world.add_joint(
-            ...     vx.HingeJoint(axis=(0, 0, 1), limits=(0.0, 1.5)), None, door,
-            ...     world_from_joint=edge,
-            ... )
-            >>> push = lambda world: door.apply_force((0, 20, 0), at=(0.3, 0, 0))
-            >>> world.step(400, before=push)
-            >>> bool(abs(hinge.position - 1.5) < 0.01)
-            True
-        """
-        if not self._takes_joints:
-            raise SettingsError(
-                "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
-            )
-        if parent is not None:
-            self._check_own(parent, "parent")
-        self._check_own(child, "child")
-        if parent is child:
-            raise SettingsError(f"parent and child are both {child.name!r}")
-        if child.motion != "dynamic" and (parent is None or parent.motion != "dynamic"):
-            raise SettingsError(
-                "a joint needs a body that can move: "
-                f"{'the world' if parent is None else repr(parent.name)} and {child.name!r} cannot"
-            )
-        frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
-        settings = make_settings(joint, parent, child, frames, bool(collide))
-        number = self._simulation.add_joint(settings)
-        made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
-        self.joints.append(made)
-        return made
-
-    def set_collision(self, a: Body, b: Body, collide: bool) -> None:
-        """Lets two bodies collide with each other or not, whatever else they meet.
-
-        Groups and joints may keep bodies apart that this leaves together.
-
-        Raises:
-            InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed, or both are the same.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> stone = world.add(vx.Sphere(0.1))
-            >>> world.set_collision(ground, stone, False)
-            >>> world.step(200)
-            >>> bool(stone.pose[2, 3] < -4.0)
-            True
-        """
-        self._check_own(a, "a")
-        self._check_own(b, "b")
-        if a is b:
-            raise SettingsError(f"a and b are both {a.name!r}")
-        self._simulation.set_collision(a.number, b.number, bool(collide))
 
     def step(
         self,
@@ -506,8 +219,8 @@ class World:
                 that the failed step left.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
-        if self._new:
-            self._judge_models()
+        if self._pairs is not None:
+            self._pairs.judge(self.bodies)
         if callback is None and before is None and not self._recorders:
             self._simulation.step(count)
             check_motions(self._simulation, self.bodies, self._advice)
@@ -556,26 +269,6 @@ class World:
             f"time_step={self.time_step:.6g} s)"
         )
 
-    def _judge_models(self) -> None:
-        """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""
-        new, self._new = self._new, set()
-        bodies: Counter[Model] = Counter()
-        movers: set[Model] = set()
-        for body in self.bodies:
-            for model in set(_models_of(body.shape)):
-                bodies[model] += 1
-                if body.motion != "static":
-                    movers.add(model)
-        pairs = {
-            frozenset((model._serial, other._serial)): (model, other)
-            for model in new
-            if model in bodies
-            for other in bodies
-            if (other is not model or bodies[model] > 1) and not movers.isdisjoint((model, other))
-        }
-        judge_world(pairs[key] for key in pairs.keys() - self._judged)
-        self._judged |= pairs.keys()
-
     def save_state(self) -> WorldState:
         """Takes down all that moves, for :meth:`restore_state`.
 
@@ -619,142 +312,6 @@ class World:
         check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
         self._simulation.restore(state._state)
 
-    def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
-        """What rays meet first, of all bodies as they stand now.
-
-        Models are met at their meshes' triangles, from either side.
-
-        Args:
-            starts: (n, 3), metres, world frame; or (3,) for one ray.
-            ends: The same.
-
-        Returns:
-            (n,) structured array: ``body`` (its number; -1 where a ray meets nothing), ``fraction`` (of
-            the way, 0 to 1), ``point`` ((3,), metres, world frame; the end where it meets nothing) and
-            ``normal`` ((3,), of the surface, unit; zero where it meets nothing).
-
-        Raises:
-            SettingsError: The arrays are not of the same shape, or a number is not finite.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> hits = world.ray_cast([(0, 0, 2), (0, 0, 2)], [(1, 0, -2), (0, 0, 1)])
-            >>> hits["body"].tolist(), hits["fraction"].tolist()
-            ([0, -1], [0.5, 1.0])
-            >>> hits["point"][0]
-            array([0.5, 0. , 0. ])
-        """
-        first, last = _as_rows(starts, "starts"), _as_rows(ends, "ends")
-        if first.shape != last.shape:
-            raise SettingsError(
-                f"starts and ends must be of the same shape, not {first.shape} and {last.shape}"
-            )
-        for name, points in (("starts", first), ("ends", last)):
-            if not np.isfinite(points).all():
-                raise SettingsError(f"{name} must be finite")
-        return as_hits(self._simulation.cast_rays(first, last))
-
-    def query_contacts(
-        self, a: Body, b: Body | None = None, *, margin: float = 0.0
-    ) -> NDArray[np.void]:
-        """Where a body touches another, or any other, as they stand now.
-
-        It asks for geometry alone: bodies that are kept apart by groups, pairs or joints are found,
-        and the simulation goes on as if nothing had been asked.
-
-        Args:
-            a: A body.
-            b: Another body; None: all others.
-            margin: Metres: places this near count as well, with a negative depth. Of pairs with a
-                model, the nearest place is among those that are found.
-
-        Returns:
-            As :meth:`contacts`, up to four points of each pair of parts; ``impulse`` is 0.
-
-        Raises:
-            InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed, ``margin`` is below 0, or one is
-                a :class:`GImpact` and the other that or a plane: Bullet does not tell.
-
-        Example:
-            >>> import numpy as np
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> above = np.eye(4)
-            >>> above[2, 3] = 0.15
-            >>> ball = world.add(vx.Sphere(0.1), pose=above)
-            >>> len(world.query_contacts(ball))
-            0
-            >>> float(world.query_contacts(ball, margin=0.1)["depth"][0])
-            -0.04...
-        """
-        self._check_own(a, "a")
-        reach = as_not_negative(margin, "margin")
-        if b is not None:
-            self._check_own(b, "b")
-        others = [b] if b is not None else [body for body in self.bodies if body is not a]
-        for other in others:
-            _refuse_unanswered(a, other)
-        rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
-        return as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
-
-    def overlaps(self, a: Body, b: Body) -> bool:
-        """Whether two bodies touch or penetrate each other as they stand now.
-
-        Raises:
-            InputTypeError: One is no body.
-            SettingsError: As for :meth:`query_contacts`.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> a, b = world.add(vx.Sphere(0.1)), world.add(vx.Box((1, 1, 1)))
-            >>> world.overlaps(a, b)
-            True
-        """
-        return len(self.query_contacts(a, b)) > 0
-
-    def contacts(self) -> NDArray[np.void]:
-        """The contact points after the last step, as Bullet's solver had them.
-
-        Returns:
-            (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the shell's
-            point), ``point_a``, ``point_b`` and ``normal`` ((3,), metres, world frame, the normal on
-            body b and towards body a), ``depth`` (metres, positive where the bodies overlap) and
-            ``impulse`` (normal, N s, of the last step).
-        """
-        return as_contacts(self._simulation.contacts())
-
-    @property
-    def timings(self) -> NDArray[np.void]:
-        """Seconds of every step since the start or :meth:`clear_timings`, (steps,) structured array.
-
-        Of long runs, the last 100,000 steps.
-
-        ``step`` is all of Bullet's step; ``narrow_phase`` all pairs' collision algorithms, whatever
-        the shapes; ``query``, ``reduction`` and ``manifold`` the models' part of that: finding
-        contacts, choosing points, handing them to Bullet. Where several threads find contacts,
-        ``query`` is the time until all of them are done, and includes the choice of those that touch.
-        """
-        return as_timings(self._simulation.timings())
-
-    def clear_timings(self) -> None:
-        """Forgets the :attr:`timings` so far, as after a warm-up.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> world.step(10)
-            >>> world.clear_timings()
-            >>> world.step(3)
-            >>> len(world.timings)
-            3
-        """
-        self._simulation.clear_timings()
-
     def record(self, *, every: int = 1) -> Recorder:
         """Starts to record poses and contacts, now and after every ``every`` steps.
 
@@ -775,34 +332,6 @@ class World:
         )
         self._recorders.append(recorder)
         return recorder
-
-    def _check_own(self, body: Body, name: str) -> None:
-        if not isinstance(body, Body):
-            raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
-        check_own(body, self._simulation)
-
-
-def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Points, (n, 3), of one or many."""
-    with suppress(TypeError, ValueError):  # as_points says what is wrong
-        value = np.atleast_2d(value)
-    return as_points(value, name)
-
-
-def _refuse_unanswered(a: Body, b: Body) -> None:
-    """Of these pairs Bullet's contact test finds nothing, wherever they are."""
-    for first, second in ((a, b), (b, a)):
-        if isinstance(first.shape, GImpact) and isinstance(second.shape, (GImpact, Plane)):
-            raise SettingsError(
-                f"Bullet does not tell where {first.name!r}, a GImpact, touches {second.name!r}, a "
-                f"{type(second.shape).__name__}, outside of a step: see World.contacts() after one"
-            )
-
-
-def _models_of(shape: Shape) -> list[Model]:
-    if isinstance(shape, Compound):
-        return [part for part, _ in shape.parts if isinstance(part, Model)]
-    return [shape] if isinstance(shape, Model) else []
 
 
 def _as_reach(value: float) -> float:
