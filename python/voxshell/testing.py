@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from voxshell.query.contact_set import Contacts
-    from voxshell.query.queries import Collidable, Shell
+    from voxshell.query.pairs import Collidable, Shell
     from voxshell.query.scratch import QueryScratch
 
 

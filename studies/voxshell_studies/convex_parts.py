@@ -17,7 +17,8 @@ from zipfile import BadZipFile
 import numpy as np
 from voxshell.base.outputs import make_folder, write_bytes
 from voxshell.errors import MeshError, MissingExtraError
-from voxshell.model.cache import CacheWarning, find_folder, read_capacity
+from voxshell.model.cache import CacheWarning
+from voxshell.model.cache_place import find_folder, read_capacity
 from voxshell.model.meshes import Mesh
 from voxshell.simulation.world import BULLET_VERSION
 

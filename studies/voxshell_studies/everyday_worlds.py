@@ -12,7 +12,7 @@ from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull
 from voxshell.simulation.compound import Compound
-from voxshell.simulation.joints import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.world import World
 
 from voxshell_studies.scenes.everyday.forms import matter, spheroid_points
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
     from voxshell.simulation.body_shapes import Shape
     from voxshell.simulation.compound import Part
-    from voxshell.simulation.joints import JointKind
+    from voxshell.simulation.joint_kinds import JointKind
 
     from voxshell_studies.scenes.everyday.scene import Engine, Form, Item, Piece, Stage
 

@@ -10,9 +10,9 @@ import numpy as np
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.model.model import Model
-from voxshell.query.queries import distance
+from voxshell.query.distances import distance
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
-from voxshell.simulation.joints import HingeJoint
+from voxshell.simulation.joint_kinds import HingeJoint
 from voxshell.simulation.world import World
 
 from voxshell_studies.convex_parts import RECIPES, split

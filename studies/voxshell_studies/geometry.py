@@ -12,7 +12,8 @@ import re
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.query.queries import collide, contacts, distance
+from voxshell.query.distances import distance
+from voxshell.query.queries import collide, contacts
 
 from voxshell_studies.first_touch import find_first_touch
 from voxshell_studies.geometry_contacts import JUDGED, judge_contacts, measure_contacts

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell.query.queries import distance
+from voxshell.query.distances import distance
 from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
 from voxshell.simulation.world import World
 

@@ -22,7 +22,8 @@ from voxshell.measuring.poses import find_poses_between
 from voxshell.measuring.timing import pinned
 from voxshell.measuring.units import format_length, format_time
 from voxshell.model.model import Model
-from voxshell.query.queries import collide, contacts, distance, manifold
+from voxshell.query.distances import distance
+from voxshell.query.queries import collide, contacts, manifold
 from voxshell.query.scratch import QueryScratch
 
 if TYPE_CHECKING:

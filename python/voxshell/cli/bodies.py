@@ -18,7 +18,7 @@ from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from voxshell.query.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., Collidable]]] = {
     "plane": (("nx", "ny", "nz", "offset"), lambda x, y, z, offset: Plane((x, y, z), offset)),

@@ -20,8 +20,10 @@ from voxshell.errors import PoseError, SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length
 from voxshell.query.batch import collide_batch, contacts_batch
-from voxshell.query.queries import Shell, distance, wrench
+from voxshell.query.distances import distance
+from voxshell.query.pairs import Shell
 from voxshell.query.scratch import QueryScratch
+from voxshell.query.wrenches import wrench
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,7 +32,9 @@ if TYPE_CHECKING:
 
     from voxshell.cli.progress import Track
     from voxshell.query.contact_set import Contacts
-    from voxshell.query.queries import Collidable, Distance, Wrench
+    from voxshell.query.distances import Distance
+    from voxshell.query.pairs import Collidable
+    from voxshell.query.wrenches import Wrench
 
 Question: TypeAlias = Literal["contacts", "collide", "distance", "wrench"]
 Numbers: TypeAlias = Annotated[

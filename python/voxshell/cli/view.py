@@ -18,7 +18,7 @@ from voxshell.viewer.inspector import Inspector, Layer
 from voxshell.viewer.server import import_viser, make_address, silent_server
 
 if TYPE_CHECKING:
-    from voxshell.query.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 
 def view(

@@ -25,21 +25,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from voxshell import _core
-from voxshell.base.outputs import is_unfinished, remove_stale, unfinished_folder
+from voxshell.base.unfinished import is_unfinished, remove_stale, unfinished_folder
 from voxshell.errors import (
     MemoryLimitError,
     ModelFileError,
-    SettingsError,
 )
+from voxshell.model.cache_place import DEFAULT_CAPACITY, find_folder, read_capacity
+from voxshell.model.file_lock import FileLock
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from voxshell._core import Model as CoreModel
     from voxshell.model.meshes import Mesh
-
-DEFAULT_CAPACITY = 2_000_000_000
-"""Bytes."""
 
 WORTH_SECONDS = 0.05
 """A model that was built faster is not kept: to store and find it would take as long."""
@@ -53,7 +51,6 @@ LONGEST_WAIT = 600.0
 _SUFFIX, _LOCK_SUFFIX = ".vxs", ".lock"
 _MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})\.vxs")
 _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
-_UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12}
 
 
 class CacheWarning(UserWarning):
@@ -169,7 +166,7 @@ class ModelCache:
                 if is_unfinished(file.name):
                     remove_stale(Path(file.path))
                 elif _LOCK.fullmatch(file.name):
-                    with _Lock(Path(file.path)) as lock:
+                    with FileLock(Path(file.path)) as lock:
                         lock.try_acquire()
 
     # ---- files -----------------------------------------------------------------------------------
@@ -246,7 +243,7 @@ class ModelCache:
     def _locked(self, key: str, waiting: Callable[[], object]) -> Iterator[OSError | None]:
         """Holds the lock of a key, or gives the reason why there is none."""
         assert self.folder is not None
-        lock = _Lock(self.folder / (key + _LOCK_SUFFIX))
+        lock = FileLock(self.folder / (key + _LOCK_SUFFIX))
         give_up = time.monotonic() + LONGEST_WAIT
         pause = 0.001
         while True:
@@ -332,51 +329,6 @@ def _remember(key: str, model: CoreModel) -> None:
             _memory.popitem(last=False)
 
 
-class _Lock:
-    """A lock among processes and threads: a locked file, which its holder removes."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._descriptor: int | None = None
-
-    def try_acquire(self) -> bool:
-        """Whether it is held now.
-
-        Raises:
-            OSError: There can be no lock in this place.
-        """
-        import fcntl
-
-        while True:
-            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                # Whoever held it before may have removed the file that is open here.
-                if os.path.samestat(os.fstat(descriptor), os.stat(self._path)):
-                    self._descriptor = descriptor
-                    return True
-            except FileNotFoundError:
-                pass
-            except BlockingIOError:
-                os.close(descriptor)
-                return False
-            except BaseException:
-                os.close(descriptor)
-                raise
-            os.close(descriptor)
-
-    def __enter__(self) -> _Lock:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._descriptor is not None:
-            with suppress(OSError):
-                os.unlink(self._path)
-            with suppress(OSError):  # which holds no data
-                os.close(self._descriptor)
-            self._descriptor = None
-
-
 def open_cache() -> ModelCache:
     """The cache that the environment names.
 
@@ -384,43 +336,6 @@ def open_cache() -> ModelCache:
         SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
     """
     return ModelCache(find_folder(os.environ), read_capacity(os.environ))
-
-
-def find_folder(environment: Mapping[str, str]) -> Path | None:
-    """Where models are kept; None where there is no home.
-
-    Example:
-        >>> find_folder({"XDG_CACHE_HOME": "/var/cache/me"})
-        PosixPath('/var/cache/me/voxshell/models')
-    """
-    if folder := environment.get("VOXSHELL_CACHE_DIR"):
-        return Path(os.path.abspath(os.path.expanduser(folder)))
-    base = environment.get("XDG_CACHE_HOME", "")
-    if not os.path.isabs(base):  # as its specification has it
-        home = os.path.expanduser("~")
-        if not os.path.isabs(home):
-            return None
-        base = os.path.join(home, ".cache")
-    return Path(base, "voxshell", "models")
-
-
-def read_capacity(environment: Mapping[str, str]) -> int:
-    """Bytes that models may take.
-
-    Raises:
-        SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
-
-    Example:
-        >>> read_capacity({"VOXSHELL_CACHE_SIZE": "1.5 GB"})
-        1500000000
-    """
-    text = environment.get("VOXSHELL_CACHE_SIZE", "").strip()
-    if not text:
-        return DEFAULT_CAPACITY
-    match = re.fullmatch(r"(\d{1,15}(?:\.\d{1,15})?)\s*([kmgt]?b?)", text.lower())
-    if match is None or match[2] in ("k", "m", "g", "t"):
-        raise SettingsError(f"VOXSHELL_CACHE_SIZE must be a size such as 500MB, not {text!r}")
-    return int(float(match[1]) * _UNITS[match[2]])
 
 
 def compute_key(mesh: Mesh, settings: Mapping[str, float]) -> str:

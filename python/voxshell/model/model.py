@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from voxshell._core import Model as CoreModel
 from voxshell.base.arguments import (
-    FARTHEST,
     as_integer,
     as_length,
     as_path,
     as_positive,
-    as_real,
     as_threads,
 )
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.model.accuracy import AccuracyWarning, read_accuracy
+from voxshell.model.accuracy import read_accuracy
+from voxshell.model.build_settings import as_open, as_padding, as_sheet_thickness, as_sign
+from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.field import SERIALS, DistanceField
 from voxshell.model.mass_properties import MassProperties
-from voxshell.model.meshes import Mesh, MeshWarning, naming_file, read_mesh
+from voxshell.model.meshes import Mesh, naming_file, read_mesh
 from voxshell.model.shell import PointShell
 
 if TYPE_CHECKING:
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import MeshLike
 
 _LARGEST_INT = 2**31 - 1
-_LARGE_FIELD = 64.0  # megabytes, from which on models by tolerance warn
-_FAR_OFF = 4.0  # tolerances that the worst place may be off: what is proved of closed meshes is 1.4
 
 
 class Model:
@@ -197,10 +194,10 @@ class Model:
             "target_points": 0
             if target_points is None
             else as_integer(target_points, "target_points", 1, _LARGEST_INT),
-            "padding": -1.0 if padding is None else _as_padding(padding),
-            "sign": _as_sign(sign),
-            "open": _as_open(open),
-            "sheet_thickness": _as_sheet_thickness(sheet_thickness, open),
+            "padding": -1.0 if padding is None else as_padding(padding),
+            "sign": as_sign(sign),
+            "open": as_open(open),
+            "sheet_thickness": as_sheet_thickness(sheet_thickness, open),
         }
         count = as_threads(threads)
         factor = as_positive(scale, "scale")
@@ -220,9 +217,10 @@ class Model:
             else:
                 core = build()
         if sign == "auto":
-            _warn_of_faults(core, open)
+            warn_of_faults(core, open)
         model = cls(core)
-        _warn_of_accuracy(model)
+        if model.tolerance is not None:
+            warn_of_accuracy(model.tolerance, model.field, model.accuracy)
         return model
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -380,112 +378,3 @@ class Model:
 
 def _unpickle(content: bytes) -> Model:
     return Model(CoreModel.from_bytes(content))
-
-
-def _as_sign(value: str) -> str:
-    if value not in ("auto", "closed", "winding"):
-        raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {value!r}")
-    return value
-
-
-def _warn_of_faults(core: CoreModel, open_as: str) -> None:
-    grid = core.grid
-    if grid.was_turned:
-        warnings.warn("mesh is inside out as a whole; it was turned", MeshWarning, stacklevel=3)
-    openings = _describe_openings(core, open_as)
-    open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
-    place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
-    if grid.sign_method == "closed":
-        if openings:
-            warnings.warn(f"mesh is open: {openings}", MeshWarning, stacklevel=3)
-        elif flipped or non_manifold:
-            warnings.warn(
-                f"mesh has {open_edges} open, {non_manifold} non-manifold and {flipped} wrongly oriented "
-                f"edges (first near [{place}] metres); its triangles were turned to face outwards, and "
-                "repeated ones left out; the model's mesh is closed",
-                MeshWarning,
-                stacklevel=3,
-            )
-        return
-    if not (open_edges or non_manifold or flipped or overlaps or openings):
-        return  # closed parts that touch: nothing is wrong with the mesh
-    warnings.warn(
-        f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
-        f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
-        f"{hidden} triangles wholly or partly inside others (first near [{place}] metres); winding numbers tell what "
-        f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
-        f"sign='winding' to accept it{openings and '; '}{openings}",
-        MeshWarning,
-        stacklevel=3,
-    )
-
-
-def _warn_of_accuracy(model: Model) -> None:
-    """Warns where a model built to a tolerance falls short of it."""
-    tolerance = model.tolerance
-    if tolerance is None:
-        return
-    megabytes = model.field.nbytes / 1e6
-    if megabytes > _LARGE_FIELD:
-        warnings.warn(
-            f"the model's field takes {megabytes:.0f} MB, as much of the mesh is rough at its tolerance "
-            f"of {tolerance * 1e3:.3g} mm; pass a larger tolerance for less",
-            AccuracyWarning,
-            stacklevel=3,
-        )
-    accuracy = model.accuracy
-    reached = max(accuracy.distance.p99, accuracy.coverage.p99)
-    worst = max(accuracy.distance.max, accuracy.coverage.max)
-    if reached <= tolerance and worst <= _FAR_OFF * tolerance:
-        return
-    field, shell = accuracy.distance.p99 * 1e3, accuracy.coverage.p99 * 1e3
-    closed = model.field.sign_method == "closed"
-    why = "" if closed else "; exact cells need a closed mesh, so repairing it would help most"
-    warnings.warn(
-        f"the model is to be exact to {tolerance * 1e3:.3g} mm, but on 99 % of its surface the field "
-        f"is exact to {field:.3g} mm and the shell to {shell:.3g} mm, and at worst to {worst * 1e3:.3g} mm"
-        f"{why}; pass a tolerance of {reached:.3g} m to accept this, or, for a uniform model, a voxel_size",
-        AccuracyWarning,
-        stacklevel=3,
-    )
-
-
-def _describe_openings(core: CoreModel, open_as: str) -> str:
-    """What was made of the openings, unless the caller chose that; nothing where there are none."""
-    loops, share, mouths, diameter, first, thickness = core.openings
-    if loops == 0 or open_as != "auto":
-        return ""
-    place = ", ".join(f"{coordinate:.4g}" for coordinate in first)
-    count = "1 opening" if loops == 1 else f"{loops} openings"
-    where = (
-        f"{count}, the largest {diameter:.3g} m across, the first near [{place}] metres; caps would "
-        f"have {100.0 * share:.3g} % of the surface's area"
-    )
-    if thickness > 0.0:
-        tube = f", and {mouths} of them are ends of a tube" if mouths > 1 else ""
-        return (
-            f"{where}{tube}, so it was kept as a sheet {thickness:.3g} m thick; pass open='sheet' "
-            "and sheet_thickness for another thickness, or open='solid' to close it"
-        )
-    return f"{where}, so it was closed to a solid; pass open='sheet' to keep it as a sheet"
-
-
-def _as_open(value: str) -> str:
-    if value not in ("auto", "solid", "sheet"):
-        raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {value!r}")
-    return value
-
-
-def _as_sheet_thickness(value: float | None, open_as: str) -> float:
-    if value is None:
-        return 0.0
-    if open_as == "solid":
-        raise SettingsError("sheet_thickness is for open='sheet' or 'auto', not for open='solid'")
-    return as_length(value, "sheet_thickness")
-
-
-def _as_padding(value: float) -> float:
-    number = as_real(value, "padding")
-    if not 0.0 <= number <= FARTHEST:
-        raise SettingsError(f"padding must be from 0 to {FARTHEST:g} m, not {number:g}")
-    return number

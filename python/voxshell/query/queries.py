@@ -1,15 +1,11 @@
-"""Questions about two bodies: where they touch, whether, how near they are, how hard they push."""
+"""Questions about two bodies: where they touch, and whether."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from voxshell import _core
-from voxshell.base.arguments import as_integer, as_not_negative
+from voxshell.base.arguments import as_integer
 from voxshell.base.pose_forms import as_pose, mend_poses
 from voxshell.errors import PoseError
 from voxshell.query.contact_set import Contacts
@@ -26,24 +22,10 @@ from voxshell.query.pairs import (
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any, Literal
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from voxshell.query.scratch import QueryScratch
-
-__all__ = [
-    "Collidable",
-    "Distance",
-    "Shell",
-    "Wrench",
-    "collide",
-    "contacts",
-    "deepest_per_segment",
-    "distance",
-    "manifold",
-    "wrench",
-]
 
 
 def contacts(
@@ -327,191 +309,6 @@ def collide(
         return collide(a, b, **mended, shell=shell, margin=margin)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Distance:
-    """How near two bodies are, or how deep in one another; from :func:`voxshell.distance`.
-
-    ``point_a - point_b == distance * normal``, but for rounding.
-
-    Attributes:
-        distance: Metres; negative: minus the deepest penetration. Infinite where nothing is nearer
-            than was asked for: then the arrays hold NaN.
-        point_a: Where it is measured on a, (3,) float64, metres, world frame.
-        point_b: On b, likewise.
-        normal: Unit normal, (3,) float64, world frame: on b, pointing towards a.
-        shell: Whose shell one of the points is of; the other lies on the other's surface. None
-            where nothing is that near.
-    """
-
-    distance: float
-    point_a: NDArray[np.float64]
-    point_b: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    shell: Literal["a", "b"] | None
-
-
-def distance(
-    a: Collidable,
-    b: Collidable,
-    a_pose: ArrayLike | None = None,
-    b_pose: ArrayLike | None = None,
-    *,
-    shell: Shell = "auto",
-    max_distance: float = math.inf,
-    scratch: QueryScratch | None = None,
-) -> Distance:
-    """Finds how near two bodies are, and where.
-
-    That is the smallest distance of any point of the shell from the other body's surface, so
-    apart it is never less than the meshes' true distance (but for the error of a model's field),
-    and more by at most sqrt(3) spacings of the shell. Where the nearest point lies beyond the grid of
-    the other model's field (by default 16 voxels around it), the field is off by up to as much as the
-    rim of the grid is away from the surface. Where bodies overlap the distance is negative: the deepest of the
-    :func:`contacts`, bit for bit.
-
-    Args:
-        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
-        b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
-        b_pose: ``world_from_b``, likewise.
-        shell: As for :func:`contacts`; of both shells the nearer, or the deeper.
-        max_distance: Metres, or infinity: what is not nearer than this is not looked for, which
-            saves time.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
-
-    Returns:
-        The distance and where it is measured. Where nothing is nearer than ``max_distance``, the
-        distance is infinite, and the points and the normal are NaN. Of equally near points, the
-        one with the smaller id.
-
-    Raises:
-        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
-            ``max_distance`` is NaN or minus infinity.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
-
-    Example:
-        >>> import numpy as np
-        >>> import trimesh
-        >>> import voxshell as vx
-        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
-        >>> world_from_ball = np.eye(4)
-        >>> world_from_ball[2, 3] = 0.35
-        >>> nearest = vx.distance(ball, vx.Plane(), world_from_ball)
-        >>> round(nearest.distance, 6)
-        0.25
-        >>> nearest.point_b.round(6) + 0.0  # the place on the ground below the ball
-        array([0., 0., 0.])
-        >>> vx.distance(ball, vx.Plane(), world_from_ball, max_distance=0.2).distance
-        inf
-        >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of it in the ground
-        -0.1
-    """
-    bodies, shells = as_pair(a, b, shell)
-    try:
-        found = _core.distance(
-            *bodies,
-            as_pose(a_pose, "a_pose"),
-            as_pose(b_pose, "b_pose"),
-            shells,
-            _as_max_distance(max_distance),
-            as_scratch(scratch),
-        )
-    except PoseError as error:
-        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
-        return distance(a, b, **mended, shell=shell, max_distance=max_distance, scratch=scratch)
-    if found is None:
-        return Distance(math.inf, *(np.full(3, math.nan) for _ in range(3)), shell=None)
-    value, point_a, point_b, normal, shell_is_a = found
-    return Distance(
-        value,
-        np.array(point_a),
-        np.array(point_b),
-        np.array(normal),
-        shell="a" if shell_is_a else "b",
-    )
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Wrench:
-    """Force and torque on a body; from :func:`voxshell.wrench`.
-
-    Attributes:
-        force: (3,) float64, newtons, world frame.
-        torque: (3,) float64, newton metres, world frame, about body a's origin.
-    """
-
-    force: NDArray[np.float64]
-    torque: NDArray[np.float64]
-
-
-def wrench(
-    a: Collidable,
-    b: Collidable,
-    a_pose: ArrayLike | None,
-    b_pose: ArrayLike | None,
-    stiffness: float,
-    *,
-    shell: Shell = "auto",
-    scratch: QueryScratch | None = None,
-) -> Wrench:
-    """Works out the force and torque by which b pushes a out, as a layer of springs would.
-
-    Every penetrating point of the shell is pushed with stiffness times the area that it stands
-    for times its depth along the field's gradient. This is continuous in the poses: it starts
-    from zero at the first touch and has no jumps, as haptic rendering needs. (``shell="fewest"``
-    jumps where it changes roles, when a body with more points slips wholly into the other.)
-
-    Args:
-        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
-        b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
-        b_pose: ``world_from_b``, likewise.
-        stiffness: Newtons per cubic metre: pressure per metre of depth. At least 0.
-        shell: As for :func:`contacts`. Of both shells it is the mean, so that area counts once.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
-
-    Returns:
-        What acts on a. On b acts the reversed force, and the reversed torque once it is moved to
-        b's origin.
-
-    Raises:
-        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
-            ``stiffness`` is negative or not finite.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
-
-    Example:
-        A cube of 1 m, 1 mm deep in the ground, on springs of 1e6 N/m3:
-
-        >>> import numpy as np
-        >>> import trimesh
-        >>> import voxshell as vx
-        >>> cube = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
-        >>> world_from_cube = np.eye(4)
-        >>> world_from_cube[2, 3] = 0.499
-        >>> wrench = vx.wrench(cube, vx.Plane(), world_from_cube, None, stiffness=1e6)
-        >>> bool(abs(wrench.force[2] - 1e6 * 1.0 * 0.001) < 100)
-        True
-        >>> bool(np.abs(wrench.torque).max() < 1e-3)
-        True
-    """
-    bodies, shells = as_pair(a, b, shell)
-    try:
-        force, torque = _core.wrench(
-            *bodies,
-            as_pose(a_pose, "a_pose"),
-            as_pose(b_pose, "b_pose"),
-            shells,
-            as_not_negative(stiffness, "stiffness"),
-            as_scratch(scratch),
-        )
-    except PoseError as error:
-        mended = mend_poses(error, a_pose=a_pose, b_pose=b_pose)
-        return wrench(a, b, **mended, stiffness=stiffness, shell=shell, scratch=scratch)
-    return Wrench(np.array(force), np.array(torque))
-
-
 def find(
     search: Callable[..., _core.ContactSet],
     a: Collidable,
@@ -543,9 +340,3 @@ def find(
         a_pose, b_pose = mend_poses(error, a_pose=a_pose, b_pose=b_pose).values()
         return find(search, a, b, a_pose, b_pose, shell, margin, level, max_points, budget, scratch)
     return Contacts(found)
-
-
-def _as_max_distance(value: Any) -> float:
-    if isinstance(value, (float, np.floating)) and value == math.inf:
-        return math.inf
-    return as_margin(value, "max_distance")

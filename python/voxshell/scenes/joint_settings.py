@@ -10,13 +10,13 @@ import numpy as np
 from voxshell.base.arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
-from voxshell.simulation.joints import FixedJoint, HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.joint_kinds import FixedJoint, HingeJoint, PointJoint, SliderJoint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.scenes.body_settings import BodySettings
-    from voxshell.simulation.joints import JointKind
+    from voxshell.simulation.joint_kinds import JointKind
 
 _OF_AN_AXIS = ("axis", "limits", "friction", "damping", "target_velocity", "target_position")
 

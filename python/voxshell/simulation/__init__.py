@@ -3,14 +3,8 @@
 from voxshell.simulation.body import Body
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
 from voxshell.simulation.compound import Compound
-from voxshell.simulation.joints import (
-    FixedJoint,
-    HingeJoint,
-    Joint,
-    PointJoint,
-    Reaction,
-    SliderJoint,
-)
+from voxshell.simulation.joint_kinds import FixedJoint, HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.joints import Joint, Reaction
 from voxshell.simulation.material import Material
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState

@@ -4,137 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_floats, as_not_negative, as_positive, as_real, as_vector
-from voxshell.base.pose_forms import as_rigid_pose
-from voxshell.errors import InputTypeError, SettingsError
+from voxshell.base.arguments import as_positive, as_real
+from voxshell.errors import SettingsError
+from voxshell.simulation.joint_kinds import HingeJoint, JointKind, SliderJoint
 from voxshell.simulation.part import WorldPart
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from voxshell.simulation.body import Body
-
-
-@dataclass(frozen=True)
-class FixedJoint:
-    """Holds two bodies as if they were one.
-
-    Example:
-        >>> import numpy as np
-        >>> import voxshell as vx
-        >>> world = vx.World()
-        >>> shelf = world.add(vx.Box((0.2, 0.1, 0.01)))
-        >>> nails = world.add_joint(vx.FixedJoint(), None, shelf)
-        >>> world.step(100)
-        >>> bool(np.abs(shelf.pose - np.eye(4)).max() < 1e-3)
-        True
-    """
-
-    _kind: ClassVar = _bullet.JointKind.FIXED
-
-
-@dataclass(frozen=True)
-class PointJoint:
-    """Holds a point of two bodies together, about which they turn freely: a ball and its socket.
-
-    Example:
-        A lamp on a cord of half a metre:
-
-        >>> import numpy as np
-        >>> import voxshell as vx
-        >>> world = vx.World()
-        >>> lamp = world.add(vx.Sphere(0.05))
-        >>> hook = np.eye(4)
-        >>> hook[0, 3] = 0.5
-        >>> cord = world.add_joint(vx.PointJoint(), None, lamp, world_from_joint=hook)
-        >>> world.step(100)
-        >>> bool(abs(np.linalg.norm(lamp.pose[:3, 3] - hook[:3, 3]) - 0.5) < 1e-3)
-        True
-    """
-
-    _kind: ClassVar = _bullet.JointKind.POINT
-
-
-@dataclass(frozen=True)
-class HingeJoint:
-    """Lets the child turn about an axis.
-
-    Args:
-        axis: (3,), joint frame; any length but 0.
-        limits: Lowest and highest angle, radians, of any number of turns; None: none.
-        friction: Torque that it withstands while no motor drives it, newton metres.
-        damping: Torque against its motion, newton metres per rad/s.
-
-    Raises:
-        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
-            not finite.
-
-    Example:
-        >>> import math
-        >>> import voxshell as vx
-        >>> world = vx.World(gravity=(0, 0, 0))
-        >>> wheel = world.add(vx.Cylinder(radius=0.2, length=0.05))
-        >>> axle = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, wheel)
-        >>> axle.set_target_position(6 * math.pi, max_force=10.0, max_speed=20.0)
-        >>> world.step(400)
-        >>> round(axle.position / math.pi, 3)
-        6.0
-    """
-
-    axis: ArrayLike = (0.0, 0.0, 1.0)
-    limits: tuple[float, float] | None = None
-    friction: float = 0.0
-    damping: float = 0.0
-
-    _kind: ClassVar = _bullet.JointKind.HINGE
-
-    def __post_init__(self) -> None:
-        _check_axis(self)
-
-
-@dataclass(frozen=True)
-class SliderJoint:
-    """Lets the child slide along an axis, without turning.
-
-    Args:
-        axis: (3,), joint frame; any length but 0.
-        limits: Lowest and highest position, metres; None: none.
-        friction: Force that it withstands while no motor drives it, newtons.
-        damping: Force against its motion, newtons per m/s.
-
-    Raises:
-        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
-            not finite.
-
-    Example:
-        >>> import voxshell as vx
-        >>> world = vx.World()
-        >>> lift = world.add(vx.Box((0.2, 0.2, 0.02)))
-        >>> rail = world.add_joint(vx.SliderJoint(axis=(0, 0, 1), limits=(0, 0.5)), None, lift)
-        >>> rail.set_target_velocity(1.0, max_force=100.0)
-        >>> world.step(200)
-        >>> round(rail.position, 2)
-        0.5
-    """
-
-    axis: ArrayLike = (0.0, 0.0, 1.0)
-    limits: tuple[float, float] | None = None
-    friction: float = 0.0
-    damping: float = 0.0
-
-    _kind: ClassVar = _bullet.JointKind.SLIDER
-
-    def __post_init__(self) -> None:
-        _check_axis(self)
-
-
-JointKind: TypeAlias = FixedJoint | HingeJoint | SliderJoint | PointJoint
-"""What a joint leaves free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,114 +228,6 @@ class Joint(WorldPart):
     def __repr__(self) -> str:
         parent = "the world" if self.parent is None else repr(self.parent.name)
         return f"Joint({self.name!r}, {self.kind!r}, {parent} to {self.child.name!r})"
-
-
-@dataclass(frozen=True)
-class JointFrames:
-    """Where a joint is, in three ways of which one is given; see :meth:`World.add_joint`."""
-
-    parent_from_joint: ArrayLike | None
-    child_from_joint: ArrayLike | None
-    world_from_joint: ArrayLike | None
-
-    def resolve(
-        self, parent: Body | None, child: Body
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """``parent_from_joint`` and ``child_from_joint``, (4, 4) each.
-
-        Raises:
-            PoseError: One is no pose.
-            SettingsError: Two ways are mixed.
-        """
-        world_from_parent = np.eye(4) if parent is None else parent.pose
-        if self.world_from_joint is not None:
-            if self.parent_from_joint is not None or self.child_from_joint is not None:
-                raise SettingsError(
-                    "give world_from_joint, or the frames in the bodies, but not both"
-                )
-            world_from_joint = as_rigid_pose(self.world_from_joint, "world_from_joint")
-            return invert(world_from_parent) @ world_from_joint, invert(
-                child.pose
-            ) @ world_from_joint
-        child_from_joint = np.eye(4)
-        if self.child_from_joint is not None:
-            child_from_joint = as_rigid_pose(self.child_from_joint, "child_from_joint")
-        if self.parent_from_joint is None:
-            return invert(world_from_parent) @ child.pose @ child_from_joint, child_from_joint
-        parent_from_joint = as_rigid_pose(self.parent_from_joint, "parent_from_joint")
-        return parent_from_joint, child_from_joint
-
-
-def make_settings(
-    kind: JointKind, parent: Body | None, child: Body, frames: JointFrames, collide: bool
-) -> _bullet.JointSettings:
-    """The joint as the bindings take it.
-
-    Raises:
-        InputTypeError: ``kind`` is no joint.
-        PoseError: A frame is not a rigid transform.
-        SettingsError: Two ways of giving frames are mixed.
-    """
-    if not isinstance(kind, (FixedJoint, HingeJoint, SliderJoint, PointJoint)):
-        raise InputTypeError(
-            "joint must be a FixedJoint, HingeJoint, SliderJoint or PointJoint, not "
-            f"{type(kind).__name__}"
-        )
-    parent_from_joint, child_from_joint = frames.resolve(parent, child)
-    lower, upper, friction, damping = 1.0, -1.0, 0.0, 0.0
-    if isinstance(kind, (HingeJoint, SliderJoint)):
-        # The bindings' axis is x.
-        turn = np.eye(4)
-        turn[:3, :3] = _frame_along(kind.axis)
-        parent_from_joint, child_from_joint = parent_from_joint @ turn, child_from_joint @ turn
-        friction, damping = float(kind.friction), float(kind.damping)
-        if kind.limits is not None:
-            lower, upper = (float(limit) for limit in kind.limits)
-    return _bullet.JointSettings(
-        kind=kind._kind,
-        parent=-1 if parent is None else parent.number,
-        child=child.number,
-        parent_from_joint=np.ascontiguousarray(parent_from_joint),
-        child_from_joint=np.ascontiguousarray(child_from_joint),
-        lower=lower,
-        upper=upper,
-        friction=friction,
-        damping=damping,
-        collides=collide,
-    )
-
-
-def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of a rigid transform."""
-    inverse = np.eye(4)
-    inverse[:3, :3] = pose[:3, :3].T
-    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return inverse
-
-
-def _frame_along(axis: ArrayLike) -> NDArray[np.float64]:
-    """A rotation whose first column is along the axis."""
-    x: NDArray[np.float64] = np.array(as_vector(axis, "axis"))
-    x /= np.abs(x).max()
-    x /= np.linalg.norm(x)
-    aside = np.eye(3)[np.abs(x).argmin()]
-    y = np.cross(aside, x)
-    y /= np.linalg.norm(y)
-    return np.column_stack([x, y, np.cross(x, y)])
-
-
-def _check_axis(joint: HingeJoint | SliderJoint) -> None:
-    if not np.any(as_vector(joint.axis, "axis")):
-        raise SettingsError("axis must not be zero")
-    if joint.limits is not None:
-        lower, upper = as_floats(joint.limits, "limits", (2,)).tolist()
-        if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
-            raise SettingsError(
-                f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
-                "pass None for none"
-            )
-    for name in ("friction", "damping"):
-        as_not_negative(getattr(joint, name), name)
 
 
 def _as_speed(value: float) -> float:

@@ -13,7 +13,8 @@ from voxshell.model.shapes import Plane
 from voxshell.simulation.body import Body
 from voxshell.simulation.body_properties import make_properties
 from voxshell.simulation.body_shapes import as_shape, compute_mass_properties, make_geometry
-from voxshell.simulation.joints import Joint, JointFrames, make_settings
+from voxshell.simulation.joint_frames import JointFrames, make_settings
+from voxshell.simulation.joints import Joint
 from voxshell.simulation.limits import check_extent, check_mass
 from voxshell.simulation.material import Material, as_material
 from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     from voxshell.model.meshes import MeshLike
     from voxshell.simulation.body_shapes import Inertia, Shape
-    from voxshell.simulation.joints import JointKind
+    from voxshell.simulation.joint_kinds import JointKind
     from voxshell.simulation.motion import Motion
 
 

@@ -21,18 +21,13 @@ from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Sphere
 from voxshell.simulation.comparison_shapes import ConvexHull
 from voxshell.simulation.compound import Compound, Part
-from voxshell.simulation.joints import HingeJoint, Joint, PointJoint, SliderJoint
-from voxshell.urdf.description import (
-    Collision,
-    MeshFile,
-    Primitive,
-    RobotDescription,
-    read_urdf,
-    shorten_names,
-)
+from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.joints import Joint
+from voxshell.urdf.description import Collision, MeshFile, Primitive, RobotDescription
 from voxshell.urdf.lumps import Lump, find_lumps
 from voxshell.urdf.matter import DENSITY, GHOST_MASS, Matter, complete_matter
 from voxshell.urdf.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.urdf.reading import read_urdf, shorten_names
 from voxshell.urdf.robot import Link, Robot, RobotWarning, Strength
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from voxshell.model.shapes import Plane
-from voxshell.query.queries import contacts, distance
+from voxshell.query.distances import distance
+from voxshell.query.queries import contacts
 from voxshell.query.scratch import QueryScratch
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.model.model import Model
-    from voxshell.query.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 Layer = Literal["surface", "slice", "level", "points", "normals", "spheres"]
 

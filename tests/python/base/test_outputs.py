@@ -14,13 +14,8 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.base.outputs import (
-    check_output_file,
-    check_output_folder,
-    filling,
-    replacing,
-    unfinished_folder,
-)
+from voxshell.base.outputs import check_output_file, check_output_folder, filling, replacing
+from voxshell.base.unfinished import unfinished_folder
 from voxshell.errors import FileAccessError, InputTypeError, SettingsError, VoxshellError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
@@ -271,6 +266,7 @@ def test_what_others_name_alike_is_not_swept(tmp_path):
 
 
 WRITING = {"write_text", "write_bytes", "mkdir", "mkdtemp", "mkstemp", "rename", "replace", "savez"}
+WRITERS = ("base/outputs.py", "base/unfinished.py")
 ALLOWED = {
     ("model/cache.py", "mkdir"),  # which warns
     ("model/cache.py", "replace"),  # out of an unfinished folder
@@ -292,7 +288,7 @@ def test_nothing_else_writes_files():
             )
             if opens or (node.func.attr in WRITING and is_method_of_path):
                 found.add((str(path.relative_to(package)), node.func.attr))
-    found = {each for each in found if each[0] != "base/outputs.py"}
+    found = {each for each in found if each[0] not in WRITERS}
     assert found == ALLOWED
 
 

@@ -17,7 +17,8 @@ import pytest
 import trimesh
 import voxshell as vx
 from voxshell.model import cache as cache_module
-from voxshell.model.cache import ModelCache, compute_key, find_folder, open_cache, read_capacity
+from voxshell.model.cache import ModelCache, compute_key, open_cache
+from voxshell.model.cache_place import find_folder, read_capacity
 
 
 @pytest.fixture(autouse=True)

@@ -16,7 +16,7 @@ import voxshell as vx
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from voxshell.query.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 LEAST_HIT_RATE = 0.3
 
