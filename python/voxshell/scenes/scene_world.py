@@ -63,11 +63,8 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 _make_shape(body, meshes),
                 mass=body.kilograms,
                 pose=body.pose,
-                friction=body.friction,
-                rolling_friction=body.rolling_friction,
-                spinning_friction=body.spinning_friction,
-                restitution=body.restitution,
                 inertia=body.inertia,
+                material=body.material,
                 name=name,
             )
             if body.kilograms > 0.0:

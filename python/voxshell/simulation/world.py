@@ -103,6 +103,11 @@ class World(WorldQueries):
     Raises:
         SettingsError: A setting is out of range.
 
+    Attributes:
+        bodies: Its bodies, in the order in which they were added.
+        joints: Its joints, likewise.
+        time_step: Seconds a step.
+
     Warns:
         AccuracyWarning: At the first step with them, where a pair of models may miss contacts that are
             deep beside the smaller model's thickness; and, once a body, where one turns by more than
