@@ -10,7 +10,7 @@ from cyclopts import App, Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from voxshell._outputs import check_output_folder
+from voxshell.base.outputs import check_output_folder
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
 from voxshell.measuring.files import finite

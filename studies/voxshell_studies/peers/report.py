@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import make_folder, write_text
+from voxshell.base.outputs import make_folder, write_text
 from voxshell.measuring.files import write_csv, write_json
 from voxshell.measuring.units import format_time
 

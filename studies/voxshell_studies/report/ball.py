@@ -8,7 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import ball
 from voxshell_studies.experiment import Experiment, Picture

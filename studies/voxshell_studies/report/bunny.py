@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._outputs import make_folder
-from voxshell.comparison_shapes import ConvexDecomposition
-from voxshell.model import Model
+from voxshell.base.outputs import make_folder
+from voxshell.model.model import Model
+from voxshell.simulation.comparison_shapes import ConvexDecomposition
 
 from voxshell_studies import bunny
 from voxshell_studies.bunny import BunnyFallSettings
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.drop import DropRun
     from voxshell_studies.experiment import Results
@@ -393,7 +393,7 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
 
 def _read_runs(settings: BunnyFallSettings, tables: Any, mesh: Mesh) -> list[DropRun]:
     from trimesh.creation import box
-    from voxshell.meshes import Mesh as Triangles
+    from voxshell.model.meshes import Mesh as Triangles
 
     block = box(2.0 * np.array(GROUND_HALF_EXTENTS))
     ground = Triangles(block.vertices, block.faces)

@@ -7,8 +7,8 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell._outputs import make_folder, write_text
-from voxshell.meshes import Mesh
+from voxshell.base.outputs import make_folder, write_text
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import everyday
 from voxshell_studies.everyday import EverydaySettings, name_part

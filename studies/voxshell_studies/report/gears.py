@@ -20,7 +20,7 @@ from voxshell_studies.verdict import Row, at_most
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.experiment import Results
     from voxshell_studies.part import Tables
@@ -142,7 +142,7 @@ def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Pictur
 
 def _surfaces(settings: GearsSettings, tables: Tables) -> list[list[Mesh]]:
     """Of each gear, the meshes of its parts, or its own."""
-    from voxshell.comparison_shapes import ConvexHull
+    from voxshell.simulation.comparison_shapes import ConvexHull
 
     return [
         [ConvexHull(points).mesh for points in read_hulls(tables["hulls"], name)] or [model.mesh]
@@ -172,7 +172,7 @@ def _draw_gears(settings: GearsSettings, results: Results, ran: list[str], path:
 
 
 def _save_replay(settings: GearsSettings, results: Results, ran: list[str], path: Path) -> None:
-    from voxshell.comparison_shapes import ConvexDecomposition
+    from voxshell.simulation.comparison_shapes import ConvexDecomposition
     from voxshell.viewer.lanes import arrange_lanes
     from voxshell.viewer.replay import save_replay
 

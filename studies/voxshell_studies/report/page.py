@@ -7,7 +7,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import write_text
+from voxshell.base.outputs import write_text
 from voxshell.measuring.environment import describe_environment
 from voxshell.measuring.files import write_json
 

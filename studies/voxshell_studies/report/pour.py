@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import pour
 from voxshell_studies.experiment import Experiment, Picture

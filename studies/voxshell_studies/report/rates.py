@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import rates
 from voxshell_studies.experiment import Experiment, Picture

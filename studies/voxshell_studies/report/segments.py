@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.body_shapes import mesh_of
-from voxshell.shapes import Box
+from voxshell.model.shapes import Box
+from voxshell.simulation.body_shapes import mesh_of
 
 from voxshell_studies import segments
 from voxshell_studies.experiment import Experiment, Picture

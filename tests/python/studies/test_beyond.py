@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.mass_properties import MassProperties
+from voxshell.model.mass_properties import MassProperties
 from voxshell_studies import convex_parts, rest, slope
 from voxshell_studies.accuracy import AccuracySettings
 from voxshell_studies.gears import GearsSettings, turn_gears

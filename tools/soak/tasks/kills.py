@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 import voxshell as vx
-from voxshell import cache as cache_module
-from voxshell.cache import ModelCache
+from voxshell.model import cache as cache_module
+from voxshell.model.cache import ModelCache
 
 from soak.task import Check, Outcome, Task, Totals
 

@@ -15,7 +15,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 Engine = Literal["voxshell", "bullet", "mujoco"]
 ENGINES: tuple[Engine, ...] = ("voxshell", "bullet", "mujoco")
