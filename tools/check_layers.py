@@ -62,6 +62,7 @@ PYTHON_BINDINGS = {"_core", "_bullet", "_hacd"}
 # (module file, part): imports against the direction that are allowed inside a function.
 PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {
     ("recording.py", "viewer"): "save_html writes the page, and only a caller who wants one pays",
+    ("world.py", "viewer"): "view opens the page, and only a caller who wants one pays",
 }
 
 # Where Bullet's names may appear: its adapter, the bindings, and what tests, shows or measures it.

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.body_shapes import Shape
+    from voxshell.mass_properties import MassProperties
 
 Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
 """Who moves a body: forces, nobody, or the user, pose by pose."""
@@ -54,7 +55,7 @@ class Body(WorldPart):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_center", "_mass", "_motion", "_moves_surfaces", "_number", "_shape")
+    __slots__ = ("_center", "_inertia", "_mass", "_motion", "_moves_surfaces", "_number", "_shape")
 
     def __init__(
         self,
@@ -65,10 +66,11 @@ class Body(WorldPart):
         mass: float,
         motion: Motion,
         moves_surfaces: bool,
-        center_of_mass: NDArray[np.float64],
+        matter: MassProperties,
     ) -> None:
         super().__init__(simulation, name)
-        self._center = center_of_mass
+        self._center = matter.center_of_mass
+        self._inertia = matter.inertia
         self._moves_surfaces = moves_surfaces
         self._number = number
         self._shape: Shape = shape

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from voxshell._arguments import as_path
-from voxshell._outputs import check_output_file
+from voxshell._outputs import check_output_file, check_suffix
 from voxshell._poses import make_all_rigid, read_poses
 from voxshell._rotations import CORRECTED
 from voxshell.errors import PoseError, RecordingError
@@ -290,7 +290,7 @@ class Recording:
         """Writes one offline page that replays the recording in a browser.
 
         Args:
-            path: The file to write; replaced whole or not at all.
+            path: The file to write, ending in .html; replaced whole or not at all.
             title: Heading of the page.
             label: Caption under the bodies.
             **options: Passed on to :func:`voxshell.viewer.replay.save_replay`, which also shows
@@ -302,15 +302,101 @@ class Recording:
         Raises:
             MissingExtraError: If the viewer is not installed.
             RecordingError: If an option makes no sense.
-            SettingsError: If the path is a folder, a device or a pipe, or there is no folder to write into.
+            SettingsError: If the path ends in anything but .html, is a folder, a device or a pipe, or there is no
+                folder to write into.
             FileAccessError: If the file cannot be written.
         """
-        place = Path(os.fsdecode(as_path(path, "path")))
-        check_output_file(place)
+        place = _as_place(path, (".html", ".htm"), "a replay")
         from voxshell.viewer.lanes import Lane
         from voxshell.viewer.replay import save_replay
 
         return save_replay(place, [Lane(label, self)], title=title, **options)
+
+    def save_video(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Writes a video of the bodies and their contacts: an MP4 file (H.264), or an animated GIF.
+
+        Args:
+            path: The file to write, ending in .mp4 or .gif; replaced whole or not at all.
+            **options: Passed on to :func:`voxshell.viewer.video.save_video`: size in pixels, pictures a second,
+                speed, camera and title.
+
+        Returns:
+            The path written.
+
+        Raises:
+            MissingExtraError: The renderer is not installed: ``pip install 'voxshell[video]'``.
+            SettingsError: The path ends otherwise, no file can be written there, or an option is out of range.
+            FileAccessError: The file cannot be written.
+        """
+        place = _as_place(path, (".mp4", ".gif"), "a video")
+        from voxshell.viewer.video import save_video
+
+        return save_video(place, self, **options)
+
+    def save_gltf(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+        """Writes the bodies and their motion as binary glTF, which Blender, three.js, Unity and others read.
+
+        Each body is a node with a mesh, a color and an animation with a key for each frame. Contacts are not written.
+
+        Args:
+            path: The file to write, ending in .glb; replaced whole or not at all.
+            up: The world axis that points up, such as "+z" or "+y". In glTF +Y is up: a node at the root turns the
+                scene.
+
+        Returns:
+            The path written.
+
+        Raises:
+            SettingsError: The path ends otherwise, or no file can be written there.
+            RecordingError: ``up`` is no axis.
+            FileAccessError: The file cannot be written.
+
+        Example:
+            >>> import tempfile
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1), name="ball")
+            >>> recorder = world.record(every=10)
+            >>> world.step(100)
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     recorder.recording().save_gltf(folder + "/fall.glb").name
+            'fall.glb'
+        """
+        place = _as_place(path, (".glb",), "an animation for glTF")
+        from voxshell.viewer.gltf import save_gltf
+
+        return save_gltf(place, self, up=up)
+
+    def save_usd(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+        """Writes the bodies and their motion as Universal Scene Description, which Omniverse, Blender and others read.
+
+        Each body is a mesh with a color, and a position and an orientation for each frame. The stage is in meters.
+        Contacts are not written.
+
+        Args:
+            path: The file to write: .usda is text, .usdc and .usd are binary; replaced whole or not at all.
+            up: The world axis that points up, "+z" or "+y".
+
+        Returns:
+            The path written.
+
+        Raises:
+            MissingExtraError: usd-core is not installed: ``pip install 'voxshell[usd]'``.
+            SettingsError: The path ends otherwise, no file can be written there, or ``up`` is another axis.
+            FileAccessError: The file cannot be written.
+        """
+        place = _as_place(path, (".usdc", ".usda", ".usd"), "an animation for USD")
+        from voxshell.viewer.usd import save_usd
+
+        return save_usd(place, self, up=up)
+
+
+def _as_place(path: str | PathLike[str], suffixes: Sequence[str], what: str) -> Path:
+    """A file that can be written and is named after what is in it."""
+    place = Path(os.fsdecode(as_path(path, "path")))
+    check_output_file(place)
+    check_suffix(place, suffixes, what)
+    return place
 
 
 def _keep(owner: object, name: str, array: NDArray[Any]) -> None:
