@@ -23,6 +23,7 @@ from voxshell.errors import InputTypeError, SettingsError
 from voxshell.field import SERIALS, DistanceField
 from voxshell.mass_properties import MassProperties
 from voxshell.meshes import Mesh, MeshWarning, naming_file, read_mesh
+from voxshell.notebook import make_table
 from voxshell.shell import PointShell
 
 if TYPE_CHECKING:
@@ -376,6 +377,21 @@ class Model:
             f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
             f"{self.field.nbytes / 1e6:.1f} MB)"
         )
+
+    def _repr_html_(self) -> str:
+        """A table of facts, for notebooks."""
+        x, y, z = self.field.shape
+        size = " x ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.bounds, axis=0))
+        facts = {
+            "size": f"{size} mm",
+            "triangles": f"{len(self._core.faces):,}",
+            "points of the shell": f"{len(self.shell):,}, {1e3 * self.shell.spacing:.3g} mm apart",
+            "field": f"{x} x {y} x {z} nodes, {1e3 * self.field.voxel_size:.3g} mm apart, "
+            f"{self.field.nbytes / 1e6:.1f} MB",
+            "field off by": f"{1e3 * self.accuracy.distance.median:.3g} mm median, "
+            f"{1e3 * self.accuracy.distance.max:.3g} mm worst",
+        }
+        return make_table("Model", facts)
 
 
 def _unpickle(content: bytes) -> Model:

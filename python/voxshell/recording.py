@@ -20,9 +20,14 @@ from voxshell._arguments import as_path
 from voxshell._outputs import check_output_file, check_suffix
 from voxshell._poses import make_all_rigid, read_poses
 from voxshell._rotations import CORRECTED
-from voxshell.errors import PoseError, RecordingError
+from voxshell.errors import MissingExtraError, PoseError, RecordingError
+from voxshell.notebook import make_frame, make_table
 
 _UNIT_TOLERANCE = 1e-3
+_MOST_SHOWN = 8_000_000
+"""Bytes of a replay in a notebook, which keeps it in its file."""
+_MOST_NUMBERS = 40_000_000
+"""Bytes of the numbers of such a replay before they are packed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,6 +316,46 @@ class Recording:
         from voxshell.viewer.replay import save_replay
 
         return save_replay(place, [Lane(label, self)], title=title, **options)
+
+    def __repr__(self) -> str:
+        return (
+            f"Recording({len(self.bodies)} bodies, {self.frame_count} frames, {self.duration:.6g} s, "
+            f"{len(self.contacts.points)} contacts)"
+        )
+
+    def _repr_html_(self) -> str:
+        """For notebooks: a table of facts, and the replay where the viewer is installed and the page is small."""
+        moving = sum(not body.fixed for body in self.bodies)
+        facts = {
+            "time": f"{self.duration:.6g} s, {self.frame_count:,} frames, {1e3 * self.time_step:.4g} ms apart",
+            "bodies": f"{len(self.bodies):,}, of which {moving:,} move",
+            "contacts": f"{len(self.contacts.points):,}, at most {int(self.contacts.counts.max()):,} at a time",
+        }
+        page = self._make_small_page()
+        if isinstance(page, str):
+            facts["replay"] = page
+            return make_table("Recording", facts)
+        return make_table("Recording", facts) + make_frame(page.decode(), 480)
+
+    def _make_small_page(self) -> bytes | str:
+        """The replay, UTF-8; or, where there is none to show, what to do instead."""
+        numbers = sum(body.vertices.size + body.faces.size for body in self.bodies)
+        numbers += 7 * len(self.bodies) * self.frame_count
+        if 4 * numbers > _MOST_NUMBERS:  # before the page is made, which would take long
+            return "too large to show here: call save_html('replay.html') and open that file"
+        try:
+            from voxshell.viewer.lanes import Lane
+            from voxshell.viewer.replay import make_replay
+
+            page = make_replay([Lane("", self)], title="Replay").encode()
+        except MissingExtraError:
+            return "needs the viewer: pip install 'voxshell[viewer]'"
+        if len(page) > _MOST_SHOWN:
+            return (
+                f"{len(page) / 1e6:.1f} MB, too large to show here: call save_html('replay.html') and open "
+                "that file"
+            )
+        return page
 
     def save_video(self, path: str | PathLike[str], **options: Any) -> Path:
         """Writes a video of the bodies and their contacts: an MP4 file (H.264), or an animated GIF.

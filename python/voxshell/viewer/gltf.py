@@ -66,17 +66,21 @@ def make_gltf(recording: Recording, *, up: str = "+z") -> bytes:
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
     times = None
-    shapes: dict[bytes, int] = {}
+    meshes: dict[tuple[bytes, tuple[int, int, int]], int] = {}
+    arrays: dict[bytes, dict[str, Any]] = {}
     for body, color in zip(recording.bodies, choose_colors(recording), strict=True):
-        key = body.vertices.tobytes() + body.faces.tobytes() + bytes(color)
-        if key not in shapes:
-            shapes[key] = len(document["meshes"])
+        shape = body.vertices.tobytes() + body.faces.tobytes()
+        if shape not in arrays:
+            arrays[shape] = _add_surface(data, body)
+        if (shape, color) not in meshes:
+            meshes[shape, color] = len(document["meshes"])
+            primitive = arrays[shape] | {"material": len(document["materials"])}
+            document["meshes"].append({"name": body.name, "primitives": [primitive]})
             document["materials"].append(_describe_material(color))
-            document["meshes"].append(_add_mesh(data, body, len(document["materials"]) - 1))
         turns = as_steady(_as_xyzw(body.poses[:, :3, :3]))
         node = {
             "name": body.name,
-            "mesh": shapes[key],
+            "mesh": meshes[shape, color],
             "translation": body.poses[0, :3, 3].tolist(),
             "rotation": turns[0].tolist(),
         }
@@ -140,7 +144,8 @@ class _Data:
         return struct.pack("<III", _MAGIC, _VERSION, 12 + len(chunks)) + chunks
 
 
-def _add_mesh(data: _Data, body: BodyTrack, material: int) -> dict[str, Any]:
+def _add_surface(data: _Data, body: BodyTrack) -> dict[str, Any]:
+    """The arrays of a body's surface, as a primitive without its material."""
     attributes = {
         "POSITION": data.add(body.vertices.astype(np.float32), target=_VERTICES, limits=True)
     }
@@ -154,8 +159,7 @@ def _add_mesh(data: _Data, body: BodyTrack, material: int) -> dict[str, Any]:
         normals = np.where(lengths[:, None] > 0.5, normals, (0.0, 0.0, 1.0))
         attributes["NORMAL"] = data.add(normals.astype(np.float32), target=_VERTICES)
     indices = data.add(body.faces.reshape(-1).astype(np.uint32), target=_INDICES)
-    primitive = {"attributes": attributes, "indices": indices, "material": material}
-    return {"name": body.name, "primitives": [primitive]}
+    return {"attributes": attributes, "indices": indices}
 
 
 def _describe_material(color: tuple[int, int, int]) -> dict[str, Any]:

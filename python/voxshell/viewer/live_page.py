@@ -113,7 +113,7 @@ class LivePage:
         names = list(_SPEEDS) if initial else [f"{view.speed:g} of real time", *_SPEEDS]
         speeds = {names[0]: view.speed, **_SPEEDS}
         speed = gui.add_dropdown("speed", names, initial_value=initial or names[0])
-        through = gui.add_checkbox("see contacts through bodies", initial_value=True)
+        through = gui.add_checkbox("see through", initial_value=True)
         self._show_pause()
 
         @through.on_update
@@ -180,8 +180,8 @@ class LivePage:
         longest = metric(scene.extent.body)
         return (
             f'<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
-            f'<b style="color: {force}">&#8594;</b> normal force on the moving body: {longest} is '
-            f"{scene.longest_force:.3g} N or more<br>"
+            f'<b style="color: {force}">&#8594;</b> normal force on the moving body, '
+            f"{scene.longest_force:.3g} N or more: {longest}<br>"
             f'<b style="color: {pull}">&#8594;</b> spring of the mouse<br>grid: {metric(scene.cell)}<br>'
             "Drag a body to pull it. Drag the background to turn the camera, right-drag to move it.</div>"
         )
@@ -202,7 +202,7 @@ class LivePage:
         extent = self._scene.find_extent(frame)
         if extent is None:
             return None
-        around = 0.15 * float(np.linalg.norm(extent.high - extent.low))
+        around = 0.06 * float(np.linalg.norm(extent.high - extent.low))
         low, high = (
             (extent.low - around) * self._scene.scale,
             (extent.high + around) * self._scene.scale,

@@ -14,7 +14,7 @@ from voxshell.errors import MissingExtraError
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.page import metric
 from voxshell.viewer.palette import choose_colors
-from voxshell.viewer.pins import DEPTH_COLORS, full_depth
+from voxshell.viewer.pins import color_depths, full_depth
 from voxshell.viewer.stage import Stage, find_slabs, place_camera, plan_stage
 from voxshell.viewer.surface import is_faceted
 from voxshell.viewer.timeline import plan_timeline
@@ -116,7 +116,7 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
     vtkObject.GlobalWarningDisplayOff()
     try:
         try:
-            plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="light kit")
+            plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="three lights")
         except Exception as error:
             raise MissingExtraError(
                 f"VTK cannot draw on this machine ({error}); install OpenGL's libraries "
@@ -203,9 +203,11 @@ class _Film:
         ]
         plotter.camera.view_angle = math.degrees(camera.field_of_view)
         plotter.renderer.ResetCameraClippingRange()
-        plotter.enable_anti_aliasing("msaa")
+        plotter.enable_anti_aliasing("msaa", multi_samples=4)
+        self._contacts: Any = None
+        self._overlay = self._add_overlay()
         if self._deepest > 0.0:
-            self._add_legend()
+            self._write(f"contact depth 0 to {metric(self._deepest)}", "upper_right")
 
     def draw(self, instant: int) -> NDArray[np.uint8]:
         """The picture of an instant of the timeline, (h, w, 3)."""
@@ -216,16 +218,12 @@ class _Film:
         seconds = frame * self._recording.time_step
         count = int(self._recording.contacts.counts[frame])
         text = f"{seconds:.3f} s, {count} contact{'' if count == 1 else 's'}"
-        self._plotter.add_text(
-            f"{self._title}\n{text}" if self._title else text,
-            position="upper_left",
-            font_size=self._font_size,
-            color=_INK,
-            name="time",
-            render=False,
-        )
+        self._write(f"{self._title}\n{text}" if self._title else text, "upper_left")
         self._plotter.render()
-        return np.asarray(self._plotter.screenshot(return_img=True))
+        picture = np.array(self._plotter.screenshot(return_img=True))
+        if self._deepest > 0.0:
+            self._paint_scale(picture)
+        return picture
 
     @property
     def _font_size(self) -> int:
@@ -235,7 +233,12 @@ class _Film:
         surface = self._as_surface(body.vertices, body.faces)
         faceted = is_faceted(body.vertices, body.faces)
         return self._plotter.add_mesh(
-            surface, color=color, smooth_shading=not faceted, specular=0.2, render=False
+            surface,
+            color=color,
+            smooth_shading=not faceted,
+            ambient=0.25,
+            diffuse=0.65,
+            render=False,
         )
 
     def _add_slab(
@@ -248,10 +251,10 @@ class _Film:
     ) -> None:
         """A plate, and lines on it whose crossings lie on multiples of the stage's cell."""
         box = self._pyvista.Box(np.stack([low, high], axis=1).reshape(-1))
-        self._plotter.add_mesh(box, color=color, render=False)
+        self._plotter.add_mesh(box, color=color, lighting=False, render=False)
         _, _, upward = view_axes(up)
         first, second = np.flatnonzero(upward == 0.0)
-        top = np.where(upward > 0.0, high, low) * np.abs(upward) + 1e-3 * stage.body_size * upward
+        top = np.where(upward > 0.0, high, low) * np.abs(upward) + 0.01 * stage.body_size * upward
         ends = []
         for along, across in ((first, second), (second, first)):
             cells = np.arange(
@@ -264,42 +267,58 @@ class _Film:
                     ends.append(point)
         if ends:
             lines = self._pyvista.line_segments_from_points(np.array(ends))
-            self._plotter.add_mesh(lines, color=_GRID_COLOR, line_width=1, render=False)
+            self._plotter.add_mesh(
+                lines, color=_GRID_COLOR, line_width=1, lighting=False, render=False
+            )
 
     def _draw_contacts(self, frame: int) -> None:
         contacts = self._recording.contacts.frame(frame)
+        if self._contacts is not None:
+            self._overlay.RemoveActor(self._contacts)
+            self._contacts = None
         if len(contacts.points) == 0:
-            self._plotter.remove_actor("contacts", render=False)
             return
         chosen = np.unique(
             np.linspace(0, len(contacts.points) - 1, _MOST_CONTACTS).round().astype(np.int64)
         )
         points = self._pyvista.PolyData(contacts.points[chosen])
-        points["depth"] = 1e3 * contacts.depths[chosen]
+        shares = contacts.depths[chosen] / self._deepest if self._deepest > 0.0 else 0.0 * chosen
+        points["color"] = color_depths(shares).round().astype(np.uint8)
         ball = self._pyvista.Sphere(self._ball, theta_resolution=12, phi_resolution=12)
-        self._plotter.add_mesh(
-            points.glyph(geom=ball, scale=False, orient=False),
-            scalars="depth",
-            clim=(0.0, 1e3 * self._deepest or 1.0),
-            cmap=_make_color_map(),
-            show_scalar_bar=False,
-            lighting=False,
-            name="contacts",
-            render=False,
+        mapper = self._pyvista.DataSetMapper(
+            points.glyph(geom=ball, scale=False, orient=False, color_mode="scalar")
+        )
+        mapper.SetScalarModeToUsePointFieldData()
+        mapper.SelectColorArray("color")
+        mapper.SetColorModeToDirectScalars()
+        self._contacts = self._pyvista.Actor(mapper=mapper)
+        self._contacts.prop.lighting = False
+        self._overlay.AddActor(self._contacts)
+
+    def _add_overlay(self) -> Any:
+        """A layer in front of all bodies, with the same camera: contacts lie between bodies, where nobody sees them."""
+        from vtkmodules.vtkRenderingCore import vtkRenderer  # pyright: ignore[reportMissingImports]
+
+        overlay = vtkRenderer()
+        overlay.SetLayer(1)
+        overlay.InteractiveOff()
+        overlay.SetActiveCamera(self._plotter.camera)
+        self._plotter.render_window.SetNumberOfLayers(2)
+        self._plotter.render_window.AddRenderer(overlay)
+        return overlay
+
+    def _write(self, text: str, place: str) -> None:
+        self._plotter.add_text(
+            text, position=place, font_size=self._font_size, color=_INK, name=place, render=False
         )
 
-    def _add_legend(self) -> None:
-        """The scale of depths at the top right, drawn as text in the colors of its ends."""
-        lines = [f"contact depth 0 to {metric(self._deepest)}"]
-        self._plotter.add_text(
-            "\n".join(lines), position="upper_right", font_size=self._font_size, color=_INK
-        )
+    def _paint_scale(self, picture: NDArray[np.uint8]) -> None:
+        """A bar in the colors of depths under the text at the top right."""
+        height, width = picture.shape[:2]
+        long, thick = width // 6, max(2, height // 60)
+        top, right = 3 * self._font_size, width - self._font_size
+        bar = color_depths(np.linspace(0.0, 1.0, long)).round().astype(np.uint8)
+        picture[top : top + thick, right - long : right] = bar
 
     def _as_surface(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
         return self._pyvista.make_tri_mesh(vertices, faces)
-
-
-def _make_color_map() -> Any:
-    from matplotlib.colors import LinearSegmentedColormap
-
-    return LinearSegmentedColormap.from_list("depth", np.array(DEPTH_COLORS) / 255.0)
