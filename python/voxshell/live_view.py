@@ -86,6 +86,7 @@ class LiveView:
         self._pulls = Pulls(gravity, time_step)
         self._page: Page | None = None
         self._pages = 0
+        self._shown = 0
         self._closed = False
         self._gate = threading.Condition()
         self._paused, self._steps_allowed = bool(paused), 0
@@ -124,6 +125,11 @@ class LiveView:
     def page_count(self) -> int:
         """Browsers that show the page now."""
         return self._pages
+
+    @property
+    def frame_count(self) -> int:
+        """States of the world that were shown so far."""
+        return self._shown
 
     @property
     def paused(self) -> bool:
@@ -261,6 +267,7 @@ class LiveView:
                 frame = self._take()
             if frame is not None and not self._closed:
                 self._page.show(frame)
+                self._shown += 1
 
     def _wait_for_speed(self, speed: float) -> None:
         now, simulated = time.perf_counter(), self._simulation.step_count() * self._time_step

@@ -26,7 +26,7 @@ from voxshell.notebook import make_frame, make_table
 _UNIT_TOLERANCE = 1e-3
 _MOST_SHOWN = 8_000_000
 """Bytes of a replay in a notebook, which keeps it in its file."""
-_MOST_NUMBERS = 40_000_000
+_MOST_RAW = 40_000_000
 """Bytes of the numbers of such a replay before they are packed."""
 
 
@@ -341,7 +341,7 @@ class Recording:
         """The replay, UTF-8; or, where there is none to show, what to do instead."""
         numbers = sum(body.vertices.size + body.faces.size for body in self.bodies)
         numbers += 7 * len(self.bodies) * self.frame_count
-        if 4 * numbers > _MOST_NUMBERS:  # before the page is made, which would take long
+        if 4 * numbers > _MOST_RAW:  # before the page is made, which would take long
             return "too large to show here: call save_html('replay.html') and open that file"
         try:
             from voxshell.viewer.lanes import Lane

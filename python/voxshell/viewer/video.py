@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from contextlib import contextmanager
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
 from voxshell._outputs import replacing
-from voxshell.errors import MissingExtraError
+from voxshell.errors import FileAccessError, MissingExtraError
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.page import metric
 from voxshell.viewer.palette import choose_colors
@@ -78,42 +79,39 @@ def save_video(
     )
     # A recording of a single frame is a still of one second.
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
-    libraries = _import_libraries()
-    with replacing(path) as temporary, _drawing(*libraries[:1], (width, height)) as plotter:
-        film = _Film(libraries[0], plotter, recording, timeline, up=up, title=title)
-        with _open_writer(libraries[1], temporary, pause) as writer:
-            for instant in range(len(timeline.times)):
-                writer.append_data(film.draw(instant))
+    pyvista, imageio = _import_libraries()
+    with replacing(path) as temporary, _drawing(pyvista, (width, height)) as plotter:
+        film = _Film(pyvista, plotter, recording, timeline, up=up, title=title)
+        try:
+            with _open_writer(imageio, temporary, pause) as writer:
+                for instant in range(len(timeline.times)):
+                    writer.append_data(film.draw(instant))
+        except OSError as error:  # of the program that encodes, which may be told apart from the file's by nobody
+            raise FileAccessError(f"cannot write {path}: {error}") from error
     return path
 
 
 def _import_libraries() -> tuple[Any, Any]:
     """PyVista, which draws, and imageio, which encodes."""
     try:
-        import imageio.v2 as imageio  # pyright: ignore[reportMissingImports]
-        import imageio_ffmpeg  # noqa: F401  # pyright: ignore[reportMissingImports]
-        import pyvista  # pyright: ignore[reportMissingImports]
+        import_module("imageio_ffmpeg")
+        return import_module("pyvista"), import_module("imageio.v2")
     except ImportError as error:
         raise MissingExtraError(
             "videos need pyvista, imageio and imageio-ffmpeg, and one cannot be imported "
             f"({error}); run: pip install 'voxshell[video]'"
         ) from error
-    return pyvista, imageio
 
 
 @contextmanager
 def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
     """A plotter without a window."""
-    from vtkmodules.vtkCommonCore import (  # pyright: ignore[reportMissingImports]
-        vtkLogger,
-        vtkObject,
-    )
-
+    core = import_module("vtkmodules.vtkCommonCore")
     # VTK tells in a terminal that there is no X server, and then does without one.
-    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    warned = vtkObject.GetGlobalWarningDisplay()
-    vtkObject.GlobalWarningDisplayOff()
+    verbosity = core.vtkLogger.GetCurrentVerbosityCutoff()
+    core.vtkLogger.SetStderrVerbosity(core.vtkLogger.VERBOSITY_OFF)
+    warned = core.vtkObject.GetGlobalWarningDisplay()
+    core.vtkObject.GlobalWarningDisplayOff()
     try:
         try:
             plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="three lights")
@@ -127,8 +125,8 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
         finally:
             plotter.close()
     finally:
-        vtkObject.SetGlobalWarningDisplay(warned)
-        vtkLogger.SetStderrVerbosity(verbosity)
+        core.vtkObject.SetGlobalWarningDisplay(warned)
+        core.vtkLogger.SetStderrVerbosity(verbosity)
 
 
 def _open_writer(imageio: Any, path: Path, pause: float) -> Any:
@@ -297,9 +295,7 @@ class _Film:
 
     def _add_overlay(self) -> Any:
         """A layer in front of all bodies, with the same camera: contacts lie between bodies, where nobody sees them."""
-        from vtkmodules.vtkRenderingCore import vtkRenderer  # pyright: ignore[reportMissingImports]
-
-        overlay = vtkRenderer()
+        overlay = import_module("vtkmodules.vtkRenderingCore").vtkRenderer()
         overlay.SetLayer(1)
         overlay.InteractiveOff()
         overlay.SetActiveCamera(self._plotter.camera)
