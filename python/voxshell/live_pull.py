@@ -24,6 +24,9 @@ _SAG = 0.02
 _MOST_TURN_A_STEP = 0.2
 """Radians of the spring's oscillation in a step. Damping that is applied once a step diverges at 1."""
 
+_CALMING = 2.0
+"""1/s: how fast the turning of a body that is held dies away. Without it, bodies swing on for ever."""
+
 _WITHOUT_GRAVITY = 9.81
 """m/s2, in place of gravity in worlds that have less."""
 
@@ -45,6 +48,12 @@ class Pull:
     target_world: NDArray[np.float64]
     frequency: float
     reach: float
+
+    def compute_torque(self) -> NDArray[np.float64]:
+        """The torque on the body that calms its turning, (3,) N m, world frame."""
+        turn = self.body.pose[:3, :3]
+        spin = self.body.angular_velocity
+        return -_CALMING * (turn @ (self.body._inertia @ (turn.T @ spin)))
 
     def compute_force(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The force on the body as it stands now.
@@ -131,6 +140,7 @@ class Pulls:
             try:
                 force, point = pull.compute_force()
                 pull.body.apply_force(force, at=point)
+                pull.body.apply_torque(pull.compute_torque())
             except SettingsError:  # the body has been removed
                 self.release(hand)
 

@@ -62,7 +62,8 @@ class LiveView:
     Drag: a spring pulls the grabbed point towards the pointer, in the plane through that point that faces the camera.
     It is critically damped, and scaled with the body's effective mass at that point, so that light and heavy bodies
     follow alike. A body that hangs on the spring sinks by about 2 % of its diameter, or more where the time step is
-    long. Beyond one diameter of stretch the force no longer grows. Static and kinematic bodies cannot be dragged.
+    long. Beyond one diameter of stretch the force no longer grows. While a body is held, its turning dies away at 2/s.
+    Static and kinematic bodies cannot be dragged.
 
     All methods may be called from any thread.
     """

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 _TEXT_EVERY = 0.2
 """Seconds between two updates of plots and numbers, which cost more than the scene."""
 
+_BESIDE = 0.5
+"""Width that is left free for the controls, as a share of the scene's."""
+
 _SPEEDS: dict[str, float | None] = {
     "as fast as possible": None,
     "real time": 1.0,
@@ -202,12 +205,15 @@ class LivePage:
         extent = self._scene.find_extent(frame)
         if extent is None:
             return None
-        around = 0.06 * float(np.linalg.norm(extent.high - extent.low))
-        low, high = (
-            (extent.low - around) * self._scene.scale,
-            (extent.high + around) * self._scene.scale,
-        )
-        return place_camera([(low, high)], rows=1, up=self._up)
+        size = float(np.linalg.norm(extent.high - extent.low))
+        low, high = extent.low - 0.06 * size, extent.high + 0.06 * size
+        # The controls cover the right of the page.
+        right = view_axes(self._up)[0]
+        beside = _BESIDE * float(np.abs(right @ (high - low)))
+        high = high + beside * np.maximum(right, 0.0)
+        low = low + beside * np.minimum(right, 0.0)
+        scale = self._scene.scale
+        return place_camera([(scale * low, scale * high)], rows=1, up=self._up)
 
     def _reset_camera(self, client: viser.ClientHandle) -> None:
         camera = self._find_camera(self._frame) if self._frame is not None else None

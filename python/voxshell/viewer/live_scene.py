@@ -37,6 +37,8 @@ _MOST_CONTACTS = 400
 _GRAIN = 2.0**-13
 _BALL = 0.012
 """Radius of a contact's ball, in diameters of a typical body."""
+_LEAST_DEPTH = 1e-4
+"""That the colors of contacts tell apart from none, in diameters of a typical body."""
 _LONGEST_ARROW = 1.0
 """In diameters of a typical body; a force of its weight is a quarter of that."""
 _ARROWS_A_WEIGHT = 0.25
@@ -107,8 +109,10 @@ class LiveScene:
 
     @property
     def deepest(self) -> float:
-        """Metres, of the darkest colour: the deepest contact so far, rounded up."""
-        return nice_length(self._deepest) if self._deepest > 0.0 else 0.0
+        """Metres, of the darkest colour: the deepest contact so far, rounded up; not less than what can be seen."""
+        if self._deepest == 0.0 or self.extent is None:
+            return 0.0
+        return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))
 
     @property
     def longest_force(self) -> float:

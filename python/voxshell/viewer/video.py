@@ -11,7 +11,7 @@ import numpy as np
 
 from voxshell._arguments import as_integer, as_positive
 from voxshell._outputs import replacing
-from voxshell.errors import FileAccessError, MissingExtraError
+from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.page import metric
 from voxshell.viewer.palette import choose_colors
@@ -70,7 +70,7 @@ def save_video(
         RecordingError: Another option makes no sense.
         FileAccessError: The file cannot be written.
     """
-    width, height = (2 * as_integer(side // 2, "half of size", 32, 3840) for side in size)
+    pixels = _as_size(size)
     rate = _DEFAULT_RATES[path.suffix.lower()] if frames_per_second is None else frames_per_second
     timeline = plan_timeline(
         [recording],
@@ -80,15 +80,28 @@ def save_video(
     # A recording of a single frame is a still of one second.
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
     pyvista, imageio = _import_libraries()
-    with replacing(path) as temporary, _drawing(pyvista, (width, height)) as plotter:
+    with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
         film = _Film(pyvista, plotter, recording, timeline, up=up, title=title)
         try:
             with _open_writer(imageio, temporary, pause) as writer:
                 for instant in range(len(timeline.times)):
                     writer.append_data(film.draw(instant))
-        except OSError as error:  # of the program that encodes, which may be told apart from the file's by nobody
+        except OSError as error:  # of the program that encodes, or of the disk
             raise FileAccessError(f"cannot write {path}: {error}") from error
     return path
+
+
+def _as_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Width and height, both even, as the encoder wants them."""
+    if len(size) != 2:
+        raise SettingsError(f"size must be (width, height) in pixels, not {size!r}")
+    width, height = (as_integer(side, "size", 64, 7680) for side in size)
+    if width % 2 or height % 2:
+        raise SettingsError(
+            f"size must be two even numbers of pixels, not {width} x {height}; "
+            f"try {width + width % 2} x {height + height % 2}"
+        )
+    return width, height
 
 
 def _import_libraries() -> tuple[Any, Any]:
@@ -282,7 +295,7 @@ class _Film:
         points = self._pyvista.PolyData(contacts.points[chosen])
         shares = contacts.depths[chosen] / self._deepest if self._deepest > 0.0 else 0.0 * chosen
         points["color"] = color_depths(shares).round().astype(np.uint8)
-        ball = self._pyvista.Sphere(self._ball, theta_resolution=12, phi_resolution=12)
+        ball = self._pyvista.Sphere(radius=self._ball, theta_resolution=12, phi_resolution=12)
         mapper = self._pyvista.DataSetMapper(
             points.glyph(geom=ball, scale=False, orient=False, color_mode="scalar")
         )
