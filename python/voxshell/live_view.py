@@ -38,8 +38,13 @@ class Page(Protocol):
         """For a browser on this machine."""
         ...
 
-    def show(self, frame: LiveFrame) -> None:
-        """Shows a state of the world; one thread at a time calls it."""
+    def show(self, frame: LiveFrame, *, last: bool) -> None:
+        """Shows a state of the world; one thread at a time calls it.
+
+        Args:
+            frame: The state.
+            last: Whether none may follow for long: then all of the page must be brought up to date.
+        """
         ...
 
     def close(self) -> None:
@@ -107,7 +112,7 @@ class LiveView:
         self._page = make_page()
         frame = self._take()
         if frame is not None:
-            self._page.show(frame)
+            self._page.show(frame, last=True)
         self._thread = threading.Thread(target=self._send, name="voxshell view", daemon=True)
         self._thread.start()
 
@@ -165,12 +170,14 @@ class LiveView:
         """Lets :meth:`World.step` wait before its next step, until :meth:`resume`, :meth:`close` or Ctrl-C."""
         with self._gate:
             self._paused, self._steps_allowed = True, 0
+        self._refresh()
 
     def resume(self) -> None:
         """Ends a pause."""
         with self._gate:
             self._paused, self._start = False, None
             self._gate.notify_all()
+        self._refresh()
 
     def allow_step(self) -> None:
         """Lets a paused run make one step."""
@@ -222,8 +229,7 @@ class LiveView:
         """Notes that browsers have come or gone; the page calls it."""
         with self._news:
             self._pages += change
-            self._has_unseen = True
-            self._news.notify_all()
+        self._refresh()
         if self._pages == 0:
             self.resume()
 
@@ -251,6 +257,12 @@ class LiveView:
             f'border-radius: 6px"></iframe><p><a href="{address}" target="_blank">Open in a window of its own</a></p>'
         )
 
+    def _refresh(self) -> None:
+        """Lets the page be brought up to date although nobody may step."""
+        with self._news:
+            self._has_unseen = True
+            self._news.notify_all()
+
     def _take(self) -> LiveFrame | None:
         self._has_unseen = False
         return take_frame(self._simulation, self._bodies, self._gravity, self._time_step)
@@ -263,11 +275,11 @@ class LiveView:
                 if self._frame is None and not self._closed:
                     self._news.wait(_STILL if self._pages else None)
                 frame, self._frame = self._frame, None
-            is_still = time.perf_counter() - self._last_step > _STILL
-            if frame is None and self._pages and self._has_unseen and is_still:
+            is_last = frame is None and time.perf_counter() - self._last_step > _STILL
+            if is_last and self._pages and self._has_unseen:
                 frame = self._take()
             if frame is not None and not self._closed:
-                self._page.show(frame)
+                self._page.show(frame, last=is_last)
                 self._shown += 1
 
     def _wait_for_speed(self, speed: float) -> None:

@@ -33,7 +33,7 @@ class Screen:
         self.frames: list[LiveFrame] = []
         self.closed = False
 
-    def show(self, frame: LiveFrame) -> None:
+    def show(self, frame: LiveFrame, *, last: bool) -> None:
         self.frames.append(frame)
 
     def close(self) -> None:

@@ -89,8 +89,13 @@ class LivePage:
         """For a browser on this machine."""
         return make_address(self._server, self._token)
 
-    def show(self, frame: LiveFrame) -> None:
-        """Shows a state of the world."""
+    def show(self, frame: LiveFrame, *, last: bool) -> None:
+        """Shows a state of the world.
+
+        Args:
+            frame: The state.
+            last: Whether to bring the numbers and plots up to date in any case; they follow less often.
+        """
         self._frame = frame
         with self._server.atomic():
             self._scene.show(frame, self._view.pulls.find_lines())
@@ -98,7 +103,7 @@ class LivePage:
                 self._place_first_camera(frame)
             self._plots.add(frame)
             now = time.perf_counter()
-            if now - self._last_text >= _TEXT_EVERY:
+            if last or now - self._last_text >= _TEXT_EVERY:
                 self._show_text(frame, now)
                 self._plots.show()
                 self._last_text = now
