@@ -72,6 +72,10 @@ PYTHON_ALONE = {"errors": "base", "testing": "query"}
 # (module file, room): imports against the direction that are allowed inside a function.
 PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {
     ("recording/recording.py", "viewer"): "save_html: only a caller who wants a page pays for it",
+    (
+        "simulation/world_view.py",
+        "viewer",
+    ): "view opens the page, and only a caller who wants one pays",
 }
 
 # Where Bullet's names may appear: its adapter, the bindings, and what tests, shows or measures it.

@@ -73,6 +73,26 @@ def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
     _try_folder(nearest, folder)
 
 
+def check_suffix(path: Path, suffixes: Sequence[str], what: str) -> None:
+    """Refuses a name whose ending says something else than what is written.
+
+    Args:
+        path: Of a file to write.
+        suffixes: Those that fit, such as ``(".html",)``; capitals do not matter.
+        what: Is written, for people.
+
+    Raises:
+        SettingsError: It has another ending, or none.
+    """
+    if path.suffix.lower() not in suffixes:
+        ending = f"in {path.suffix!r}" if path.suffix else "without a suffix"
+        wanted = " or ".join(suffixes)
+        raise SettingsError(
+            f"{what} needs a file name that ends in {wanted}, but {path.name!r} ends {ending}; "
+            f"try {path.with_suffix(suffixes[0]).name!r}"
+        )
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path that takes the place of ``path`` if the block succeeds; where links lead.

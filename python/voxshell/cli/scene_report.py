@@ -19,11 +19,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from voxshell.recording import Recording
     from voxshell.scenes.scene_file import Scene
     from voxshell.scenes.scene_run import SceneRun
+    from voxshell.scenes.scene_settings import OutputSettings
     from voxshell.simulation.world import World
 
 PAGE, PLOT, RESULTS = "index.html", "plot.png", "results.json"
+EXPORT = "recording"
+"""Name of exports without its suffix."""
 
 
 def check_extras(scene: Scene) -> None:
@@ -39,11 +43,18 @@ def check_extras(scene: Scene) -> None:
         (outputs.replay, "viser", "viewer"),
         (outputs.plot, "matplotlib", "report"),
         ("parquet" in (outputs.poses, outputs.contacts), "pyarrow", "report"),
+        *((is_video(outputs), name, "video") for name in ("pyvista", "imageio", "imageio_ffmpeg")),
+        (bool({"usda", "usdc"} & set(outputs.exports)), "pxr", "usd"),
     ):
         if wanted and find_spec(library) is None:
             raise MissingExtraError(
-                f"the outputs of {scene.path} need {library}: pip install voxshell[{extra}]"
+                f"the outputs of {scene.path} need {library}: pip install 'voxshell[{extra}]'"
             )
+
+
+def is_video(outputs: OutputSettings) -> bool:
+    """Whether pictures are to be drawn."""
+    return bool({"mp4", "gif"} & set(outputs.exports))
 
 
 def list_files(scene: Scene) -> list[str]:
@@ -55,6 +66,7 @@ def list_files(scene: Scene) -> list[str]:
         *(f"{name}.{form}" for name, form in tables.items() if form != "none"),
         *([PLOT] if outputs.plot else []),
         *([PAGE] if outputs.replay else []),
+        *(f"{EXPORT}.{form}" for form in dict.fromkeys(outputs.exports)),
     ]
 
 
@@ -153,9 +165,25 @@ def _write_all(
     if outputs.plot:
         progress(PLOT, 0.3)
         _draw(folder / PLOT, scene, run)
+    if not outputs.replay and not outputs.exports:
+        return
+    recording = make_recording(scene, world, run)
     if outputs.replay:
         progress(PAGE, 0.5)
-        make_recording(scene, world, run).save_html(folder / PAGE, title=scene.title)
+        recording.save_html(folder / PAGE, title=scene.title)
+    for form in dict.fromkeys(outputs.exports):
+        progress(f"{EXPORT}.{form}", 0.7)
+        _export(recording, folder / f"{EXPORT}.{form}", scene.title)
+
+
+def _export(recording: Recording, path: Path, title: str) -> None:
+    match path.suffix:
+        case ".mp4" | ".gif":
+            recording.save_video(path, title=title)
+        case ".glb":
+            recording.save_gltf(path)
+        case _:
+            recording.save_usd(path)
 
 
 def _write_table(path: Path, columns: Mapping[str, NDArray[np.generic]]) -> None:

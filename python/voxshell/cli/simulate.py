@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import sys
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 from rich.console import Console
@@ -15,6 +18,11 @@ from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length, format_time
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from voxshell.simulation.world import World
 
 _STILL = 1e-9
 """Metres a second; what is slower moves by rounding alone."""
@@ -28,6 +36,11 @@ def scene(
     /,
     *,
     out: Path,
+    export: Annotated[
+        tuple[Literal["mp4", "gif", "glb", "usda", "usdc"], ...],
+        Parameter(consume_multiple=True, negative=""),
+    ] = (),
+    watch: Annotated[bool, Parameter(negative="")] = False,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
     """Simulate a scene file: bodies of meshes and shapes that fall, slide and collide.
@@ -55,23 +68,39 @@ def scene(
 
         voxshell simulate scene.toml --out result
 
+    With a video, a file for Blender, and a page on which to watch and drag the bodies meanwhile:
+
+        voxshell simulate scene.toml --out result --export mp4 glb --watch
+
     Args:
         file: The scene in TOML; the page on scene files in the documentation shows every key.
         out: The folder to write into; created if missing.
+        export: Also write the motion as recording.mp4 or recording.gif (videos), recording.glb (glTF: Blender,
+            three.js, Unity) or recording.usda or recording.usdc (Universal Scene Description).
+        watch: Show the simulation in the browser at the address that is printed, and begin when somebody presses
+            Resume there. What is dragged there changes the results.
         json_only: Print only the content of results.json.
     """
     from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs
     from voxshell.scenes.scene_file import read_scene
     from voxshell.scenes.scene_run import run_scene
     from voxshell.scenes.scene_world import build_world
+    from voxshell.viewer.server import import_viser
 
     read = read_scene(file)
+    outputs = replace(read.outputs, exports=(*read.outputs.exports, *export))
+    read = replace(read, outputs=outputs)
     check_extras(read)
+    if watch:
+        import_viser()  # before meshes are made into models, which may take long
     check_output_folder(out, list_files(read))
     with open_progress(Console(quiet=json_only, stderr=True)) as progress:
         with tracked(progress, "build") as track:
             world = build_world(read, track.update)
-        with tracked(progress, "simulate") as track:
+        with (
+            _watching(world, read.title if watch else None),
+            tracked(progress, "simulate") as track,
+        ):
             run = run_scene(read, world, track.advance)
         with tracked(progress, "write") as track:
             paths = write_outputs(out, read, world, run, track.update)
@@ -102,3 +131,14 @@ def scene(
     )
     for path in paths:
         console.print(f"  {path}", soft_wrap=True)
+
+
+@contextmanager
+def _watching(world: World, title: str | None) -> Iterator[None]:
+    """Shows a world in the browser, from the first step that somebody asks for there; with a title alone."""
+    if title is None:
+        yield
+        return
+    with world.view(title=title, speed=1.0, paused=True) as view:
+        print(f"{view.address}  (press Resume there; Ctrl-C ends it)", file=sys.stderr, flush=True)
+        yield

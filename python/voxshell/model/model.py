@@ -14,6 +14,7 @@ from voxshell.base.arguments import (
     as_positive,
     as_threads,
 )
+from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_open, as_padding, as_sheet_thickness, as_sign
@@ -374,6 +375,21 @@ class Model:
             f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
             f"{self.field.nbytes / 1e6:.1f} MB)"
         )
+
+    def _repr_html_(self) -> str:
+        """A table of facts, for notebooks."""
+        x, y, z = self.field.shape
+        size = " x ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.bounds, axis=0))
+        facts = {
+            "size": f"{size} mm",
+            "triangles": f"{len(self._core.faces):,}",
+            "points of the shell": f"{len(self.shell):,}, {1e3 * self.shell.spacing:.3g} mm apart",
+            "field": f"{x} x {y} x {z} nodes, {1e3 * self.field.voxel_size:.3g} mm apart, "
+            f"{self.field.nbytes / 1e6:.1f} MB",
+            "field off by": f"{1e3 * self.accuracy.distance.median:.3g} mm median, "
+            f"{1e3 * self.accuracy.distance.max:.3g} mm worst",
+        }
+        return make_table("Model", facts)
 
 
 def _unpickle(content: bytes) -> Model:

@@ -8,6 +8,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_integer
+from voxshell.base.notebook import make_table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -187,12 +188,33 @@ class Contacts:
         """
         return Contacts(self._core.deepest_per_segment())
 
-    def __repr__(self) -> str:
+    def _repr_html_(self) -> str:
+        """A table of facts, for notebooks."""
+        facts = {"contacts": self._count_by_shell()}
+        if len(self) > 0:
+            deepest = int(np.argmax(self.depths))
+            place = ", ".join(f"{x:.6g}" for x in self.points_b[deepest])
+            normal = ", ".join(f"{x:.3g}" for x in self.normals[deepest])
+            facts |= {
+                "depth": f"{1e3 * self.depths.min():.4g} to {1e3 * self.depths.max():.4g} mm",
+                "deepest at": f"({place}) m, world frame",
+                "normal there": f"({normal}), from b to a",
+            }
+        facts["complete"] = (
+            "yes"
+            if self.exact
+            else f"no: none missed is deeper than {1e3 * self.depth_bound:.4g} mm"
+        )
+        return make_table("Contacts", facts)
+
+    def _count_by_shell(self) -> str:
         if self.shell == "both":
             of_b = np.count_nonzero(self._core.shells)
-            text = f"{len(self) - of_b} of a's and {of_b} of b's points"
-        else:
-            text = f"{len(self)} of {self.shell}'s points"
+            return f"{len(self) - of_b} of a's and {of_b} of b's points"
+        return f"{len(self)} of {self.shell}'s points"
+
+    def __repr__(self) -> str:
+        text = self._count_by_shell()
         if len(self) > 0:
             text += f", deepest {self.depths.max():.3g} m"
         return f"Contacts({text})" if self.exact else f"Contacts({text}, perhaps not all)"

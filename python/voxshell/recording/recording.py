@@ -17,12 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from voxshell.base.arguments import as_path
-from voxshell.base.outputs import check_output_file
+from voxshell.base.notebook import make_frame, make_table
+from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.base.pose_forms import make_all_rigid, read_poses
 from voxshell.base.rotations import CORRECTED
-from voxshell.errors import PoseError, RecordingError
+from voxshell.errors import MissingExtraError, PoseError, RecordingError
 
 _UNIT_TOLERANCE = 1e-3
+_MOST_SHOWN = 8_000_000
+"""Bytes of a replay in a notebook, which keeps it in its file."""
+_MOST_RAW = 40_000_000
+"""Bytes of the numbers of such a replay before they are packed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +295,7 @@ class Recording:
         """Writes one offline page that replays the recording in a browser.
 
         Args:
-            path: The file to write; replaced whole or not at all.
+            path: The file to write, ending in .html; replaced whole or not at all.
             title: Heading of the page.
             label: Caption under the bodies.
             **options: Passed on to :func:`voxshell.viewer.replay.save_replay`, which also shows
@@ -302,15 +307,141 @@ class Recording:
         Raises:
             MissingExtraError: If the viewer is not installed.
             RecordingError: If an option makes no sense.
-            SettingsError: If the path is a folder, a device or a pipe, or there is no folder to write into.
+            SettingsError: If the path ends in anything but .html, is a folder, a device or a pipe, or there is no
+                folder to write into.
             FileAccessError: If the file cannot be written.
         """
-        place = Path(os.fsdecode(as_path(path, "path")))
-        check_output_file(place)
+        place = _as_place(path, (".html", ".htm"), "a replay")
         from voxshell.viewer.lanes import Lane
         from voxshell.viewer.replay import save_replay
 
         return save_replay(place, [Lane(label, self)], title=title, **options)
+
+    def __repr__(self) -> str:
+        return (
+            f"Recording({len(self.bodies)} bodies, {self.frame_count} frames, {self.duration:.6g} s, "
+            f"{len(self.contacts.points)} contacts)"
+        )
+
+    def _repr_html_(self) -> str:
+        """For notebooks: a table of facts, and the replay where the viewer is installed and the page is small."""
+        moving = sum(not body.fixed for body in self.bodies)
+        facts = {
+            "time": f"{self.duration:.6g} s, {self.frame_count:,} frames, {1e3 * self.time_step:.4g} ms apart",
+            "bodies": f"{len(self.bodies):,}, of which {moving:,} move",
+            "contacts": f"{len(self.contacts.points):,}, at most {int(self.contacts.counts.max()):,} at a time",
+        }
+        page = self._make_small_page()
+        if isinstance(page, str):
+            facts["replay"] = page
+            return make_table("Recording", facts)
+        return make_table("Recording", facts) + make_frame(page.decode(), 480)
+
+    def _make_small_page(self) -> bytes | str:
+        """The replay, UTF-8; or, where there is none to show, what to do instead."""
+        numbers = sum(body.vertices.size + body.faces.size for body in self.bodies)
+        numbers += 7 * len(self.bodies) * self.frame_count
+        if 4 * numbers > _MOST_RAW:  # before the page is made, which would take long
+            return "too large to show here: call save_html('replay.html') and open that file"
+        try:
+            from voxshell.viewer.lanes import Lane
+            from voxshell.viewer.replay import make_replay
+
+            page = make_replay([Lane("", self)], title="Replay").encode()
+        except MissingExtraError:
+            return "needs the viewer: pip install 'voxshell[viewer]'"
+        if len(page) > _MOST_SHOWN:
+            return (
+                f"{len(page) / 1e6:.1f} MB, too large to show here: call save_html('replay.html') and open "
+                "that file"
+            )
+        return page
+
+    def save_video(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Writes a video of the bodies and their contacts: an MP4 file (H.264), or an animated GIF.
+
+        Args:
+            path: The file to write, ending in .mp4 or .gif; replaced whole or not at all.
+            **options: Passed on to :func:`voxshell.viewer.video.save_video`: size in pixels, pictures a second,
+                speed, camera and title.
+
+        Returns:
+            The path written.
+
+        Raises:
+            MissingExtraError: The renderer is not installed: ``pip install 'voxshell[video]'``.
+            SettingsError: The path ends otherwise, no file can be written there, or an option is out of range.
+            FileAccessError: The file cannot be written.
+        """
+        place = _as_place(path, (".mp4", ".gif"), "a video")
+        from voxshell.viewer.video import save_video
+
+        return save_video(place, self, **options)
+
+    def save_gltf(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+        """Writes the bodies and their motion as binary glTF, which Blender, three.js, Unity and others read.
+
+        Each body is a node with a mesh, a color and an animation with a key for each frame. Contacts are not written.
+
+        Args:
+            path: The file to write, ending in .glb; replaced whole or not at all.
+            up: The world axis that points up, such as "+z" or "+y". In glTF +Y is up: a node at the root turns the
+                scene.
+
+        Returns:
+            The path written.
+
+        Raises:
+            SettingsError: The path ends otherwise, or no file can be written there.
+            RecordingError: ``up`` is no axis.
+            FileAccessError: The file cannot be written.
+
+        Example:
+            >>> import tempfile
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1), name="ball")
+            >>> recorder = world.record(every=10)
+            >>> world.step(100)
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     recorder.recording().save_gltf(folder + "/fall.glb").name
+            'fall.glb'
+        """
+        place = _as_place(path, (".glb",), "an animation for glTF")
+        from voxshell.viewer.gltf import save_gltf
+
+        return save_gltf(place, self, up=up)
+
+    def save_usd(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+        """Writes the bodies and their motion as Universal Scene Description, which Omniverse, Blender and others read.
+
+        Each body is a mesh with a color, and a position and an orientation for each frame. The stage is in meters.
+        Contacts are not written.
+
+        Args:
+            path: The file to write: .usda is text, .usdc and .usd are binary; replaced whole or not at all.
+            up: The world axis that points up, "+z" or "+y".
+
+        Returns:
+            The path written.
+
+        Raises:
+            MissingExtraError: usd-core is not installed: ``pip install 'voxshell[usd]'``.
+            SettingsError: The path ends otherwise, no file can be written there, or ``up`` is another axis.
+            FileAccessError: The file cannot be written.
+        """
+        place = _as_place(path, (".usdc", ".usda", ".usd"), "an animation for USD")
+        from voxshell.viewer.usd import save_usd
+
+        return save_usd(place, self, up=up)
+
+
+def _as_place(path: str | PathLike[str], suffixes: Sequence[str], what: str) -> Path:
+    """A file that can be written and is named after what is in it."""
+    place = Path(os.fsdecode(as_path(path, "path")))
+    check_output_file(place)
+    check_suffix(place, suffixes, what)
+    return place
 
 
 def _keep(owner: object, name: str, array: NDArray[Any]) -> None:

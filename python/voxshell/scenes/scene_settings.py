@@ -75,6 +75,8 @@ class OutputSettings:
         replay: Whether to write index.html, an offline page.
         plot: Whether to write plot.png: heights, speeds and contacts over time.
         poses, contacts: In which form the tables of that name are written.
+        exports: Forms in which the bodies' motion is written for other programs: recording.mp4 and recording.gif are
+            videos, recording.glb is glTF, recording.usda and recording.usdc are Universal Scene Description.
         every: Steps between two frames that are taken down.
     """
 
@@ -82,6 +84,7 @@ class OutputSettings:
     plot: bool = True
     poses: Literal["parquet", "csv", "none"] = "parquet"
     contacts: Literal["parquet", "csv", "none"] = "parquet"
+    exports: tuple[Literal["mp4", "gif", "glb", "usda", "usdc"], ...] = ()
     every: int = 1
 
     def __post_init__(self) -> None:

@@ -5,6 +5,7 @@ from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHul
 from voxshell.simulation.compound import Compound
 from voxshell.simulation.joint_kinds import FixedJoint, HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.joints import Joint, Reaction
+from voxshell.simulation.live_view import LiveView
 from voxshell.simulation.material import Material
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState
@@ -19,6 +20,7 @@ __all__ = [
     "GImpact",
     "HingeJoint",
     "Joint",
+    "LiveView",
     "Material",
     "PointJoint",
     "Reaction",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell import _bullet
+    from voxshell.model.mass_properties import MassProperties
     from voxshell.simulation.body_shapes import Shape
     from voxshell.simulation.motion import Motion
 
@@ -44,7 +45,7 @@ class Body(BodyProperties):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_center", "_mass", "_shape")
+    __slots__ = ("_center", "_inertia", "_mass", "_shape")
 
     def __init__(
         self,
@@ -55,10 +56,11 @@ class Body(BodyProperties):
         mass: float,
         motion: Motion,
         moves_surfaces: bool,
-        center_of_mass: NDArray[np.float64],
+        matter: MassProperties,
     ) -> None:
         super().__init__(simulation, number, name, motion, moves_surfaces)
-        self._center = center_of_mass
+        self._center = matter.center_of_mass
+        self._inertia = matter.inertia
         self._shape: Shape = shape
         self._mass = mass
 

@@ -20,7 +20,7 @@ from voxshell.errors import SettingsError
 from voxshell.simulation.limits import check_fall, check_motions
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
-from voxshell.simulation.world_queries import WorldQueries
+from voxshell.simulation.world_view import ViewedWorld
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,7 +50,7 @@ _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
 
 
-class World(WorldQueries):
+class World(ViewedWorld):
     """A world of stock Bullet (double precision) in which models collide.
 
     Bodies that turn freely keep their angular momentum and energy.
@@ -226,17 +226,22 @@ class World(WorldQueries):
         count = as_integer(n, "n", 0, 2**31 - 1)
         if self._pairs is not None:
             self._pairs.judge(self.bodies)
-        if callback is None and before is None and not self._recorders:
+        view = self._view if self._view is not None and self._view.is_open else None
+        if callback is None and before is None and view is None and not self._recorders:
             self._simulation.step(count)
             check_motions(self._simulation, self.bodies, self._advice)
             return
         for _ in range(count):
+            if view is not None:
+                view.before_step()
             if before is not None:
                 before(self)
             self._simulation.step(1)
             check_motions(self._simulation, self.bodies, self._advice)
             for recorder in self._recorders:
                 recorder.take()
+            if view is not None:
+                view.after_step()
             if callback is not None:
                 callback(self)
 

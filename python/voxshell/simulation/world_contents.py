@@ -184,7 +184,7 @@ class WorldContents:
             kilograms,
             motion,
             self._moves_surfaces,
-            matter.center_of_mass,
+            matter,
         )
         self.bodies.append(body)
         if self._pairs is not None:

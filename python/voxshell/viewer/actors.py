@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from voxshell.recording import BodyTrack
 from voxshell.viewer.lanes import Lane, view_axes
+from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
@@ -20,16 +21,6 @@ from voxshell.viewer.timeline import Timeline
 if TYPE_CHECKING:
     import viser
 
-# Cool and muted, so that contacts, which are warm, stand out.
-_BODY_COLORS = (
-    (92, 141, 208),
-    (72, 163, 154),
-    (138, 122, 202),
-    (122, 160, 92),
-    (104, 132, 160),
-    (176, 138, 190),
-)
-_FIXED_COLOR = (176, 182, 190)
 _SLAB_COLOR = (214, 218, 224)
 _CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
 _GRID_LIFT = 0.002  # display units; enough to lie on the slab and not flicker with it
@@ -100,11 +91,11 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
         if body.name in slabs:
             _add_slab(scene, name, slabs[body.name], body.color or _SLAB_COLOR, script)
             continue
-        color = body.color or _FIXED_COLOR
+        color = body.color or FIXED_COLOR
         if body.color is None and not body.fixed:
             # One body in each of several lanes: the colour tells lanes apart; else bodies.
             alone = len(moving) == 1 and script.lane_count > 1
-            color = _BODY_COLORS[(number if alone else moving.index(body)) % len(_BODY_COLORS)]
+            color = BODY_COLORS[(number if alone else moving.index(body)) % len(BODY_COLORS)]
         node = scene.add_mesh_simple(
             name,
             (body.vertices * scale).astype(np.float32),

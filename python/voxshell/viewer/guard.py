@@ -90,7 +90,7 @@ def _guard(process: Process, token: str) -> Process:
     def answer(connection: ServerConnection, request: Request) -> Response | None:
         if not is_welcome(request, connection.local_address[1], token):
             return connection.respond(
-                http.HTTPStatus.FORBIDDEN, "Open the address that voxshell view printed.\n"
+                http.HTTPStatus.FORBIDDEN, "Open the whole address, with the secret in it.\n"
             )
         request.path = request.path[1 + len(token) :] or "/"
         response = process(connection, request)

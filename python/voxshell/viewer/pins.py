@@ -96,14 +96,18 @@ def build_pins(
         chosen = np.linspace(0, len(contacts.points) - 1, limit).round().astype(np.int64)
     positions = np.round(contacts.points[chosen] * (scale / grain)) * grain
     share = contacts.depths[chosen] / deepest if deepest > 0.0 else np.zeros(len(positions))
-    stops = np.linspace(0.0, 1.0, len(DEPTH_COLORS))
-    channels = np.array(DEPTH_COLORS, dtype=np.float64).T
-    colors = np.stack([np.interp(share, stops, channel) for channel in channels], axis=1)
     return Pins(
         positions.astype(np.float32),
         (np.round(normals_as_wxyz(contacts.normals[chosen]) * _TURNS) / _TURNS).astype(np.float32),
-        _as_light(colors),
+        _as_light(color_depths(share)),
     )
+
+
+def color_depths(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Colors (sRGB, 0 to 255), (k, 3), of depths as shares of the deepest, (k,)."""
+    stops = np.linspace(0.0, 1.0, len(DEPTH_COLORS))
+    channels = np.array(DEPTH_COLORS, dtype=np.float64).T
+    return np.stack([np.interp(shares, stops, channel) for channel in channels], axis=1)
 
 
 def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:

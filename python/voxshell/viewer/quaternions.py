@@ -50,3 +50,17 @@ def normals_as_wxyz(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     # Straight down every half turn will do; nearly so, the sum above has lost its digits.
     turns[turns[:, 0] < 1e-6] = (0.0, 1.0, 0.0, 0.0)
     return turns / np.linalg.norm(turns, axis=1, keepdims=True)
+
+
+def as_steady(turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same rotations, (k, 4), with signs such that neighbors do not differ by more than half a turn.
+
+    Between a quaternion and its negative, which is the same rotation, a program that interpolates would spin.
+
+    Example:
+        >>> as_steady(np.array([[1.0, 0.0, 0.0, 0.0], [-0.8, 0.6, 0.0, 0.0]])).tolist()
+        [[1.0, 0.0, 0.0, 0.0], [0.8, -0.6, -0.0, -0.0]]
+    """
+    apart = np.einsum("ij,ij->i", turns[1:], turns[:-1]) < 0.0
+    signs = np.where(np.concatenate([[False], apart]), -1.0, 1.0).cumprod()
+    return turns * signs[:, None]

@@ -65,6 +65,31 @@ def save_replay(
         SettingsError: If no file can be written there, as at a folder or a pipe.
         FileAccessError: If the system does not let it be written.
     """
+    page = make_replay(
+        lanes,
+        title=title,
+        caption=caption,
+        up=up,
+        frames_per_second=frames_per_second,
+        speed=speed,
+        max_contacts=max_contacts,
+        hold=hold,
+    )
+    return write_whole(Path(path), page)
+
+
+def make_replay(
+    lanes: Sequence[Lane],
+    *,
+    title: str,
+    caption: str = "",
+    up: str = "+z",
+    frames_per_second: float = 60.0,
+    speed: float = 1.0,
+    max_contacts: int = 400,
+    hold: float = 1.0,
+) -> str:
+    """The page that :func:`save_replay` writes, HTML; arguments and errors are the same."""
     lanes = tuple(lanes)
     if not lanes:
         raise RecordingError("nothing to show: no lanes")
@@ -89,7 +114,7 @@ def save_replay(
         max_contacts=max_contacts,
     )
     grounded = any(find_slabs(recording, stage, up=up) for recording in recordings)
-    page = add_heading(
+    return add_heading(
         _record(lanes, script, hold),
         title=title,
         caption=caption,
@@ -98,7 +123,6 @@ def save_replay(
         grid=stage.cell if grounded else None,
         plots=draw_time_plots(lanes, script.timeline),
     )
-    return write_whole(Path(path), page)
 
 
 def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:

@@ -105,7 +105,7 @@ def plan_stage(lanes: Sequence[Lane], *, up: str) -> Stage:
         low,
         high,
         _SCENE_DIAGONAL / diagonal,
-        _nice_length(0.1 * width),
+        nice_length(0.1 * width),
         float(np.median(sizes)),
         columns=len(np.unique(np.round(offsets @ right / diagonal, 6))),
         rows=len(np.unique(np.round(offsets @ forward / diagonal, 6))),
@@ -201,7 +201,7 @@ def _is_level_box(body: BodyTrack) -> bool:
     return bool(at_corner and ((high - low) > tolerance).all())
 
 
-def _nice_length(length: float) -> float:
+def nice_length(length: float) -> float:
     """1, 2 or 5 times a power of ten, at least ``length``."""
     power = 10.0 ** math.floor(math.log10(length))
     return power * next(step for step in (1.0, 2.0, 5.0, 10.0) if step * power >= length)

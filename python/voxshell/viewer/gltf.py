@@ -1,0 +1,179 @@
+"""Recordings as binary glTF 2.0: a node with a mesh and an animation for each body."""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.base.outputs import write_bytes
+from voxshell.viewer.lanes import view_axes
+from voxshell.viewer.palette import choose_colors
+from voxshell.viewer.quaternions import as_steady, rotations_as_wxyz
+from voxshell.viewer.surface import is_faceted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from voxshell.recording import BodyTrack, Recording
+
+# Numbers of the format.
+_FLOAT, _UNSIGNED = 5126, 5125
+_VERTICES, _INDICES = 34962, 34963
+_TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+_MAGIC, _VERSION, _JSON_CHUNK, _BINARY_CHUNK = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
+
+
+def save_gltf(path: Path, recording: Recording, *, up: str = "+z") -> Path:
+    """Writes a recording as binary glTF; see :meth:`voxshell.recording.Recording.save_gltf`."""
+    write_bytes(path, make_gltf(recording, up=up))
+    return path
+
+
+def make_gltf(recording: Recording, *, up: str = "+z") -> bytes:
+    """A recording as the bytes of a .glb file.
+
+    Args:
+        recording: What to write.
+        up: The world axis that points up.
+
+    Raises:
+        RecordingError: ``up`` is no axis.
+    """
+    right, forward, upward = view_axes(up)
+    # glTF looks along -z with +y up.
+    turn = np.stack([right, upward, -forward])
+    data = _Data()
+    nodes: list[dict[str, Any]] = [
+        {
+            "name": "recording",
+            "rotation": _as_xyzw(turn[None])[0].tolist(),
+            "children": list(range(1, len(recording.bodies) + 1)),
+        }
+    ]
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "voxshell"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": nodes,
+        "materials": [],
+        "meshes": [],
+    }
+    channels: list[dict[str, Any]] = []
+    samplers: list[dict[str, Any]] = []
+    times = None
+    meshes: dict[tuple[bytes, tuple[int, int, int]], int] = {}
+    arrays: dict[bytes, dict[str, Any]] = {}
+    for body, color in zip(recording.bodies, choose_colors(recording), strict=True):
+        shape = body.vertices.tobytes() + body.faces.tobytes()
+        if shape not in arrays:
+            arrays[shape] = _add_surface(data, body)
+        if (shape, color) not in meshes:
+            meshes[shape, color] = len(document["meshes"])
+            primitive = arrays[shape] | {"material": len(document["materials"])}
+            document["meshes"].append({"name": body.name, "primitives": [primitive]})
+            document["materials"].append(_describe_material(color))
+        turns = as_steady(_as_xyzw(body.poses[:, :3, :3]))
+        node = {
+            "name": body.name,
+            "mesh": meshes[shape, color],
+            "translation": body.poses[0, :3, 3].tolist(),
+            "rotation": turns[0].tolist(),
+        }
+        nodes.append(node)
+        if body.fixed:
+            continue
+        if times is None:
+            instants = np.arange(recording.frame_count) * recording.time_step
+            times = data.add(instants.astype(np.float32), limits=True)
+        for path, values in (("translation", body.poses[:, :3, 3]), ("rotation", turns)):
+            samplers.append({"input": times, "output": data.add(values.astype(np.float32))})
+            target = {"node": len(nodes) - 1, "path": path}
+            channels.append({"sampler": len(samplers) - 1, "target": target})
+    if channels:
+        document["animations"] = [{"name": "recording", "channels": channels, "samplers": samplers}]
+    return data.pack(document)
+
+
+class _Data:
+    """The arrays of a file, and what the format says of them."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._length = 0
+        self._views: list[dict[str, Any]] = []
+        self._accessors: list[dict[str, Any]] = []
+
+    def add(self, array: NDArray[Any], *, target: int | None = None, limits: bool = False) -> int:
+        """Appends (n,) or (n, k) numbers of four bytes each; returns the number of their accessor."""
+        content = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes()
+        view = {"buffer": 0, "byteOffset": self._length, "byteLength": len(content)}
+        if target is not None:
+            view["target"] = target
+        self._views.append(view)
+        self._parts.append(content)
+        self._length += len(content)
+        accessor: dict[str, Any] = {
+            "bufferView": len(self._views) - 1,
+            "componentType": _FLOAT if array.dtype.kind == "f" else _UNSIGNED,
+            "count": len(array),
+            "type": _TYPES[1 if array.ndim == 1 else array.shape[1]],
+        }
+        if limits:
+            accessor["min"] = np.atleast_1d(array.min(axis=0)).tolist()
+            accessor["max"] = np.atleast_1d(array.max(axis=0)).tolist()
+        self._accessors.append(accessor)
+        return len(self._accessors) - 1
+
+    def pack(self, document: dict[str, Any]) -> bytes:
+        """The whole file; every array has a length that is a multiple of four, as the format asks."""
+        binary = b"".join(self._parts)
+        whole = document | {
+            "buffers": [{"byteLength": len(binary)}],
+            "bufferViews": self._views,
+            "accessors": self._accessors,
+        }
+        text = json.dumps(whole, separators=(",", ":"), ensure_ascii=False).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<II", len(text), _JSON_CHUNK) + text
+        chunks += struct.pack("<II", len(binary), _BINARY_CHUNK) + binary
+        return struct.pack("<III", _MAGIC, _VERSION, 12 + len(chunks)) + chunks
+
+
+def _add_surface(data: _Data, body: BodyTrack) -> dict[str, Any]:
+    """The arrays of a body's surface, as a primitive without its material."""
+    attributes = {
+        "POSITION": data.add(body.vertices.astype(np.float32), target=_VERTICES, limits=True)
+    }
+    if not is_faceted(body.vertices, body.faces):
+        # Without normals, every face is flat.
+        from trimesh import Trimesh
+
+        normals = Trimesh(body.vertices, body.faces, process=False).vertex_normals
+        lengths = np.linalg.norm(normals, axis=1)
+        # Vertices of no face have none, and the format knows only unit ones.
+        normals = np.where(lengths[:, None] > 0.5, normals, (0.0, 0.0, 1.0))
+        attributes["NORMAL"] = data.add(normals.astype(np.float32), target=_VERTICES)
+    indices = data.add(body.faces.reshape(-1).astype(np.uint32), target=_INDICES)
+    return {"attributes": attributes, "indices": indices}
+
+
+def _describe_material(color: tuple[int, int, int]) -> dict[str, Any]:
+    share = np.array(color) / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return {
+        "doubleSided": True,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*light.tolist(), 1.0],
+            "metallicFactor": 0.0,
+            "roughnessFactor": 0.7,
+        },
+    }
+
+
+def _as_xyzw(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.roll(rotations_as_wxyz(rotations), -1, axis=1)

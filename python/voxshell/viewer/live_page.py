@@ -1,0 +1,264 @@
+"""The page of a live view: a scene that follows a world, plots, and buttons that hold it up."""
+
+from __future__ import annotations
+
+import html
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.viewer.guard import make_token
+from voxshell.viewer.lanes import view_axes
+from voxshell.viewer.live_plots import LivePlots
+from voxshell.viewer.live_scene import FORCE_COLOR, PULL_COLOR, LiveScene
+from voxshell.viewer.page import metric
+from voxshell.viewer.pins import DEPTH_COLORS
+from voxshell.viewer.server import make_address, silent_server
+from voxshell.viewer.stage import place_camera
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import viser
+    from numpy.typing import NDArray
+
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.live_frame import LiveFrame
+    from voxshell.simulation.live_view import LiveView
+    from voxshell.viewer.stage import Camera
+
+_TEXT_EVERY = 0.2
+"""Seconds between two updates of plots and numbers, which cost more than the scene."""
+
+_BESIDE = 0.5
+"""Width that is left free for the controls, as a share of the scene's."""
+
+_SPEEDS: dict[str, float | None] = {
+    "as fast as possible": None,
+    "real time": 1.0,
+    "1/4 of real time": 0.25,
+    "1/20 of real time": 0.05,
+}
+
+
+class LivePage:
+    """A server with the page of one world.
+
+    Args:
+        view: What the page shows and holds up.
+        port: Where, or the next one that is free; 0: the system picks one.
+        title: Heading.
+        colors: Of bodies, 0 to 255.
+
+    Raises:
+        MissingExtraError: If viser is not installed.
+    """
+
+    def __init__(
+        self,
+        view: LiveView,
+        *,
+        port: int,
+        title: str,
+        colors: Mapping[Body, tuple[int, int, int]],
+    ) -> None:
+        self._view, self._up = view, find_up(view.gravity)
+        self._token = make_token()
+        self._stack = ExitStack()
+        self._server = self._stack.enter_context(silent_server(port, token=self._token))
+        self._scene = LiveScene(self._server.scene, colors, self._drag)
+        self._camera: Camera | None = None
+        self._last_text = -1.0
+        self._rate: tuple[float, float] | None = None
+        self._frame: LiveFrame | None = None
+        server = self._server
+        server.scene.world_axes.visible = False
+        server.scene.set_up_direction(self._up)  # pyright: ignore[reportArgumentType]
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.set_panel_label(title)
+        self._add_controls(server.gui)
+        self._legend = server.gui.add_html("")
+        self._plots = LivePlots(server.gui)
+        server.on_client_connect(lambda _: view.count_pages(1))
+        server.on_client_disconnect(self._part)
+
+    @property
+    def address(self) -> str:
+        """For a browser on this machine."""
+        return make_address(self._server, self._token)
+
+    def show(self, frame: LiveFrame, *, last: bool) -> None:
+        """Shows a state of the world.
+
+        Args:
+            frame: The state.
+            last: Whether to bring the numbers and plots up to date in any case; they follow less often.
+        """
+        self._frame = frame
+        with self._server.atomic():
+            self._scene.show(frame, self._view.pulls.find_lines())
+            if self._camera is None and self._scene.extent is not None:
+                self._place_first_camera(frame)
+            self._plots.add(frame)
+            now = time.perf_counter()
+            if last or now - self._last_text >= _TEXT_EVERY:
+                self._show_text(frame, now)
+                self._plots.show()
+                self._last_text = now
+
+    def close(self) -> None:
+        """Ends the server; its page says that the connection is lost."""
+        self._stack.close()
+
+    def _add_controls(self, gui: viser.GuiApi) -> None:
+        view = self._view
+        self._status = gui.add_markdown("")
+        self._hold = gui.add_button("Pause")
+        others = gui.add_button_group("", ("Step", "Reset camera"))
+        initial = next((name for name, speed in _SPEEDS.items() if speed == view.speed), None)
+        names = list(_SPEEDS) if initial else [f"{view.speed:g} of real time", *_SPEEDS]
+        speeds = {names[0]: view.speed, **_SPEEDS}
+        speed = gui.add_dropdown("speed", names, initial_value=initial or names[0])
+        through = gui.add_checkbox("see through", initial_value=True)
+        self._show_pause()
+
+        @through.on_update
+        def _(_: Any) -> None:
+            self._scene.set_see_through(through.value)
+
+        @self._hold.on_click
+        def _(_: Any) -> None:
+            if view.paused:
+                view.resume()
+            else:
+                view.pause()
+            self._show_pause()
+
+        @others.on_click
+        def _(event: viser.GuiEvent[Any]) -> None:
+            if others.value == "Step":
+                view.pause()
+                view.allow_step()
+                self._show_pause()
+            elif event.client is not None:
+                self._reset_camera(event.client)
+
+        @speed.on_update
+        def _(_: Any) -> None:
+            view.speed = speeds[speed.value]
+
+    def _show_pause(self) -> None:
+        label = "Resume" if self._view.paused else "Pause"
+        if self._hold.label != label:
+            self._hold.label = label
+
+    def _show_text(self, frame: LiveFrame, now: float) -> None:
+        rate = ""
+        if self._rate is not None and now > self._rate[0] and not self._view.paused:
+            rate = (
+                f", {max(frame.time - self._rate[1], 0.0) / (now - self._rate[0]):.2g} x real time"
+            )
+        self._rate = (now, frame.time)
+        state = "**paused**" if self._view.paused else "running"
+        self._status.content = (
+            f"{state} at **{frame.time:.3f} s**{rate}  \n"
+            f"{len(frame.bodies):,} bodies, {len(frame.depths):,} contacts"
+        )
+        self._show_pause()
+        legend = self._describe()
+        if self._legend.content != legend:
+            self._legend.content = legend
+
+    def _describe(self) -> str:
+        """The legend, HTML."""
+        scene = self._scene
+        if scene.extent is None:
+            return ""
+        colors = ", ".join("#{:02x}{:02x}{:02x}".format(*color) for color in DEPTH_COLORS)
+        deepest = scene.deepest
+        depth = (
+            f'contact depth 0 <span style="display: inline-block; width: 6em; height: 0.7em; border-radius: 0.35em; '
+            f'background: linear-gradient(90deg, {colors})"></span> {html.escape(metric(deepest))}<br>'
+            if deepest > 0.0
+            else ""
+        )
+        force, pull = ("#{:02x}{:02x}{:02x}".format(*color) for color in (FORCE_COLOR, PULL_COLOR))
+        longest = metric(scene.extent.body)
+        return (
+            f'<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
+            f'<b style="color: {force}">&#8594;</b> normal force on the moving body, '
+            f"{scene.longest_force:.3g} N or more: {longest}<br>"
+            f'<b style="color: {pull}">&#8594;</b> spring of the mouse<br>grid: {metric(scene.cell)}<br>'
+            "Drag a body to pull it. Drag the background to turn the camera, right-drag to move it.</div>"
+        )
+
+    def _place_first_camera(self, frame: LiveFrame) -> None:
+        camera = self._find_camera(frame)
+        if camera is None:
+            return
+        self._camera = camera
+        initial = self._server.initial_camera
+        initial.position, initial.look_at = camera.position, camera.target
+        initial.up, initial.fov = view_axes(self._up)[2], camera.field_of_view
+        for client in self._server.get_clients().values():
+            self._reset_camera(client)
+
+    def _find_camera(self, frame: LiveFrame) -> Camera | None:
+        """From the front and slightly above, so that all bodies fit beside the controls."""
+        extent = self._scene.find_extent(frame)
+        if extent is None:
+            return None
+        size = float(np.linalg.norm(extent.high - extent.low))
+        low, high = extent.low - 0.06 * size, extent.high + 0.06 * size
+        # The controls cover the right of the page.
+        right = view_axes(self._up)[0]
+        beside = _BESIDE * float(np.abs(right @ (high - low)))
+        high = high + beside * np.maximum(right, 0.0)
+        low = low + beside * np.minimum(right, 0.0)
+        scale = self._scene.scale
+        return place_camera([(scale * low, scale * high)], rows=1, up=self._up)
+
+    def _reset_camera(self, client: viser.ClientHandle) -> None:
+        camera = self._find_camera(self._frame) if self._frame is not None else None
+        if camera is None:
+            return
+        with client.atomic():
+            client.camera.position, client.camera.look_at = camera.position, camera.target
+            client.camera.up_direction = view_axes(self._up)[2]
+
+    def _part(self, client: viser.ClientHandle) -> None:
+        self._view.pulls.release(client.client_id)
+        self._view.count_pages(-1)
+
+    def _drag(self, body: Body, event: viser.SceneNodeDragEvent[Any]) -> None:
+        """Follows a hand: in viser's event loop, which gives its events in order."""
+        pulls, hand = self._view.pulls, event.client_id
+        if event.phase == "end":
+            pulls.release(hand)
+            return
+        if event.phase == "start":
+            frame = self._frame
+            if frame is None or body not in frame.bodies:
+                return
+            # The page has the pose of the last frame; the world is some steps ahead of it.
+            pose = frame.poses[frame.bodies.index(body)]
+            point = np.array(event.start_position) / self._scene.scale
+            size = np.ptp(self._scene.mesh(body).vertices, axis=0)
+            local = pose[:3, :3].T @ (point - pose[:3, 3])
+            pulls.grab(hand, body, local, float(np.linalg.norm(size)))
+        pulls.move(hand, np.array(event.end_position) / self._scene.scale)
+
+
+def find_up(gravity: NDArray[np.float64]) -> str:
+    """The axis that points up in gravity, (3,) m/s2: the nearest one to its opposite; "+z" without gravity.
+
+    Example:
+        >>> find_up(np.array((0.0, -9.81, 0.0)))
+        '+y'
+    """
+    if not gravity.any():
+        return "+z"
+    axis = int(np.argmax(np.abs(gravity)))
+    return ("+" if gravity[axis] < 0.0 else "-") + "xyz"[axis]

@@ -1,0 +1,380 @@
+"""The scene of a live view: bodies, grounds, contacts, forces and springs on a viser server."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.model.shapes import Plane
+from voxshell.recording import ContactTrack
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
+from voxshell.viewer.pins import build_pins
+from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
+from voxshell.viewer.stage import nice_length
+from voxshell.viewer.surface import is_faceted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    import viser
+    from numpy.typing import NDArray
+
+    from voxshell.model.meshes import Mesh
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.live_frame import LiveFrame
+
+    Grab = Callable[[Body, "viser.SceneNodeDragEvent[Any]"], None]
+
+_KINEMATIC_COLOR, _GROUND_COLOR = (150, 158, 140), (226, 230, 235)
+_CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
+FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
+_DIAGONAL = 6.0
+"""Of what is seen at first, in display units: viser's clipping planes, shadows and speed of flight suit that."""
+_MOST_CONTACTS = 400
+_GRAIN = 2.0**-13
+_BALL = 0.012
+"""Radius of a contact's ball, in diameters of a typical body."""
+_LEAST_DEPTH = 1e-4
+"""That the colors of contacts tell apart from none, in diameters of a typical body."""
+_LONGEST_ARROW = 1.0
+"""In diameters of a typical body; a force of its weight is a quarter of that."""
+_ARROWS_A_WEIGHT = 0.25
+_OPACITY = 0.55
+"""Of bodies through which contacts are seen."""
+_GROUND_SIDE = 10.0
+"""Of a plane as it is drawn, in diagonals of what is seen."""
+
+
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """What there is to see, in metres.
+
+    Args:
+        low: (3,) lowest corner of a box around it, world frame.
+        high: (3,) highest corner.
+        body: Diameter of a typical moving body.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    body: float
+
+
+@dataclass(eq=False)
+class _Group:
+    """Bodies of one shape and motion, which are instances of one node.
+
+    Args:
+        node: Of the scene.
+        bodies: In the order of its instances.
+        places: Of the bodies in a frame.
+    """
+
+    node: Any
+    bodies: tuple[Body, ...]
+    places: list[int]
+
+
+class LiveScene:
+    """Nodes that follow a world.
+
+    Args:
+        scene: Where to add them.
+        colors: Of bodies, 0 to 255; others are given one.
+        on_drag: Called in viser's event loop, in order, while somebody drags a dynamic body.
+    """
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        colors: Mapping[Body, tuple[int, int, int]],
+        on_drag: Grab,
+    ) -> None:
+        self._scene, self._colors, self._on_drag = scene, colors, on_drag
+        self._meshes: dict[int, tuple[object, Mesh]] = {}
+        self._groups: dict[tuple[int, str], _Group] = {}
+        self._grounds: dict[Body, Any] = {}
+        self._extras: dict[str, Any] = {}
+        self._deepest = 0.0
+        self._opacity: float | None = _OPACITY
+        self.scale: float = 1.0
+        """Display units in a metre."""
+        self.weight: float = 0.0
+        """Newtons, of a typical dynamic body in standard gravity."""
+        self.extent: Extent | None = None
+        """Of the first frame with a body other than a plane; None before."""
+
+    @property
+    def deepest(self) -> float:
+        """Metres, of the darkest colour: the deepest contact so far, rounded up; not less than what can be seen."""
+        if self._deepest == 0.0 or self.extent is None:
+            return 0.0
+        return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))
+
+    @property
+    def longest_force(self) -> float:
+        """Newtons above which arrows no longer grow."""
+        return self.weight * _LONGEST_ARROW / _ARROWS_A_WEIGHT
+
+    def show(self, frame: LiveFrame, lines: NDArray[np.float64]) -> None:
+        """Brings all nodes into the state of a frame.
+
+        Args:
+            frame: Of the world.
+            lines: (k, 2, 3) metres, world frame: springs that pull.
+        """
+        if self.extent is None:
+            self._begin(frame)
+        if self.extent is None:
+            return
+        self._show_bodies(frame)
+        self._show_contacts(frame)
+        self._show_arrows("forces", self._find_arrows(frame), FORCE_COLOR)
+        self._show_arrows("pulls", lines * self.scale, PULL_COLOR)
+
+    def set_see_through(self, on: bool) -> None:
+        """Shows bodies half transparent, so that contacts in and under them are seen, or solid."""
+        self._opacity = _OPACITY if on else None
+        for group in list(self._groups.values()):
+            group.node.opacity = self._opacity
+
+    def find_extent(self, frame: LiveFrame) -> Extent | None:
+        """The box around all bodies of a frame but planes, with the parts of planes below it; None without one."""
+        boxes, diameters = [], []
+        for body, pose in zip(frame.bodies, frame.poses, strict=True):
+            if isinstance(body.shape, Plane):
+                continue
+            vertices = self.mesh(body).vertices
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
+            corners = np.where(np.indices((2, 2, 2)).reshape(3, 8).T, high, low)
+            placed = corners @ pose[:3, :3].T + pose[:3, 3]
+            boxes.append((placed.min(axis=0), placed.max(axis=0), body.motion == "static"))
+            diameters.append((float(np.linalg.norm(high - low)), body.motion == "static"))
+        if not boxes:
+            return None
+        moving = [box for box in boxes if not box[2]] or boxes
+        low = np.min([box[0] for box in moving], axis=0)
+        high = np.max([box[1] for box in moving], axis=0)
+        size = float(np.linalg.norm(high - low))
+        sizes = [size for size, is_static in diameters if not is_static]
+        typical = float(np.median(sizes or [size for size, _ in diameters]))
+        for box_low, box_high, _ in boxes:
+            if np.linalg.norm(np.maximum(high, box_high) - np.minimum(low, box_low)) < 4.0 * size:
+                low, high = np.minimum(low, box_low), np.maximum(high, box_high)
+        for body, pose in zip(frame.bodies, frame.poses, strict=True):
+            if isinstance(body.shape, Plane):
+                foot = _foot(body.shape, pose, 0.5 * (low + high))
+                if np.linalg.norm(foot - 0.5 * (low + high)) < 4.0 * size:
+                    low, high = np.minimum(low, foot), np.maximum(high, foot)
+        return Extent(low, high, typical)
+
+    def mesh(self, body: Body) -> Mesh:
+        """The surface of a body in its own frame, metres; made once a shape."""
+        key = id(body.shape)
+        if key not in self._meshes:
+            self._meshes[key] = (body.shape, mesh_of(body.shape))  # the shape keeps its id
+        return self._meshes[key][1]
+
+    def _begin(self, frame: LiveFrame) -> None:
+        self.extent = self.find_extent(frame)
+        if self.extent is None:
+            return
+        self.scale = _DIAGONAL / float(np.linalg.norm(self.extent.high - self.extent.low))
+        masses = [body.mass for body in frame.bodies if body.motion == "dynamic"]
+        self.weight = 9.81 * float(np.median(masses or [1.0]))
+
+    def _show_bodies(self, frame: LiveFrame) -> None:
+        members: dict[tuple[int, str], list[int]] = {}
+        for index, body in enumerate(frame.bodies):
+            if not isinstance(body.shape, Plane):
+                members.setdefault((id(body.shape), body.motion), []).append(index)
+            elif body not in self._grounds:
+                self._grounds[body] = self._add_ground(body, frame.poses[index])
+        for key in self._groups.keys() - members.keys():
+            self._groups.pop(key).node.remove()
+        for body in self._grounds.keys() - set(frame.bodies):
+            self._grounds.pop(body).remove()
+        turns = rotations_as_wxyz(frame.poses[:, :3, :3]).astype(np.float32)
+        positions = (frame.poses[:, :3, 3] * self.scale).astype(np.float32)
+        for key, places in members.items():
+            bodies = tuple(frame.bodies[place] for place in places)
+            if key not in self._groups:
+                node = self._add_group(bodies, turns[places], positions[places])
+                self._groups[key] = _Group(node, bodies, places)
+                continue
+            group = self._groups[key]
+            # What stands still is not sent again: viser leaves out what has not changed.
+            group.node.batched_positions = positions[places]
+            group.node.batched_wxyzs = turns[places]
+            if group.bodies != bodies:
+                group.node.batched_colors = self._choose_colors(bodies)
+            group.bodies, group.places = bodies, places
+
+    def _add_group(
+        self, bodies: tuple[Body, ...], turns: NDArray[np.float32], positions: NDArray[np.float32]
+    ) -> Any:
+        first = bodies[0]
+        mesh = self.mesh(first)
+        node = self._scene.add_batched_meshes_simple(
+            f"/bodies/{first.motion} {first.number}",
+            (mesh.vertices * self.scale).astype(np.float32),
+            mesh.faces.astype(np.uint32),
+            turns,
+            positions,
+            batched_colors=self._choose_colors(bodies),
+            opacity=self._opacity,
+            lod="off",
+            flat_shading=is_faceted(mesh.vertices, mesh.faces.astype(np.int64)),
+            side="double",
+        )
+        if first.motion == "dynamic":
+            key = (id(first.shape), first.motion)
+
+            # Only coroutines are called in the order of the mouse's events.
+            @node.on_drag
+            async def _(event: viser.SceneNodeDragEvent[Any]) -> None:
+                group = self._groups.get(key)
+                index = event.instance_index or 0
+                if group is not None and index < len(group.bodies):
+                    self._on_drag(group.bodies[index], event)
+
+        return node
+
+    def _choose_colors(self, bodies: tuple[Body, ...]) -> NDArray[np.uint8]:
+        kinds = {"static": FIXED_COLOR, "kinematic": _KINEMATIC_COLOR}
+        chosen = [
+            self._colors.get(body)
+            or kinds.get(body.motion)
+            or BODY_COLORS[body.number % len(BODY_COLORS)]
+            for body in bodies
+        ]
+        return np.array(chosen, np.uint8)
+
+    def _add_ground(self, body: Body, pose: NDArray[np.float64]) -> Any:
+        """A plane as a grid on a plate, below the middle of what is seen."""
+        assert self.extent is not None
+        assert isinstance(body.shape, Plane)
+        middle = 0.5 * (self.extent.low + self.extent.high)
+        normal = pose[:3, :3] @ body.shape.normal
+        side = _GROUND_SIDE * _DIAGONAL
+        cell = self.cell * self.scale
+        place = np.round(_foot(body.shape, pose, middle) * self.scale / cell) * cell
+        place += normal * (normal @ (_foot(body.shape, pose, middle) * self.scale - place))
+        frame = self._scene.add_frame(
+            f"/bodies/plane {body.number}",
+            show_axes=False,
+            position=place,
+            wxyz=normals_as_wxyz(normal[None])[0],
+        )
+        color = self._colors.get(body) or _GROUND_COLOR
+        thickness = 0.02
+        self._scene.add_box(
+            f"{frame.name}/plate",
+            color=color,
+            dimensions=(side, side, thickness),
+            position=(0.0, 0.0, -0.5 * thickness - 0.004),
+        )
+        self._scene.add_grid(
+            f"{frame.name}/grid",
+            width=side,
+            height=side,
+            plane="xy",
+            cell_size=cell,
+            section_size=5.0 * cell,
+            cell_thickness=0.6,
+            section_thickness=1.0,
+            cell_color=_CELL_COLOR,
+            section_color=_SECTION_COLOR,
+            shadow_opacity=0.0,
+        )
+        return frame
+
+    @property
+    def cell(self) -> float:
+        """Metres between the lines of a ground's grid."""
+        assert self.extent is not None
+        return nice_length(0.1 * float(np.linalg.norm(self.extent.high - self.extent.low)))
+
+    def _show_contacts(self, frame: LiveFrame) -> None:
+        assert self.extent is not None
+        self._deepest = max(self._deepest, float(frame.depths.max(initial=0.0)))
+        track = ContactTrack.from_frames([(frame.points, frame.normals, frame.depths)])
+        pins = build_pins(
+            track,
+            scale=self.scale,
+            deepest=self.deepest,
+            limit=_MOST_CONTACTS,
+            grain=_GRAIN,
+        )
+        node = self._extras.get("contacts")
+        if node is None:
+            if len(pins) == 0:
+                return
+            from trimesh.creation import icosphere
+
+            radius = _BALL * self.extent.body * self.scale
+            ball = icosphere(subdivisions=2, radius=radius)
+            self._extras["contacts"] = self._scene.add_batched_meshes_simple(
+                "/contacts",
+                np.asarray(ball.vertices, np.float32),
+                np.asarray(ball.faces, np.uint32),
+                pins.rotations,
+                pins.positions,
+                batched_colors=pins.colors,
+                lod="off",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+            return
+        if len(pins):
+            node.batched_positions = pins.positions
+            node.batched_wxyzs = pins.rotations
+            node.batched_colors = pins.colors
+        if node.visible != bool(len(pins)):
+            node.visible = bool(len(pins))
+
+    def _find_arrows(self, frame: LiveFrame) -> NDArray[np.float64]:
+        """(k, 2, 3) display units, from the point in the direction of the force."""
+        assert self.extent is not None
+        sizes = np.linalg.norm(frame.forces, axis=1)
+        strongest = np.argsort(-sizes, kind="stable")[:_MOST_CONTACTS]
+        chosen = np.sort(strongest[sizes[strongest] > 1e-3 * self.weight])
+        longest = _LONGEST_ARROW * self.extent.body * self.scale
+        lengths = np.minimum(sizes[chosen] / self.longest_force, 1.0) * longest
+        directions = frame.forces[chosen] / np.maximum(sizes[chosen], 1e-300)[:, None]
+        starts = frame.points[chosen] * self.scale
+        return np.stack([starts, starts + lengths[:, None] * directions], axis=1)
+
+    def _show_arrows(
+        self, name: str, arrows: NDArray[np.float64], color: tuple[int, int, int]
+    ) -> None:
+        assert self.extent is not None
+        points = arrows.astype(np.float32)
+        node = self._extras.get(name)
+        if node is None and len(points):
+            shaft = 0.008 * self.extent.body * self.scale
+            self._extras[name] = self._scene.add_arrows(
+                f"/{name}",
+                points,
+                color,
+                shaft_radius=shaft,
+                head_radius=3.0 * shaft,
+                head_length=7.0 * shaft,
+            )
+        elif node is not None:
+            if len(points):
+                node.points = points
+            if node.visible != bool(len(points)):
+                node.visible = bool(len(points))
+
+
+def _foot(
+    plane: Plane, pose: NDArray[np.float64], point: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The place of a plane nearest to a point, (3,) metres, world frame."""
+    normal = pose[:3, :3] @ plane.normal
+    height = normal @ (point - pose[:3, 3]) - plane.offset
+    return point - height * normal

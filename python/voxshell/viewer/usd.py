@@ -1,0 +1,88 @@
+"""Recordings as Universal Scene Description: a mesh with a pose for each frame, for each body."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.base.outputs import replacing
+from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
+from voxshell.viewer.palette import choose_colors
+from voxshell.viewer.quaternions import as_steady, rotations_as_wxyz
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from voxshell.recording import BodyTrack, Recording
+
+
+def save_usd(path: Path, recording: Recording, *, up: str = "+z") -> Path:
+    """Writes a recording as USD; see :meth:`voxshell.recording.Recording.save_usd`."""
+    if up not in ("+z", "+y"):
+        raise SettingsError(f"in USD up is '+z' or '+y', not {up!r}")
+    usd = _import_usd()
+    with replacing(path) as temporary:
+        stage = usd.Usd.Stage.CreateInMemory()
+        usd.UsdGeom.SetStageUpAxis(stage, up[1].upper())
+        usd.UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        stage.SetTimeCodesPerSecond(1.0 / recording.time_step)
+        stage.SetFramesPerSecond(1.0 / recording.time_step)
+        stage.SetStartTimeCode(0.0)
+        stage.SetEndTimeCode(float(recording.frame_count - 1))
+        root = usd.UsdGeom.Xform.Define(stage, "/recording")
+        stage.SetDefaultPrim(root.GetPrim())
+        for number, body in enumerate(recording.bodies):
+            _add_body(usd, stage, body, number, choose_colors(recording)[number])
+        if not stage.Export(str(temporary)):
+            raise FileAccessError(f"cannot write {path}: USD tells no reason; is the disk full?")
+    return path
+
+
+def _import_usd() -> Any:
+    """The library, with the modules that are used; its types are known to no checker."""
+    try:
+        for name in ("Gf", "Tf", "Usd", "UsdGeom", "Vt"):
+            import_module(f"pxr.{name}")
+    except ImportError as error:
+        raise MissingExtraError(
+            f"USD files need usd-core, which cannot be imported ({error}); run: pip install 'voxshell[usd]'"
+        ) from error
+    return import_module("pxr")
+
+
+def _add_body(
+    usd: Any, stage: Any, body: BodyTrack, number: int, color: tuple[int, int, int]
+) -> None:
+    # Names are made of letters, digits and underscores; the number keeps them apart.
+    name = f"{usd.Tf.MakeValidIdentifier(body.name)}_{number}"
+    mesh = usd.UsdGeom.Mesh.Define(stage, f"/recording/{name}")
+    mesh.GetPrim().SetMetadata("displayName", body.name)
+    mesh.CreatePointsAttr(usd.Vt.Vec3fArray.FromNumpy(body.vertices.astype(np.float32)))
+    mesh.CreateFaceVertexCountsAttr(
+        usd.Vt.IntArray.FromNumpy(np.full(len(body.faces), 3, dtype=np.int32))
+    )
+    mesh.CreateFaceVertexIndicesAttr(
+        usd.Vt.IntArray.FromNumpy(body.faces.reshape(-1).astype(np.int32))
+    )
+    mesh.CreateSubdivisionSchemeAttr(usd.UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(True)
+    extent = np.stack([body.vertices.min(axis=0), body.vertices.max(axis=0)])
+    mesh.CreateExtentAttr(usd.Vt.Vec3fArray.FromNumpy(extent.astype(np.float32)))
+    share = np.array(color) / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    mesh.CreateDisplayColorAttr([usd.Gf.Vec3f(*light.tolist())])
+    move = mesh.AddTranslateOp(usd.UsdGeom.XformOp.PrecisionDouble)
+    turn = mesh.AddOrientOp(usd.UsdGeom.XformOp.PrecisionDouble)
+    turns = as_steady(rotations_as_wxyz(body.poses[:, :3, :3]))
+    frames = [None] if body.fixed else range(body.frame_count)
+    for frame in frames:
+        place = body.poses[frame or 0, :3, 3].tolist()
+        quaternion = usd.Gf.Quatd(*turns[frame or 0].tolist())
+        if frame is None:
+            move.Set(usd.Gf.Vec3d(*place))
+            turn.Set(quaternion)
+        else:
+            move.Set(usd.Gf.Vec3d(*place), float(frame))
+            turn.Set(quaternion, float(frame))

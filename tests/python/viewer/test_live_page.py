@@ -1,0 +1,209 @@
+"""A view in a real browser: buttons hold up the run, and a drag moves a body."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+import voxshell as vx
+from player import PATIENCE, complaints_of
+from playwright.sync_api import Browser, Page
+from voxshell.simulation.live_view import LiveView
+from voxshell.viewer.live_page import find_up
+from voxshell.viewer.live_scene import LiveScene
+
+# Of viser's own handler of the mouse; nothing is lost by it.
+HARMLESS = ("Unable to preventDefault inside passive event listener invocation.",)
+WIDTH, HEIGHT = 900, 560
+
+
+class Watched:
+    """A box on the ground that is stepped in a thread, and a browser that shows it."""
+
+    def __init__(self, browser: Browser) -> None:
+        self.world = vx.World(sleeping=False)
+        self.world.add(vx.Plane(), mass=0)
+        self.box = self.world.add(vx.Box((0.1, 0.1, 0.1)), mass=2.0, pose=(0, 0, 0.1), name="box")
+        self.ends = threading.Event()
+        self.view: LiveView = self.world.view(port=0, title="a <box>", speed=1.0)
+        self.page: Page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        self.page.set_default_timeout(PATIENCE * 1000.0)
+        self.complaints = complaints_of(self.page)
+        self.page.goto(self.view.address)
+        self.page.wait_for_selector("canvas[data-engine]")
+        self.page.add_style_tag(content=".mantine-Notifications-root { display: none; }")
+        self.wait(lambda: self.view.page_count == 1, "the page is not counted")
+        self.thread = threading.Thread(target=self._run)
+        self.thread.start()
+
+    def _run(self) -> None:
+        while not self.ends.is_set():
+            self.world.step()
+
+    def close(self) -> None:
+        self.ends.set()
+        self.view.close()
+        self.thread.join(PATIENCE)
+        assert not self.thread.is_alive()
+        if not self.page.is_closed():
+            self.page.close()
+
+    def wait(self, wanted: Callable[[], bool], what: str) -> None:
+        end = time.monotonic() + PATIENCE
+        while not wanted():
+            assert time.monotonic() < end, f"{what}; {self.complaints}"
+            self.page.wait_for_timeout(50)
+
+    def is_still(self) -> bool:
+        before = self.world.time
+        self.page.wait_for_timeout(150)
+        return self.world.time == before
+
+    def find_box(self) -> tuple[float, float]:
+        """Where the middle of the box is on the page, pixels: its color is of no other thing."""
+        import io
+
+        from PIL import Image
+
+        shot = self.page.screenshot(timeout=PATIENCE * 1000.0)
+        picture = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int64)[:, :560]
+        strong = picture.max(axis=2) - picture.min(axis=2) > 25
+        rows, columns = np.nonzero(strong)
+        if len(rows) < 200:
+            return (0.0, 0.0)
+        return float(np.median(columns)), float(np.median(rows))
+
+
+@pytest.fixture
+def watched(browser: Browser) -> Iterator[Watched]:
+    watched = Watched(browser)
+    yield watched
+    watched.close()
+
+
+def test_buttons_pause_step_and_resume_and_a_closed_page_lets_the_run_go_on(watched: Watched):
+    page, world = watched.page, watched.world
+    watched.wait(lambda: world.time > 0.0, "no step")
+    page.get_by_role("button", name="Pause").click()
+    watched.wait(watched.is_still, "the run goes on")
+    page.get_by_text("paused").wait_for()
+    before = world.time
+    page.get_by_role("button", name="Step").click()
+    watched.wait(lambda: world.time > before, "no step")
+    assert watched.is_still()
+    assert world.time == pytest.approx(before + world.time_step)
+    page.get_by_role("button", name="Resume").click()
+    watched.wait(lambda: world.time > before + 0.1, "the pause does not end")
+    page.get_by_role("button", name="Reset camera").click()
+    page.get_by_role("button", name="Pause").click()
+    watched.wait(watched.is_still, "the run goes on")
+    assert [each for each in watched.complaints if each not in HARMLESS] == []
+    before = world.time
+    page.close()
+    end = time.monotonic() + PATIENCE
+    while world.time == before:
+        assert time.monotonic() < end, "the run waits for a page that is closed"
+        time.sleep(0.05)
+    assert watched.view.page_count == 0
+    assert watched.view.is_open
+
+
+def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
+    mouse, box = watched.page.mouse, watched.box
+    watched.wait(lambda: watched.find_box() != (0.0, 0.0), "the box is not seen")
+    x, y = watched.find_box()
+    mouse.move(x, y)
+    watched.page.wait_for_timeout(300)
+    mouse.down()
+    for part in range(1, 9):
+        mouse.move(x, y - 20.0 * part)
+        watched.page.wait_for_timeout(50)
+    watched.wait(lambda: box.position[2] > 0.12, "the drag moves nothing")
+    assert len(watched.view.pulls) == 1
+    mouse.up()
+    watched.wait(lambda: len(watched.view.pulls) == 0, "the hand does not let go")
+    watched.wait(lambda: box.position[2] < 0.11, "the box does not fall")
+    assert [each for each in watched.complaints if each not in HARMLESS] == []
+
+
+def test_a_stranger_is_turned_away(watched: Watched, browser: Browser):
+    page = browser.new_page()
+    response = page.goto(watched.view.address.rsplit("/", 2)[0] + "/")
+    assert response is not None
+    assert response.status == 403
+    page.close()
+
+
+# ---- the scene, without a browser ----------------------------------------------------------------
+
+
+@pytest.fixture
+def scene() -> Iterator[LiveScene]:
+    from voxshell.viewer.server import silent_server
+
+    with silent_server() as server:
+        yield LiveScene(server.scene, {}, lambda *_: None)
+
+
+def read(world: vx.World):
+    from voxshell.simulation.live_frame import take_frame
+
+    return take_frame(world._simulation, world.bodies, world.gravity, world.time_step)
+
+
+NOTHING_PULLS = np.zeros((0, 2, 3))
+
+
+def test_bodies_of_one_shape_are_one_node_and_may_come_and_go(scene: LiveScene):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    ball = vx.Sphere(0.1)
+    balls = [world.add(ball, pose=(0.3 * i, 0, 1)) for i in range(5)]
+    world.add(vx.Box((0.1, 0.1, 0.1)), mass=0)
+    scene.show(read(world), NOTHING_PULLS)
+    assert len(scene._groups) == 2
+    for body in balls[1:3]:
+        world.remove(body)
+    scene.show(read(world), NOTHING_PULLS)
+    node = next(group.node for group in scene._groups.values() if balls[0] in group.bodies)
+    assert node.batched_positions == pytest.approx(
+        scene.scale * np.array([balls[i].position for i in (0, 3, 4)]), rel=1e-6
+    )
+    assert len(node.batched_colors) == 3
+    for body in list(world.bodies):
+        world.remove(body)
+    scene.show(read(world), NOTHING_PULLS)
+    assert not scene._groups
+    assert not scene._grounds
+
+
+def test_arrows_begin_at_contacts_and_are_as_long_as_their_forces_up_to_a_limit(scene: LiveScene):
+    world = vx.World(sleeping=False)
+    world.add(vx.Plane(), mass=0)
+    world.add(vx.Box((0.1, 0.1, 0.1)), mass=1.0, pose=(0, 0, 0.1))
+    world.step(100)
+    frame = read(world)
+    scene.show(frame, NOTHING_PULLS)
+    arrows = scene._find_arrows(frame) / scene.scale
+    assert len(arrows) == len(frame.points) == 4
+    assert arrows[:, 0] == pytest.approx(frame.points)
+    lengths = np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1)
+    assert scene.extent is not None
+    # A weight is a quarter of the body's diameter.
+    assert lengths.sum() == pytest.approx(0.25 * scene.extent.body, rel=0.05)
+    world.bodies[1].apply_impulse((0, 0, -50.0))
+    world.step()
+    arrows = scene._find_arrows(read(world)) / scene.scale
+    lengths = np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1)
+    assert lengths.max() <= scene.extent.body * 1.0001
+
+
+@pytest.mark.parametrize(
+    ("gravity", "up"),
+    [((0, 0, -9.81), "+z"), ((0, -1, 0.1), "+y"), ((2, 0, 0), "-x"), ((0, 0, 0), "+z")],
+)
+def test_up_is_against_gravity(gravity: tuple[float, float, float], up: str):
+    assert find_up(np.array(gravity, dtype=np.float64)) == up
