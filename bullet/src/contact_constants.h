@@ -192,6 +192,10 @@ inline constexpr double kOwnDepth = 0.5;
 /// The least slope, as a cosine, by which the rest of a depth is divided.
 inline constexpr double kLeastSlope = 0.1;
 
+/// Most poses on the way of a step at which a shell is looked up in the field, as far apart as the
+/// detail of the finer body where these are enough. Fewer: slots and rims pass what they fall on.
+inline constexpr int kMostSweptPoses = 8;
+
 // ---- round contacts -----------------------------------------------------------------------------
 // Decision 36.
 

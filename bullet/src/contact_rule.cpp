@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "contact_constants.h"
 #include "impact.h"
@@ -27,8 +28,8 @@ bool touches_if_stopped(const PairStep& step, const Contact& contact, const Impa
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
 /// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
-                   std::span<const std::uint32_t> exact, std::vector<Contact>& contacts,
-                   std::vector<std::uint8_t>& beside) {
+                   std::span<const std::uint32_t> exact, std::span<const std::uint32_t> hits,
+                   std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
   beside.clear();
   bool touches = false;
   bool touches_from_above = false;
@@ -56,17 +57,19 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (is_contact(step, impact) ||
         (step.looks_ahead() && touches_if_stopped(step, contact, impact))) {
       touch(contact, contact);
-    } else if (step.uses_ccd &&
-               (std::ranges::binary_search(exact, contact.id) || !is_steep(step, contact))) {
+    } else if (const bool hits_later = std::ranges::binary_search(hits, contact.id);
+               step.uses_ccd && (std::ranges::binary_search(exact, contact.id) || hits_later ||
+                                 !is_steep(step, contact))) {
       const double closing = closing_of(step, impact);
       const bool is_followed = !step.pair->has_triangles();
-      if (closing >= impact.gap) {
-        if (!is_followed) {
-          touch(contact, contact);
-        } else if (const auto speculative =
-                       find_speculative(step, step.motion, features, contact, 1.0)) {
-          touch(contact, stays_exact(contact, *speculative) ? contact : *speculative);
-        }
+      std::optional<Contact> speculative;
+      if (is_followed && (closing >= impact.gap || hits_later)) {
+        speculative = find_speculative(step, step.motion, features, contact, 1.0);
+      }
+      if (speculative) {
+        touch(contact, stays_exact(contact, *speculative) ? contact : *speculative);
+      } else if (closing >= impact.gap) {
+        if (!is_followed) touch(contact, contact);
       } else if (is_followed && kCcdReach * closing >= impact.gap) {
         const Contact reached =
             find_speculative(step, step.motion, features, contact, kCcdReach).value_or(contact);
@@ -96,10 +99,11 @@ bool may_reach(const PairStep& step, const Contact& contact, double above) {
 }
 
 StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> features,
-                                std::span<const std::uint32_t> exact, double fraction,
+                                std::span<const std::uint32_t> exact,
+                                std::span<const std::uint32_t> hits, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
-  keep_touching(step, features, exact, contacts, memory.beside);
+  keep_touching(step, features, exact, hits, contacts, memory.beside);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
   const auto touches = [&](const Contact& contact) {

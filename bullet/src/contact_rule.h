@@ -44,9 +44,11 @@ bool may_reach(const PairStep& step, const Contact& contact, double above);
 ///
 /// @param features  Those that some of the contacts are of.
 /// @param exact     Ids, ascending, of those contacts that are no samples: see RoundContacts.
+/// @param hits      Ids, ascending, of those that are in the other body at some time of the step.
 /// @param fraction  Of the step, after which the contacts were looked for: those of triangles.
 StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> features,
-                                std::span<const std::uint32_t> exact, double fraction,
+                                std::span<const std::uint32_t> exact,
+                                std::span<const std::uint32_t> hits, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory);
 
 /// One of the contacts that apply_contact_rule() left, as Bullet wants it. `rolling_lever` is that

@@ -158,6 +158,7 @@ bool ContactSearch::find_near(const ContactSettings& settings, PosedPair& pair, 
     return false;
   }
   Opposition opposition;
+  hits_.clear();
   if (may_touch(question, pair)) take_all(question, pair, opposition);
   bool has_swapped_roles = false;
   if (settings.shell == ShellRule::kFewest && !pair.asks_both && contacts_.empty()) {
@@ -196,6 +197,7 @@ void ContactSearch::take_all(const Question& question, const PosedPair& pair,
                              Opposition& opposition) {
   const PosedShell first = PosedShell::first_of(pair);
   take(question, first, first_, contacts_, opposition);
+  hits_.assign(first_.hits.ids().begin(), first_.hits.ids().end());
   if (!pair.asks_both) {
     if (question.slides) {
       first_.gather_exact(exact_);
@@ -207,6 +209,7 @@ void ContactSearch::take_all(const Question& question, const PosedPair& pair,
   }
   const PosedShell second = PosedShell::second_of(pair);
   take(question, second, second_, second_found_, opposition);
+  for (const std::uint32_t id : second_.hits.ids()) hits_.push_back(kFirstOfSecond + id);
   if (question.slides) drop_covered_by_each_other(first, second);
   merge_by_id(first_.guards, contacts_);
   merge_by_id(second_.guards, second_found_);
@@ -227,6 +230,11 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
           : find_deepest_per_segment(posed.field(), posed.shell(), field_from_shell, question.level,
                                      near, of.scratch);
   contacts.assign(found.begin(), found.end());
+  of.hits.clear();
+  if (step != nullptr && step->uses_ccd && question.wanted == Wanted::kOneASegment) {
+    of.hits.find(*step, posed.shell(), posed.field(), posed.is_of_field, question.level,
+                 lists_of_this_thread(), contacts);
+  }
   part_from_guards(question, posed, contacts, of.guards);
   face_elements(contacts, posed.field(), posed.shell(), field_from_shell,
                 posed.other.has_sharp_field() ? question.touch.margin : 0.0,

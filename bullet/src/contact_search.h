@@ -13,6 +13,7 @@
 #include "round_field_contacts.h"
 #include "second_shell.h"
 #include "shape_features.h"
+#include "swept_hits.h"
 #include "triangle_contacts.h"
 #include "voxshell/bullet/contact_settings.h"
 #include "voxshell/contacts.h"
@@ -44,6 +45,8 @@ class ContactSearch {
   std::vector<Contact>& contacts() { return contacts_; }
   /// The ids of those that are no samples, ascending.
   std::span<const std::uint32_t> exact() const { return exact_; }
+  /// The ids of those that are in the other body at some time of the step, ascending.
+  std::span<const std::uint32_t> hits() const { return hits_; }
   std::span<const Feature> features() const { return features_; }
 
  private:
@@ -55,6 +58,7 @@ class ContactSearch {
     FlatElements flat;
     RoundContacts round;
     RoundFieldContacts on_round;
+    SweptHits hits;
     std::vector<Contact> guards;
 
     /// The ids, ascending, of its contacts that are no samples.
@@ -83,6 +87,7 @@ class ContactSearch {
   std::vector<Contact> second_found_;  ///< those of the second shell
   std::vector<std::uint32_t> exact_;
   std::vector<std::uint32_t> second_exact_;
+  std::vector<std::uint32_t> hits_;
 };
 
 }  // namespace voxshell::bullet

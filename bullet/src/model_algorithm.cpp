@@ -179,8 +179,8 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
   std::vector<Contact>& contacts = search.contacts();
-  prepared.of_step =
-      apply_contact_rule(step, search.features(), search.exact(), fraction, contacts, memory);
+  prepared.of_step = apply_contact_rule(step, search.features(), search.exact(), search.hits(),
+                                        fraction, contacts, memory);
   // Of bodies in a pile that move a little, such points carry in the next step.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
   if (prepared.takes_all && lies && !contacts.empty()) {

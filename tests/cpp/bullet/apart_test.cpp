@@ -33,7 +33,7 @@ bool touches(TwoBodies& bodies, const ContactSettings& settings) {
                    step.uses_ccd ? Wanted::kOneASegment : Wanted::kAll);
   PairMemory memory;
   std::vector<Contact>& contacts = search.contacts();
-  apply_contact_rule(step, search.features(), search.exact(), 0.0, contacts, memory);
+  apply_contact_rule(step, search.features(), search.exact(), search.hits(), 0.0, contacts, memory);
   return !contacts.empty();
 }
 
