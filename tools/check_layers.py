@@ -71,7 +71,10 @@ PYTHON_ALONE = {"errors": "base", "testing": "query"}
 
 # (module file, room): imports against the direction that are allowed inside a function.
 PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {
-    ("recording/recording.py", "viewer"): "save_html: only a caller who wants a page pays for it",
+    (
+        "recording/recording.py",
+        "viewer",
+    ): "exports and notebooks: only a caller who wants a page or a file pays",
     (
         "simulation/world_view.py",
         "viewer",

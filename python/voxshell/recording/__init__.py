@@ -1,5 +1,7 @@
 """Recordings of simulations, as plain data."""
 
-from voxshell.recording.recording import BodyTrack, ContactTrack, Recording
+from voxshell.recording.body_track import BodyTrack
+from voxshell.recording.contact_track import ContactTrack
+from voxshell.recording.recording import Recording
 
 __all__ = ["BodyTrack", "ContactTrack", "Recording"]

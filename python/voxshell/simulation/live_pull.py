@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
 
 _SAG = 0.02
-"""Of a body's diameter: how far a body sinks that hangs on the spring in gravity. Less makes the spring stiffer."""
+"""How far a body that hangs on the spring sinks in gravity, in diameters. Less makes the spring stiffer."""
 
 _MOST_TURN_A_STEP = 0.2
 """Radians of the spring's oscillation in a step. Damping that is applied once a step diverges at 1."""
 
 _CALMING = 2.0
-"""1/s: how fast the turning of a body that is held dies away. Without it, bodies swing on for ever."""
+"""1/s: how fast the rotation of a held body decays. Without it, the body would swing forever."""
 
 _WITHOUT_GRAVITY = 9.81
 """m/s2, in place of gravity in worlds that have less."""
@@ -50,7 +50,7 @@ class Pull:
     reach: float
 
     def compute_torque(self) -> NDArray[np.float64]:
-        """The torque on the body that calms its turning, (3,) N m, world frame."""
+        """The torque that slows the rotation of the body, (3,) N m, world frame."""
         turn = self.body.pose[:3, :3]
         spin = self.body.angular_velocity
         return -_CALMING * (turn @ (self.body._inertia @ (turn.T @ spin)))
@@ -163,7 +163,7 @@ class Pulls:
 
 
 def effective_mass(body: Body, point_body: NDArray[np.float64]) -> float:
-    """What a body resists to a push at a point, kilograms, the mean of all directions.
+    """The mass that a push at a point of a body meets, kilograms, averaged over all directions.
 
     A push at the center of mass meets the whole mass; elsewhere the body also turns, and resists less.
 

@@ -27,7 +27,7 @@ _STILL = 0.1
 """Seconds without a step after which the newest state is shown, whoever steps or not."""
 
 _MOST_BEHIND = 0.2
-"""Seconds by which a run may be late of its speed; it does not hurry to make up for more."""
+"""Seconds that a run may lag behind its speed; it does not hurry to make up for more."""
 
 
 class Page(Protocol):
@@ -67,7 +67,7 @@ class LiveView:
     Drag: a spring pulls the grabbed point towards the pointer, in the plane through that point that faces the camera.
     It is critically damped, and scaled with the body's effective mass at that point, so that light and heavy bodies
     follow alike. A body that hangs on the spring sinks by about 2 % of its diameter, or more where the time step is
-    long. Beyond one diameter of stretch the force no longer grows. While a body is held, its turning dies away at 2/s.
+    long. Beyond one diameter of stretch the force no longer grows. While a body is held, its rotation decays at 2/s.
     Static and kinematic bodies cannot be dragged.
 
     All methods may be called from any thread.

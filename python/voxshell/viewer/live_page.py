@@ -1,4 +1,4 @@
-"""The page of a live view: a scene that follows a world, plots, and buttons that hold it up."""
+"""The page of a live view: a scene that follows a world, plots, and buttons that pause it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class LivePage:
     """A server with the page of one world.
 
     Args:
-        view: What the page shows and holds up.
+        view: What the page shows and pauses.
         port: Where, or the next one that is free; 0: the system picks one.
         title: Heading.
         colors: Of bodies, 0 to 255.

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.live_frame import LiveFrame
 
 _SAMPLES = 600
-"""That are shown: twenty seconds at 30 frames a second."""
+"""Frames that the plots show: twenty seconds at 30 frames a second."""
 
 _HEIGHT = 104  # pixels
 _ENERGY_COLORS = ("#1f6fb4", "#2a9d6f", "#1e2733")
@@ -36,7 +36,7 @@ class LivePlots:
         self._depth = _add_plot(gui, "deepest contact, mm", {"depth": "#d97706"})
 
     def add(self, frame: LiveFrame) -> None:
-        """Takes down a frame. A world that went back in time begins anew."""
+        """Adds a frame. If the world went back in time, the plots start again."""
         if self._rows and frame.time < self._rows[-1][0]:
             self._rows.clear()
             self._ground = None
@@ -50,7 +50,7 @@ class LivePlots:
         self._rows.append((frame.time, *energies, float(len(frame.depths)), depth))
 
     def show(self) -> None:
-        """Draws what was taken down."""
+        """Draws the frames added so far."""
         columns = np.array(self._rows).T
         if columns.shape[-1] < 2:
             return

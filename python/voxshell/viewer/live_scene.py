@@ -32,20 +32,20 @@ _KINEMATIC_COLOR, _GROUND_COLOR = (150, 158, 140), (226, 230, 235)
 _CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
 FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
 _DIAGONAL = 6.0
-"""Of what is seen at first, in display units: viser's clipping planes, shadows and speed of flight suit that."""
+"""Diagonal of what is seen at first, in display units: viser's clipping planes, shadows and speed of flight suit that."""
 _MOST_CONTACTS = 400
 _GRAIN = 2.0**-13
 _BALL = 0.012
 """Radius of a contact's ball, in diameters of a typical body."""
 _LEAST_DEPTH = 1e-4
-"""That the colors of contacts tell apart from none, in diameters of a typical body."""
+"""The smallest depth whose color differs from that of none, in diameters of a typical body."""
 _LONGEST_ARROW = 1.0
 """In diameters of a typical body; a force of its weight is a quarter of that."""
 _ARROWS_A_WEIGHT = 0.25
 _OPACITY = 0.55
-"""Of bodies through which contacts are seen."""
+"""Opacity of bodies through which contacts are seen."""
 _GROUND_SIDE = 10.0
-"""Of a plane as it is drawn, in diagonals of what is seen."""
+"""Side of a plane as it is drawn, in diagonals of what is seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ class LiveScene:
 
     @property
     def deepest(self) -> float:
-        """Metres, of the darkest colour: the deepest contact so far, rounded up; not less than what can be seen."""
+        """Metres, of the darkest color: the deepest contact so far, rounded up; not less than what can be seen."""
         if self._deepest == 0.0 or self.extent is None:
             return 0.0
         return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))

@@ -15,9 +15,9 @@ import voxshell as vx
 from PIL import Image
 from player import PATIENCE, complaints_of
 from playwright.sync_api import Browser
-from voxshell import recording as recording_module
 from voxshell.base.notebook import make_table
 from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.recording import recording as recording_module
 
 
 def make_recording(name: str = "ball") -> Recording:

@@ -1,90 +1,19 @@
-"""Views of running worlds: pauses, drags, and that nothing else changes. No browser is needed."""
+"""Views of running worlds: pauses, speed, and that nothing else changes. No browser is needed."""
 
 from __future__ import annotations
 
-import gc
 import signal
 import subprocess
 import sys
 import threading
 import time
-import weakref
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
-import trimesh
 import voxshell as vx
-from voxshell.simulation.live_frame import LiveFrame, take_frame
-from voxshell.simulation.live_pull import Pulls, effective_mass
-from voxshell.simulation.live_view import LiveView
+from live_worlds import PATIENCE, Screen, make_world, stepping, wait_for
 
-PATIENCE = 60.0
-"""Seconds after which a test gives up; none measures how long anything takes."""
-
-
-class Screen:
-    """A page without a server, which keeps what it was shown."""
-
-    address = "http://127.0.0.1:1/secret/"
-
-    def __init__(self, *_: object, **__: object) -> None:
-        self.frames: list[LiveFrame] = []
-        self.closed = False
-
-    def show(self, frame: LiveFrame, *, last: bool) -> None:
-        self.frames.append(frame)
-
-    def close(self) -> None:
-        self.closed = True
-
-
-@pytest.fixture(autouse=True)
-def screens(monkeypatch: pytest.MonkeyPatch) -> list[Screen]:
-    made: list[Screen] = []
-
-    def make(*_: object, **__: object) -> Screen:
-        made.append(Screen())
-        return made[-1]
-
-    monkeypatch.setattr("voxshell.viewer.live_page.LivePage", make)
-    return made
-
-
-def make_world(**options: object) -> tuple[vx.World, list[vx.Body]]:
-    world = vx.World(**options)
-    world.add(vx.Plane(), mass=0)
-    model = vx.Model.from_mesh(trimesh.creation.icosphere(2, radius=0.1), voxel_size=0.02)
-    return world, [
-        world.add(model, pose=(0.03 * i, 0.0, 0.15 + 0.22 * i), mass=1.0 + i) for i in range(3)
-    ]
-
-
-def wait_for(wanted: Callable[[], bool], what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not wanted():
-        assert time.monotonic() < end, what
-        time.sleep(0.005)
-
-
-@contextmanager
-def stepping(world: vx.World) -> Iterator[threading.Thread]:
-    """Steps in a thread until the block ends; the view must not hold it up by then."""
-    end = threading.Event()
-
-    def run() -> None:
-        while not end.is_set():
-            world.step()
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield thread
-    finally:
-        end.set()
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+pytestmark = pytest.mark.usefixtures("screens")
 
 
 @pytest.mark.parametrize("recorded", [False, True])
@@ -218,48 +147,6 @@ with world.view(port=0, paused=True):
         assert process.stderr.read().rstrip().endswith("KeyboardInterrupt")
 
 
-def test_a_world_has_one_view_at_a_time(screens: list[Screen]):
-    world, _ = make_world()
-    view = world.view()
-    with pytest.raises(
-        vx.SettingsError, match=r"has a view already, at http://127.0.0.1:1/secret/"
-    ):
-        world.view()
-    view.close()
-    view.close()
-    assert screens[0].closed
-    assert not view.is_open
-    assert repr(view) == "LiveView(closed)"
-    with world.view() as second:
-        assert second.is_open
-        world.step(3)
-
-
-def test_a_view_ends_with_its_world(screens: list[Screen]):
-    world, _ = make_world()
-    world.view()
-    gone = weakref.ref(world)
-    del world, _
-    gc.collect()
-    assert gone() is None
-    assert screens[0].closed
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"port": -1}, "port must be from 0 to 65535"),
-        ({"speed": 0.0}, "speed must be above 0"),
-        ({"frames_per_second": 0}, "frames_per_second must be above 0"),
-    ],
-)
-def test_bad_options_are_refused(options: dict[str, float], message: str, screens: list[Screen]):
-    world, _ = make_world()
-    with pytest.raises(vx.SettingsError, match=message):
-        world.view(**options)
-    assert screens == []
-
-
 def test_a_step_waits_for_the_speed_of_a_watched_view():
     world, _ = make_world(time_step=0.01)
     with world.view(speed=1.0) as view:
@@ -270,147 +157,6 @@ def test_a_step_waits_for_the_speed_of_a_watched_view():
         world.step(50)
         # Only from below: a busy machine may take any time.
         assert time.monotonic() - start > 0.4
-
-
-# ---- drags ---------------------------------------------------------------------------------------
-
-
-def drag(
-    view: LiveView,
-    world: vx.World,
-    body: vx.Body,
-    local: np.ndarray,
-    target: np.ndarray,
-    steps: int,
-) -> np.ndarray:
-    """Where the grabbed point is after each step."""
-    diameter = float(np.linalg.norm(np.ptp(body.bounds, axis=0)))
-    view.pulls.grab("hand", body, local, diameter)
-    view.pulls.move("hand", target)
-    path = []
-    world.step(steps, lambda _: path.append(body.pose[:3, :3] @ local + body.pose[:3, 3]))
-    view.pulls.release("hand")
-    return np.array(path)
-
-
-@pytest.mark.parametrize("local", [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.05, -0.05)])
-def test_the_grabbed_point_comes_to_the_pointer_and_stays(local: tuple[float, float, float]):
-    world = vx.World(gravity=(0, 0, 0))
-    body = world.add(vx.Box((0.1, 0.05, 0.05)), mass=3.0)
-    target = np.array(local) + np.array((0.1, -0.05, 0.08))
-    with world.view() as view:
-        path = drag(view, world, body, np.array(local), target, 800)
-    gaps = np.linalg.norm(path - target, axis=1)
-    assert gaps[0] > 0.12
-    assert gaps[-1] < 1e-3
-    # Critically damped: once near, it does not swing out again, but for the body's turning.
-    assert gaps[np.argmax(gaps < 0.01) :].max() < 0.02
-
-
-def test_light_and_heavy_bodies_follow_alike():
-    paths = []
-    for mass in (0.01, 500.0):
-        world = vx.World(gravity=(0, 0, 0))
-        body = world.add(vx.Box((0.1, 0.05, 0.05)), mass=mass)
-        with world.view() as view:
-            paths.append(drag(view, world, body, np.array((0.1, 0, 0)), np.array((0, 0, 0.3)), 200))
-    assert np.abs(paths[0] - paths[1]).max() < 1e-9
-    assert np.abs(np.diff(paths[0], axis=0)).max() > 1e-3
-
-
-def test_a_body_hangs_on_the_spring_a_fiftieth_of_its_diameter_below_the_pointer():
-    world = vx.World(time_step=1 / 1000)
-    ball = world.add(vx.Sphere(0.5), mass=4.0, linear_damping=0.5)
-    with world.view() as view:
-        view.pulls.grab("hand", ball, np.zeros(3), 1.0)
-        world.step(3000)
-    assert ball.position[2] == pytest.approx(-0.02, rel=0.05)
-
-
-def test_a_far_pointer_pulls_no_harder_than_one_a_diameter_away():
-    world = vx.World(gravity=(0, 0, 0))
-    ball = world.add(vx.Sphere(0.1), mass=2.0)
-    pulls = Pulls(np.zeros(3), world.time_step)
-    pulls.grab("hand", ball, np.zeros(3), 0.2)
-    forces = []
-    for distance in (0.1, 0.2, 5.0):
-        pulls.move("hand", np.array((distance, 0, 0)))
-        forces.append(pulls._held["hand"].compute_force()[0][0])
-    assert forces[1] == pytest.approx(2.0 * forces[0])
-    assert forces[2] == pytest.approx(forces[1])
-
-
-def test_a_release_lets_the_body_move_freely():
-    world = vx.World(gravity=(0, 0, 0))
-    ball = world.add(vx.Sphere(0.1))
-    with world.view() as view:
-        drag(view, world, ball, np.zeros(3), np.array((0.2, 0, 0)), 10)
-        speed = ball.linear_velocity[0]
-        assert speed > 0.0
-        world.step(10)
-        assert ball.linear_velocity[0] == speed
-
-
-def test_a_removed_body_is_let_go():
-    world, bodies = make_world()
-    with world.view() as view:
-        view.pulls.grab("hand", bodies[0], np.zeros(3), 0.2)
-        view.pulls.grab("other", bodies[1], np.zeros(3), 0.2)
-        world.remove(bodies[0])
-        world.step()
-        assert len(view.pulls) == 1
-        world.remove(bodies[1])
-        assert len(view.pulls.find_lines()) == 0
-        assert len(view.pulls) == 0
-
-
-def test_the_effective_mass_is_what_a_push_meets_on_average():
-    world = vx.World(gravity=(0, 0, 0))
-    rod = world.add(vx.Box((0.5, 0.02, 0.03)), mass=2.0)
-    point = np.array((0.5, 0.02, 0.0))
-    yields = []
-    for axis in np.eye(3):
-        rod.linear_velocity = rod.angular_velocity = (0, 0, 0)
-        rod.apply_impulse(axis, at=point)
-        yields.append(rod.velocity_at(point) @ axis)
-    assert effective_mass(rod, point) == pytest.approx(1.0 / np.mean(yields))
-
-
-# ---- frames --------------------------------------------------------------------------------------
-
-
-def read(world: vx.World) -> LiveFrame:
-    frame = take_frame(world._simulation, world.bodies, world.gravity, world.time_step)
-    assert frame is not None
-    return frame
-
-
-def test_forces_on_a_resting_body_carry_it_whichever_body_of_the_pair_it_is():
-    for ground_first in (True, False):
-        world = vx.World(sleeping=False)
-        add_ground = lambda world=world: world.add(vx.Box((1, 1, 0.1)), mass=0, pose=(0, 0, -0.1))  # noqa: E731
-        if ground_first:
-            add_ground()
-        world.add(vx.Box((0.1, 0.1, 0.1)), mass=3.0, pose=(0, 0, 0.1))
-        if not ground_first:
-            add_ground()
-        world.step(400)
-        assert read(world).forces.sum(axis=0) == pytest.approx((0, 0, 3.0 * 9.81), abs=0.3)
-
-
-def test_the_energy_of_a_tumbling_fall_is_kept():
-    world = vx.World(time_step=1 / 1000)
-    box = world.add(vx.Box((0.1, 0.2, 0.3)), mass=2.0)
-    box.angular_velocity = (3.0, 1.0, 0.2)
-    box.linear_velocity = (1.0, 0.0, 2.0)
-    before = read(world)
-    world.step(300)
-    after = read(world)
-    assert abs(after.potential - before.potential) > 1.0
-    assert after.kinetic + after.potential == pytest.approx(
-        before.kinetic + before.potential,
-        abs=0.04,  # steps of a fall lose m g^2 t dt / 2
-    )
 
 
 def test_an_empty_world_can_be_viewed(screens: list[Screen]):

@@ -13,7 +13,6 @@ from player import PATIENCE, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.simulation.live_view import LiveView
 from voxshell.viewer.live_page import find_up
-from voxshell.viewer.live_scene import LiveScene
 
 # Of viser's own handler of the mouse; nothing is lost by it.
 HARMLESS = ("Unable to preventDefault inside passive event listener invocation.",)
@@ -135,70 +134,6 @@ def test_a_stranger_is_turned_away(watched: Watched, browser: Browser):
     assert response is not None
     assert response.status == 403
     page.close()
-
-
-# ---- the scene, without a browser ----------------------------------------------------------------
-
-
-@pytest.fixture
-def scene() -> Iterator[LiveScene]:
-    from voxshell.viewer.server import silent_server
-
-    with silent_server() as server:
-        yield LiveScene(server.scene, {}, lambda *_: None)
-
-
-def read(world: vx.World):
-    from voxshell.simulation.live_frame import take_frame
-
-    return take_frame(world._simulation, world.bodies, world.gravity, world.time_step)
-
-
-NOTHING_PULLS = np.zeros((0, 2, 3))
-
-
-def test_bodies_of_one_shape_are_one_node_and_may_come_and_go(scene: LiveScene):
-    world = vx.World()
-    world.add(vx.Plane(), mass=0)
-    ball = vx.Sphere(0.1)
-    balls = [world.add(ball, pose=(0.3 * i, 0, 1)) for i in range(5)]
-    world.add(vx.Box((0.1, 0.1, 0.1)), mass=0)
-    scene.show(read(world), NOTHING_PULLS)
-    assert len(scene._groups) == 2
-    for body in balls[1:3]:
-        world.remove(body)
-    scene.show(read(world), NOTHING_PULLS)
-    node = next(group.node for group in scene._groups.values() if balls[0] in group.bodies)
-    assert node.batched_positions == pytest.approx(
-        scene.scale * np.array([balls[i].position for i in (0, 3, 4)]), rel=1e-6
-    )
-    assert len(node.batched_colors) == 3
-    for body in list(world.bodies):
-        world.remove(body)
-    scene.show(read(world), NOTHING_PULLS)
-    assert not scene._groups
-    assert not scene._grounds
-
-
-def test_arrows_begin_at_contacts_and_are_as_long_as_their_forces_up_to_a_limit(scene: LiveScene):
-    world = vx.World(sleeping=False)
-    world.add(vx.Plane(), mass=0)
-    world.add(vx.Box((0.1, 0.1, 0.1)), mass=1.0, pose=(0, 0, 0.1))
-    world.step(100)
-    frame = read(world)
-    scene.show(frame, NOTHING_PULLS)
-    arrows = scene._find_arrows(frame) / scene.scale
-    assert len(arrows) == len(frame.points) == 4
-    assert arrows[:, 0] == pytest.approx(frame.points)
-    lengths = np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1)
-    assert scene.extent is not None
-    # A weight is a quarter of the body's diameter.
-    assert lengths.sum() == pytest.approx(0.25 * scene.extent.body, rel=0.05)
-    world.bodies[1].apply_impulse((0, 0, -50.0))
-    world.step()
-    arrows = scene._find_arrows(read(world)) / scene.scale
-    lengths = np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1)
-    assert lengths.max() <= scene.extent.body * 1.0001
 
 
 @pytest.mark.parametrize(

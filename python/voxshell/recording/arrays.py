@@ -1,0 +1,46 @@
+"""Arrays of recordings: copied, checked and read-only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from voxshell.errors import RecordingError
+
+
+def keep(owner: object, name: str, array: NDArray[Any]) -> None:
+    """Stores a read-only array in a frozen dataclass."""
+    array.flags.writeable = False
+    object.__setattr__(owner, name, array)
+
+
+def as_floats(value: ArrayLike, what: str) -> NDArray[np.float64]:
+    """A new float64 array of finite numbers, or an error that says how many are not."""
+    try:
+        array = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise RecordingError(f"{what} must be numbers: {error}") from error
+    bad = int(np.sum(~np.isfinite(array)))
+    if bad:
+        raise RecordingError(f"{what} hold {bad} of {array.size} numbers that are not finite")
+    return array
+
+
+def as_points(value: ArrayLike, what: str) -> NDArray[np.float64]:
+    """A new (n, 3) array; an empty list counts as (0, 3)."""
+    array = as_floats(value, what)
+    if array.size == 0:
+        return np.zeros((0, 3))
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise RecordingError(f"{what} must have shape (n, 3), got {array.shape}")
+    return array
+
+
+def as_integers(value: ArrayLike, what: str) -> NDArray[np.int64]:
+    """A new int64 array; floats are refused rather than rounded."""
+    array = np.asarray(value)
+    if array.size and not np.issubdtype(array.dtype, np.integer):
+        raise RecordingError(f"{what} must be integers, got {array.dtype}")
+    return np.array(array, dtype=np.int64, order="C")

@@ -1,0 +1,145 @@
+"""The contacts of a recording, frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from voxshell.errors import RecordingError
+from voxshell.recording.arrays import as_floats, as_integers, as_points, keep
+
+_UNIT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTrack:
+    """The contacts of every frame, concatenated; frame i holds offsets[i] to offsets[i + 1].
+
+    Args:
+        offsets: (frames + 1,) int, from 0 to k, never falling.
+        points: (k, 3) float, metres, world frame.
+        normals: (k, 3) float, unit length, world frame, on body b, pointing towards body a.
+        depths: (k,) float, metres, positive where the bodies overlap.
+
+    Raises:
+        RecordingError: If the lengths disagree, a number is not finite, or a normal is not unit.
+
+    Arrays are copied, and the copies are read-only.
+
+    Example:
+        >>> track = ContactTrack.from_frames([
+        ...     ([], [], []),
+        ...     ([[0, 0, 0], [1, 0, 0]], [[0, 0, 1], [0, 0, 1]], [0.002, 0.001]),
+        ... ])
+        >>> track.counts
+        array([0, 2])
+        >>> track.frame(1).depths
+        array([0.002, 0.001])
+    """
+
+    offsets: NDArray[np.int64]
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    depths: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        offsets = as_integers(self.offsets, "contacts: offsets")
+        points = as_points(self.points, "contacts: points")
+        normals = as_points(self.normals, "contacts: normals")
+        depths = as_floats(self.depths, "contacts: depths").reshape(-1)
+        if offsets.ndim != 1 or len(offsets) < 2:
+            raise RecordingError(
+                f"contacts: offsets must have shape (frames + 1,), got {offsets.shape}"
+            )
+        if not len(points) == len(normals) == len(depths):
+            raise RecordingError(
+                f"contacts: {len(points)} points, {len(normals)} normals and {len(depths)} depths"
+            )
+        if offsets[0] != 0 or offsets[-1] != len(points):
+            raise RecordingError(
+                f"contacts: offsets must run from 0 to {len(points)}, "
+                f"got {offsets[0]} to {offsets[-1]}"
+            )
+        falls = np.flatnonzero(np.diff(offsets) < 0)
+        if len(falls):
+            frame = falls[0]
+            raise RecordingError(
+                f"contacts: offsets fall from {offsets[frame]} to {offsets[frame + 1]} "
+                f"at frame {frame}"
+            )
+        if len(normals):
+            error = np.abs(np.linalg.norm(normals, axis=1) - 1.0)
+            worst = int(np.argmax(error))
+            if error[worst] > _UNIT_TOLERANCE:
+                raise RecordingError(
+                    f"contacts: normal {worst} has length "
+                    f"{np.linalg.norm(normals[worst]):.6g} instead of 1 "
+                    f"({int(np.sum(error > _UNIT_TOLERANCE))} such normals)"
+                )
+        keep(self, "offsets", offsets)
+        keep(self, "points", points)
+        keep(self, "normals", normals)
+        keep(self, "depths", depths)
+
+    @classmethod
+    def empty(cls, frames: int) -> ContactTrack:
+        """No contact in any of ``frames`` frames.
+
+        Example:
+            >>> ContactTrack.empty(3).counts
+            array([0, 0, 0])
+        """
+        nothing = np.zeros((0, 3))
+        return cls(np.zeros(frames + 1, dtype=np.int64), nothing, nothing, np.zeros(0))
+
+    @classmethod
+    def from_frames(cls, frames: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]]) -> ContactTrack:
+        """Concatenates the contacts of single frames.
+
+        Args:
+            frames: For each frame its points (k, 3), normals (k, 3) and depths (k,), in the
+                units and frame of the class; k differs from frame to frame and may be 0.
+
+        Raises:
+            RecordingError: As for the class.
+        """
+        points = [as_points(frame[0], "contacts: points") for frame in frames]
+        normals = [as_points(frame[1], "contacts: normals") for frame in frames]
+        depths = [as_floats(frame[2], "contacts: depths").reshape(-1) for frame in frames]
+        for index, (p, n, d) in enumerate(zip(points, normals, depths, strict=True)):
+            if not len(p) == len(n) == len(d):
+                raise RecordingError(
+                    f"contacts: frame {index} has {len(p)} points, {len(n)} normals "
+                    f"and {len(d)} depths"
+                )
+        if not frames:
+            raise RecordingError("contacts: a recording needs at least one frame, got none")
+        offsets = np.concatenate([[0], np.cumsum([len(p) for p in points])])
+        return cls(offsets, np.concatenate(points), np.concatenate(normals), np.concatenate(depths))
+
+    @property
+    def frame_count(self) -> int:
+        """Number of frames."""
+        return len(self.offsets) - 1
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """(frames,) number of contacts in each frame."""
+        return np.diff(self.offsets)
+
+    def frame(self, index: int) -> ContactTrack:
+        """The contacts of one frame, as a track of one frame.
+
+        Raises:
+            IndexError: If there is no such frame.
+        """
+        if not 0 <= index < self.frame_count:
+            raise IndexError(f"frame {index} of {self.frame_count}")
+        part = slice(int(self.offsets[index]), int(self.offsets[index + 1]))
+        points = self.points[part]
+        return ContactTrack(
+            np.array([0, len(points)]), points, self.normals[part], self.depths[part]
+        )

@@ -1,0 +1,120 @@
+"""Recordings as glTF, read back by hand, by trimesh and by pygltflib.
+
+``./dev`` does not install pygltflib. The test that needs it is skipped without it; install it with
+``pip install pygltflib``.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from recorded_fall import FRAMES, TIME_STEP, turn_and_fall
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+
+
+def read_glb(path: Path) -> tuple[dict, bytes]:
+    content = path.read_bytes()
+    magic, version, length = struct.unpack("<III", content[:12])
+    assert (magic, version, length) == (0x46546C67, 2, len(content))
+    size, kind = struct.unpack("<II", content[12:20])
+    assert kind == 0x4E4F534A
+    document = json.loads(content[20 : 20 + size])
+    size_2, kind = struct.unpack("<II", content[20 + size : 28 + size])
+    assert kind == 0x004E4942
+    binary = content[28 + size :]
+    assert len(binary) == size_2 == document["buffers"][0]["byteLength"]
+    return document, binary
+
+
+def values_of(document: dict, binary: bytes, number: int) -> np.ndarray:
+    accessor = document["accessors"][number]
+    view = document["bufferViews"][accessor["bufferView"]]
+    width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+    kind = {5126: "<f4", 5125: "<u4"}[accessor["componentType"]]
+    start = view["byteOffset"]
+    return np.frombuffer(binary[start : start + view["byteLength"]], kind).reshape(-1, width)
+
+
+def test_an_animation_moves_nodes_as_the_recording_moves_bodies(tmp_path: Path):
+    recording = turn_and_fall()
+    path = recording.save_gltf(tmp_path / "fall.glb")
+    document, binary = read_glb(path)
+    (animation,) = document["animations"]
+    assert len(animation["channels"]) == 4  # the ground stays
+    for channel in animation["channels"]:
+        sampler = animation["samplers"][channel["sampler"]]
+        times = values_of(document, binary, sampler["input"])[:, 0]
+        assert times == pytest.approx(np.arange(FRAMES) * TIME_STEP)
+        node = document["nodes"][channel["target"]["node"]]
+        body = next(each for each in recording.bodies if each.name == node["name"])
+        values = values_of(document, binary, sampler["output"])
+        if channel["target"]["path"] == "translation":
+            assert values == pytest.approx(body.poses[:, :3, 3], abs=1e-6)
+            continue
+        for value, pose in zip(values, body.poses, strict=True):
+            matrix = trimesh.transformations.quaternion_matrix(np.roll(value, 1))
+            assert matrix[:3, :3] == pytest.approx(pose[:3, :3], abs=1e-6)
+        # Between two keys, programs go the short way.
+        assert np.einsum("ij,ij->i", values[1:], values[:-1]).min() > 0.9
+
+
+@pytest.mark.parametrize("up", ["+z", "-y", "+x"])
+def test_trimesh_reads_the_first_frame_with_y_up(tmp_path: Path, up: str):
+    recording = turn_and_fall()
+    scene = trimesh.load(recording.save_gltf(tmp_path / "fall.glb", up=up))
+    heights = scene.to_geometry().vertices[:, 1]
+    axis = "xyz".index(up[1])
+    sign = 1.0 if up[0] == "+" else -1.0
+    wanted = np.concatenate(
+        [
+            sign * (body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3])[:, axis]
+            for body in recording.bodies
+        ]
+    )
+    assert (heights.min(), heights.max()) == pytest.approx((wanted.min(), wanted.max()), abs=1e-6)
+    assert len(scene.to_geometry().faces) == sum(len(body.faces) for body in recording.bodies)
+
+
+def test_bodies_of_one_shape_share_their_arrays(tmp_path: Path):
+    document, _ = read_glb(turn_and_fall().save_gltf(tmp_path / "fall.glb"))
+    first, second = (mesh["primitives"][0] for mesh in document["meshes"][:2])
+    assert first["attributes"] == second["attributes"]
+    assert first["material"] != second["material"]
+    assert document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] == [
+        1.0,
+        0.0,
+        0.0,
+        1.0,
+    ]
+
+
+def test_pygltflib_reads_the_file(tmp_path: Path):
+    library = pytest.importorskip("pygltflib", reason="needs pygltflib")
+    document = library.GLTF2().load(turn_and_fall().save_gltf(tmp_path / "fall.glb"))
+    assert [node.name for node in document.nodes] == ["recording", "ball", "a ball/2", "Boden ü"]
+    assert document.animations[0].channels[0].target.path == "translation"
+
+
+def test_a_recording_in_which_nothing_moves_has_no_animation(tmp_path: Path):
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=0.1)
+    body = BodyTrack("ball", ball.vertices, ball.faces, None, np.eye(4)[None])
+    document, _ = read_glb(
+        Recording(0.1, (body,), ContactTrack.empty(1)).save_gltf(tmp_path / "still.glb")
+    )
+    assert "animations" not in document
+
+
+def test_vertices_of_no_face_have_a_normal_of_unit_length(tmp_path: Path):
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
+    vertices = np.concatenate([ball.vertices, [[0.0, 0.0, 0.0]]])
+    body = BodyTrack("ball", vertices, ball.faces, None, np.eye(4)[None])
+    path = Recording(0.1, (body,), ContactTrack.empty(1)).save_gltf(tmp_path / "ball.glb")
+    document, binary = read_glb(path)
+    attributes = document["meshes"][0]["primitives"][0]["attributes"]
+    normals = values_of(document, binary, attributes["NORMAL"])
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-6)

@@ -1,0 +1,76 @@
+"""Plots of a live view, without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from voxshell.simulation.live_frame import LiveFrame
+from voxshell.viewer.live_plots import LivePlots
+from voxshell.viewer.server import silent_server
+
+
+@pytest.fixture
+def plots() -> Iterator[LivePlots]:
+    with silent_server() as server:
+        yield LivePlots(server.gui)
+
+
+def at(
+    time: float, *, kinetic: float = 0.0, potential: float = 0.0, depths: tuple[float, ...] = ()
+) -> LiveFrame:
+    """A frame without bodies."""
+    poses, vectors = np.zeros((0, 4, 4)), np.zeros((len(depths), 3))
+    return LiveFrame(
+        time, (), poses, vectors, vectors, np.array(depths), vectors, kinetic, potential
+    )
+
+
+def columns_of(plot: Any) -> list[list[float]]:
+    return [np.asarray(column).tolist() for column in plot.data]
+
+
+def test_plots_show_energies_from_the_first_height_contacts_and_the_deepest_in_mm(plots: LivePlots):
+    plots.add(at(0.0, kinetic=0.0, potential=50.0))
+    plots.add(at(0.5, kinetic=2.0, potential=48.5, depths=(0.002, -0.001, 0.003)))
+    plots.show()
+    assert columns_of(plots._energy) == [[0.0, 0.5], [0.0, 2.0], [0.0, -1.5], [0.0, 0.5]]
+    assert columns_of(plots._count) == [[0.0, 0.5], [0.0, 3.0]]
+    assert columns_of(plots._depth) == [[0.0, 0.5], [0.0, 3.0]]
+
+
+def test_a_single_frame_is_no_line(plots: LivePlots):
+    before = columns_of(plots._count)
+    plots.show()
+    plots.add(at(1.0, depths=(0.001,)))
+    plots.show()
+    assert columns_of(plots._count) == before
+
+
+def test_a_frame_at_the_same_time_replaces_the_one_before(plots: LivePlots):
+    plots.add(at(0.0))
+    plots.add(at(0.1, depths=(0.001,)))
+    plots.add(at(0.1))
+    plots.show()
+    assert columns_of(plots._count) == [[0.0, 0.1], [0.0, 0.0]]
+
+
+def test_a_world_that_went_back_in_time_begins_anew(plots: LivePlots):
+    for time in (0.0, 0.1, 0.2):
+        plots.add(at(time, potential=7.0))
+    plots.add(at(0.1, potential=3.0))
+    plots.add(at(0.3, potential=5.0))
+    plots.show()
+    assert columns_of(plots._energy)[0] == [0.1, 0.3]
+    assert columns_of(plots._energy)[2] == [0.0, 2.0]
+
+
+def test_the_oldest_frames_are_left_out(plots: LivePlots):
+    for number in range(700):
+        plots.add(at(0.1 * number))
+    plots.show()
+    times = columns_of(plots._energy)[0]
+    assert len(times) == 600
+    assert times[-1] == pytest.approx(69.9)

@@ -1,0 +1,57 @@
+"""Recordings as Universal Scene Description, read back by its own library.
+
+That library is not among the packages that ``./dev`` installs. Tests that need it are skipped without it; install it
+with ``pip install usd-core``.
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import voxshell as vx
+from recorded_fall import FRAMES, TIME_STEP, turn_and_fall
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
+def test_usd_reads_what_was_recorded(tmp_path: Path, suffix: str):
+    pytest.importorskip("pxr", reason="needs usd-core")
+    usd, geometry = (importlib.import_module(f"pxr.{name}") for name in ("Usd", "UsdGeom"))
+    recording = turn_and_fall()
+    stage = usd.Stage.Open(str(recording.save_usd(tmp_path / f"fall{suffix}")))
+    assert geometry.GetStageUpAxis(stage) == "Z"
+    assert geometry.GetStageMetersPerUnit(stage) == 1.0
+    assert stage.GetTimeCodesPerSecond() == pytest.approx(1.0 / TIME_STEP)
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0.0, FRAMES - 1.0)
+    meshes = [prim for prim in stage.Traverse() if prim.IsA(geometry.Mesh)]
+    assert len(meshes) == 3
+    for prim, body in zip(meshes, recording.bodies, strict=True):
+        mesh = geometry.Mesh(prim)
+        assert np.array(mesh.GetPointsAttr().Get()) == pytest.approx(body.vertices, abs=1e-6)
+        assert len(mesh.GetFaceVertexCountsAttr().Get()) == len(body.faces)
+        for frame in (0, 20, FRAMES - 1):
+            # USD's matrices are for rows of points.
+            matrix = np.array(mesh.ComputeLocalToWorldTransform(frame)).T
+            assert matrix == pytest.approx(body.poses[frame], abs=1e-6)
+    assert (suffix == ".usda") == (tmp_path / f"fall{suffix}").read_bytes().startswith(b"#usda")
+
+
+def test_usd_knows_two_axes(tmp_path: Path):
+    with pytest.raises(vx.SettingsError, match=r"up is '\+z' or '\+y', not '\+x'"):
+        turn_and_fall().save_usd(tmp_path / "fall.usda", up="+x")
+
+
+def test_without_usd_core_an_error_says_what_to_install(tmp_path: Path, monkeypatch):
+    find = importlib.import_module
+
+    def fail(asked: str):
+        if asked == "pxr.Gf":
+            raise ImportError(f"No module named {asked!r}")
+        return find("json") if asked.startswith("pxr") else find(asked)
+
+    monkeypatch.setattr("voxshell.viewer.usd.import_module", fail)
+    with pytest.raises(vx.MissingExtraError, match=r"pip install 'voxshell\[usd\]'"):
+        turn_and_fall().save_usd(tmp_path / "fall.usda")
+    assert list(tmp_path.iterdir()) == []

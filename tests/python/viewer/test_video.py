@@ -1,0 +1,80 @@
+"""Recordings as videos, read back picture by picture.
+
+Tests that draw are skipped without PyVista and imageio, which ``./dev`` does not install; install them with
+``pip install imageio imageio-ffmpeg pyvista``.
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import voxshell as vx
+from recorded_fall import turn_and_fall
+
+
+# imageio leaves the pipes to ffmpeg to the garbage collector.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("suffix", [".mp4", ".gif"])
+def test_a_video_shows_the_ball_going_right_and_its_contacts(tmp_path: Path, suffix: str):
+    for name in ("pyvista", "imageio", "imageio_ffmpeg"):
+        pytest.importorskip(name, reason="needs pyvista, imageio and imageio-ffmpeg")
+    imageio = importlib.import_module("imageio.v2")
+    path = turn_and_fall().save_video(
+        tmp_path / f"fall{suffix}", size=(320, 200), frames_per_second=10, title="fall"
+    )
+    with imageio.get_reader(path) as reader:
+        pictures = np.array([picture[..., :3] for picture in reader], dtype=np.int64)
+        pause = reader.get_meta_data()["duration"] / (len(pictures) if suffix == ".mp4" else 1000)
+    assert pictures.shape == (11, 200, 320, 3)
+    assert pause == pytest.approx(0.1, abs=0.005)
+    red = (pictures[..., 0] > 130) & (pictures[..., 1:].max(axis=-1) < 90)
+    columns = [np.median(np.nonzero(each)[1]) for each in red]
+    assert red.sum(axis=(1, 2)).min() > 30
+    assert columns[-1] > columns[0] + 30
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_video_of_an_odd_size_is_refused(tmp_path: Path):
+    with pytest.raises(
+        vx.SettingsError, match="two even numbers of pixels, not 321 x 200; try 322 x 200"
+    ):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", size=(321, 200))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"size": (640, 360, 3)}, r"size must be \(width, height\) in pixels"),
+        ({"size": (32, 64)}, "size must be from 64 to 7680"),
+        ({"speed": 0.0}, "speed must be above 0"),
+        ({"frames_per_second": -1.0}, "frames_per_second must be above 0"),
+    ],
+)
+def test_bad_options_are_refused_before_any_library_is_asked_for(
+    tmp_path: Path, monkeypatch, options: dict, message: str
+):
+    monkeypatch.setattr("voxshell.viewer.video.import_module", lambda _: pytest.fail("imported"))
+    with pytest.raises(vx.VoxshellError, match=message):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", **options)
+
+
+@pytest.mark.parametrize(
+    ("name", "missing"), [("fall.mp4", "imageio_ffmpeg"), ("fall.gif", "pyvista")]
+)
+def test_without_a_library_an_error_says_what_to_install(
+    tmp_path: Path, monkeypatch, name: str, missing: str
+):
+    find = importlib.import_module
+
+    def fail(asked: str):
+        if asked == missing:
+            raise ImportError(f"No module named {missing!r}")
+        return find("json") if asked.startswith(("imageio", "pyvista")) else find(asked)
+
+    monkeypatch.setattr("voxshell.viewer.video.import_module", fail)
+    with pytest.raises(vx.MissingExtraError, match=r"pip install 'voxshell\[video\]'"):
+        turn_and_fall().save_video(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
