@@ -36,7 +36,7 @@ class LivePlots:
         self._depth = _add_plot(gui, "deepest contact, mm", {"depth": "#d97706"})
 
     def add(self, frame: LiveFrame) -> None:
-        """Takes down a frame. A world that went back in time begins anew."""
+        """Takes down a frame. A world that went back in time starts over."""
         if self._rows and frame.time < self._rows[-1][0]:
             self._rows.clear()
             self._ground = None

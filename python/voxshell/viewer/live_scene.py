@@ -50,7 +50,7 @@ _GROUND_SIDE = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """What there is to see, in metres.
+    """What there is to see, in meters.
 
     Args:
         low: (3,) lowest corner of a box around it, world frame.
@@ -101,7 +101,7 @@ class LiveScene:
         self._deepest = 0.0
         self._opacity: float | None = _OPACITY
         self.scale: float = 1.0
-        """Display units in a metre."""
+        """Display units in a meter."""
         self.weight: float = 0.0
         """Newtons, of a typical dynamic body in standard gravity."""
         self.extent: Extent | None = None
@@ -109,7 +109,7 @@ class LiveScene:
 
     @property
     def deepest(self) -> float:
-        """Metres, of the darkest colour: the deepest contact so far, rounded up; not less than what can be seen."""
+        """Meters, of the darkest color: the deepest contact so far, rounded up; not less than what can be seen."""
         if self._deepest == 0.0 or self.extent is None:
             return 0.0
         return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))
@@ -124,7 +124,7 @@ class LiveScene:
 
         Args:
             frame: Of the world.
-            lines: (k, 2, 3) metres, world frame: springs that pull.
+            lines: (k, 2, 3) meters, world frame: springs that pull.
         """
         if self.extent is None:
             self._begin(frame)
@@ -172,7 +172,7 @@ class LiveScene:
         return Extent(low, high, typical)
 
     def mesh(self, body: Body) -> Mesh:
-        """The surface of a body in its own frame, metres; made once a shape."""
+        """The surface of a body in its own frame, meters; made once a shape."""
         key = id(body.shape)
         if key not in self._meshes:
             self._meshes[key] = (body.shape, mesh_of(body.shape))  # the shape keeps its id
@@ -294,7 +294,7 @@ class LiveScene:
 
     @property
     def cell(self) -> float:
-        """Metres between the lines of a ground's grid."""
+        """Meters between the lines of a ground's grid."""
         assert self.extent is not None
         return nice_length(0.1 * float(np.linalg.norm(self.extent.high - self.extent.low)))
 
@@ -374,7 +374,7 @@ class LiveScene:
 def _foot(
     plane: Plane, pose: NDArray[np.float64], point: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The place of a plane nearest to a point, (3,) metres, world frame."""
+    """The place of a plane nearest to a point, (3,) meters, world frame."""
     normal = pose[:3, :3] @ plane.normal
     height = normal @ (point - pose[:3, 3]) - plane.offset
     return point - height * normal
