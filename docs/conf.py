@@ -41,6 +41,8 @@ python_use_unqualified_type_names = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+# Texts of attributes give shapes and types; an annotation such as np.bool_ would read as a link.
+napoleon_attr_annotations = False
 
 
 def hide_made_elsewhere(app, what, name, obj, options, signature, annotation):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -46,23 +46,36 @@ HEADER_ONLY: dict[str, str] = {
 
 PYTHON_PACKAGES = {"voxshell": "python/voxshell", "voxshell_studies": "studies/voxshell_studies"}
 
-# Part of the Python packages -> the parts that it may import, itself apart. "api" is every module
-# of voxshell that is in no other part; "bindings" are the compiled modules; "studies" is the second
+# Room of voxshell, a folder -> the rooms that it may import, itself apart. "bindings" are the compiled
+# modules, "front" is voxshell/__init__.py, which collects the public names; "studies" is the second
 # package, which the first must work without.
+_PHYSICS = {"base", "model", "query", "recording", "simulation"}
 PYTHON_MAY_IMPORT: dict[str, set[str]] = {
-    "api": {"bindings"},
-    "viewer": {"api"},
-    "scenes": {"api"},
-    "measuring": {"api"},
-    "cli": {"api", "viewer", "scenes", "measuring"},
-    "studies": {"api", "viewer", "scenes", "measuring", "cli"},
+    "base": set(),
+    "model": {"base", "bindings"},
+    "query": {"base", "model", "bindings"},
+    "recording": {"base"},
+    "simulation": {"base", "model", "query", "recording", "bindings"},
+    "urdf": {"base", "model", "simulation"},
+    "front": {*_PHYSICS, "urdf", "bindings"},
+    "viewer": _PHYSICS,
+    "scenes": _PHYSICS,
+    "measuring": {*_PHYSICS, "front"},
+    "cli": {*_PHYSICS, "front", "viewer", "scenes", "measuring"},
+    "studies": {*_PHYSICS, "urdf", "front", "viewer", "scenes", "measuring", "cli"},
 }
+PYTHON_FOLDERS = PYTHON_MAY_IMPORT.keys() - {"front", "studies"}
 PYTHON_BINDINGS = {"_core", "_bullet", "_hacd"}
+# Modules that are in no folder: users and the bindings import them by these names.
+PYTHON_ALONE = {"errors": "base", "testing": "query"}
 
-# (module file, part): imports against the direction that are allowed inside a function.
+# (module file, room): imports against the direction that are allowed inside a function.
 PYTHON_LAZY_IMPORTS: dict[tuple[str, str], str] = {
-    ("recording.py", "viewer"): "save_html writes the page, and only a caller who wants one pays",
-    ("world.py", "viewer"): "view opens the page, and only a caller who wants one pays",
+    ("recording/recording.py", "viewer"): "save_html: only a caller who wants a page pays for it",
+    (
+        "simulation/world_view.py",
+        "viewer",
+    ): "view opens the page, and only a caller who wants one pays",
 }
 
 # Where Bullet's names may appear: its adapter, the bindings, and what tests, shows or measures it.
@@ -270,15 +283,24 @@ class Import:
 
 def check_python(root: Path) -> Iterator[Violation]:
     """Violations in the Python packages."""
+    for path in _python_files(root, "voxshell"):
+        first = path.relative_to(root / PYTHON_PACKAGES["voxshell"]).parts[0]
+        if first.removesuffix(".py") not in {"__init__", *PYTHON_FOLDERS, *PYTHON_ALONE}:
+            yield Violation(
+                path.relative_to(root).as_posix(),
+                1,
+                "is in no room",
+                f"the folders of {PYTHON_PACKAGES['voxshell']} are {_listed(PYTHON_FOLDERS)}",
+            )
     for each in _all_imports(root):
-        part, imported = _python_part(each.importer), _python_part(each.module)
-        if imported == part or imported in PYTHON_MAY_IMPORT[part] or each.excepted:
+        room, imported = _python_room(each.importer), _python_room(each.module)
+        if imported == room or imported in PYTHON_MAY_IMPORT[room] or each.excepted:
             continue
         yield Violation(
             each.path,
             each.line,
-            f"{part} imports {'.'.join(each.module)}, which belongs to {imported}",
-            f"{part} may import {_listed(PYTHON_MAY_IMPORT[part])}",
+            f"{room} imports {'.'.join(each.module)}, which belongs to {imported}",
+            f"{room} may import {_listed(PYTHON_MAY_IMPORT[room])}",
         )
 
 
@@ -303,10 +325,14 @@ def check_circles(root: Path) -> Iterator[Violation]:
         yield Violation(first.path, first.line, f"circle of imports: {ring}", "none may be")
 
 
+def _python_files(root: Path, package: str) -> list[Path]:
+    return sorted((root / PYTHON_PACKAGES[package]).rglob("*.py"))
+
+
 def _all_imports(root: Path) -> Iterator[Import]:
     for name, folder in PYTHON_PACKAGES.items():
         package = root / folder
-        for path in sorted(package.rglob("*.py")):
+        for path in _python_files(root, name):
             inner = path.relative_to(package)
             tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
             for line, module, lazy in _python_imports(tree, (name, *inner.parent.parts)):
@@ -315,18 +341,20 @@ def _all_imports(root: Path) -> Iterator[Import]:
                     line,
                     (name, *inner.with_suffix("").parts),
                     module,
-                    lazy and (inner.as_posix(), _python_part(module)) in PYTHON_LAZY_IMPORTS,
+                    lazy and (inner.as_posix(), _python_room(module)) in PYTHON_LAZY_IMPORTS,
                 )
 
 
-def _python_part(module: tuple[str, ...]) -> str:
-    """The part that a module of one of the packages belongs to."""
+def _python_room(module: tuple[str, ...]) -> str:
+    """The room that a module of one of the packages belongs to."""
     package, first = module[0], module[1] if len(module) > 1 else ""
     if package == "voxshell_studies":
         return "studies"
     if first in PYTHON_BINDINGS:
         return "bindings"
-    return first if first in PYTHON_MAY_IMPORT else "api"
+    if first in PYTHON_ALONE:
+        return PYTHON_ALONE[first]
+    return first if first in PYTHON_FOLDERS else "front"
 
 
 def _python_imports(
@@ -359,7 +387,7 @@ def _python_imports(
 # ---- output --------------------------------------------------------------------------------------
 
 
-def _listed(names: set[str]) -> str:
+def _listed(names: Set[str]) -> str:
     return ", ".join(sorted(names)) if names else "no other"
 
 

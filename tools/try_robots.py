@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Loads every robot below some folders, and writes a table of what became of each.
+"""Loads every robot in some folders, and writes a table of the results.
 
 usage: tools/try_robots.py [--mesh-as model] [--steps N] [--write PAGE] FOLDER...
 
-Each FOLDER is searched for URDF files. One that `pip install --target FOLDER` has filled names the
-package of each file and its version; elsewhere the first folder below FOLDER does. A robot that loads
-then moves freely for some steps, so that one that diverges is found. Prints a line for each file, and
-exits 1 if a file is neither loaded nor refused with an error of voxshell's.
+The program searches each FOLDER for URDF files. If `pip install --target FOLDER` filled the folder, the
+table names the package and version of each file; otherwise it names the first subfolder. A robot that
+loads then moves freely for some steps, which finds robots that diverge. The program prints a line for
+each file, and exits with 1 if a file neither loads nor is refused with a voxshell error.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ TIME_LIMIT = 600.0
 """Seconds for one batch of files."""
 
 BATCH = 20
-"""Files that one process loads, one after the other: starting a process takes as long as a robot."""
+"""Number of files that one process loads in turn: starting a process takes as long as loading a robot."""
 
 MANY = 100
-"""Files in folders side by side that share a row of the table if all of them load."""
+"""From this number on, files in sibling folders share a row of the table if all of them load."""
 
 HEAD = """# Robots
 
-`vx.load_urdf` was tried on every URDF file of the packages below. A robot that loads then moves freely for
-{steps} steps. Some files leave out masses, inertias or limits: they load with a `RobotWarning`, which says
-what was taken instead. The reason of a refusal is the text of the error. Meshes were loaded {kind}. These
-commands make the page again:
+This page lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely
+for {steps} steps. Some files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that
+voxshell used instead. The last column quotes the error of a refused file. The meshes were loaded {kind}. These
+commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}
@@ -51,7 +51,7 @@ pip install --no-deps --target robots {packages}
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a file.
+    """The result for a file.
 
     Attributes:
         result: "loads", "refused", or "fails" if the error is not voxshell's or the process dies.
@@ -91,7 +91,7 @@ def try_robot(path: str, mesh_as: Literal["model", "hull"], steps: int) -> Outco
 
 
 def try_apart(paths: list[Path], mesh_as: str, steps: int) -> list[Outcome]:
-    """The same of several files in other processes; one that dies costs the file that killed it."""
+    """Loads several files in other processes; a process that dies fails only the file that killed it."""
     outcomes: list[Outcome] = []
     while len(outcomes) < len(paths):
         command = [sys.executable, __file__, "--batch", "--mesh-as", mesh_as, "--steps", str(steps)]

@@ -201,6 +201,9 @@ inline constexpr double kSameOfRadius = 0.01;
 /// A contact that has moved by at most this fraction of the smaller body's radius in a step is the
 /// same one. Smaller: impulses are lost and found again as bodies roll.
 inline constexpr double kFollowedOfRadius = 0.1;
+/// What slid to nothing is not slid again until the bodies have moved by this fraction of the
+/// smaller body's radius. Larger: bodies that creep feel samples.
+inline constexpr double kFailsAgainOfRadius = 0.001;
 /// How much farther than its depth a contact may be from the place of a round surface that it is
 /// said to be nearest to: far from surfaces, grids' distances are rough.
 inline constexpr double kNearestWithin = 1.25;

@@ -33,8 +33,11 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   bool touches = false;
   bool touches_from_above = false;
   // What is kept may overwrite the contact that is looked at.
-  const auto keep = [&](const Contact& found, const Contact& judged) {
+  const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
+    if (step.looks_ahead() && !is_contact(step, impact_of(step, found))) {
+      allow_motion_without_forces(step, features, found, judged);
+    }
     contacts[beside.size() - 1] = judged;
   };
   const auto touch = [&](const Contact& found, const Contact& judged) {
@@ -60,12 +63,13 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
       if (closing >= impact.gap) {
         if (!is_followed) {
           touch(contact, contact);
-        } else if (const auto speculative = find_speculative(step, features, contact, 1.0)) {
+        } else if (const auto speculative =
+                       find_speculative(step, step.motion, features, contact, 1.0)) {
           touch(contact, stays_exact(contact, *speculative) ? contact : *speculative);
         }
       } else if (is_followed && kCcdReach * closing >= impact.gap) {
         const Contact reached =
-            find_speculative(step, features, contact, kCcdReach).value_or(contact);
+            find_speculative(step, step.motion, features, contact, kCcdReach).value_or(contact);
         keep(contact, stays_exact(contact, reached) ? contact : reached);
       } else {
         keep(contact, contact);

@@ -10,17 +10,18 @@
 namespace voxshell::bullet {
 
 void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& model,
-                               std::optional<RoundSide> round, const Pose& field_from_shell,
+                               const Side& other, const Pose& field_from_shell,
                                const TouchScale& scale, const Turning& turning) {
   const bool forgets = before_ != &model;
   on_edges_.begin(forgets);
   on_faces_.begin(forgets);
   before_ = &model;
-  round_ = round;
   last_.reset();
   // Uniform models round their edges off.
-  if (model.settings().tolerance == 0.0) round_.reset();
+  round_ = model.settings().tolerance > 0.0 ? RoundSide::of(other) : std::nullopt;
   if (!round_) return;
+  failed_.begin(contacts, field_from_shell, scale.radius, forgets);
+  field_ = SmoothField(other);
   shell_ = &model;
   field_from_shell_ = field_from_shell;
   shell_from_field_ = field_from_shell.inverse();
@@ -43,6 +44,7 @@ bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   if (surface.is_curved() && !surface.is_flat(surface.triangle_of(contact.id))) return true;
   const auto point = static_cast<Vec3>(contact.point);
   const auto outwards = static_cast<Vec3>(shell.normal_of(contact.id));
+  if (failed_.fails_again(contact.id)) return true;
   std::optional<Touch> touch;
   if (!shell.is_point(contact.id)) {
     const auto index = contact.id - static_cast<std::uint32_t>(shell.size());
@@ -51,7 +53,10 @@ bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   } else {
     touch = on_face(round, point, outwards);
   }
-  if (!touch) return true;
+  if (!touch) {
+    failed_.add(contact.id);
+    return true;
+  }
   // Points come first: those at an edge leave no second contact there.
   if (on_edges_.find(touch->position, same_within_) != nullptr ||
       on_faces_.find(touch->position, same_within_) != nullptr) {
@@ -68,6 +73,7 @@ bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
 /// Neighbors in a list are neighbors in space.
 std::optional<RoundSide::Place> RoundFieldContacts::nearest_on(const RoundSide& round,
                                                                const Vec3& place) {
+  if (field_.is_smooth()) return field_.nearest(place);
   const auto found = round.nearest(place, last_ ? &*last_ : nullptr);
   if (found) last_ = found;
   return found;

@@ -5,11 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "failed_slides.h"
 #include "flat_elements.h"
 #include "pair_step.h"
 #include "places_at_rest.h"
 #include "round_side.h"
 #include "shape_features.h"
+#include "smooth_field.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model.h"
 
@@ -21,11 +23,11 @@ namespace voxshell::bullet {
 class RoundFieldContacts {
  public:
   /// @param contacts          Of `model`'s shell in the field, ascending by id; changed.
-  /// @param round             The field's body; none where no part of it is round.
+  /// @param other             The field's body, round or not; outlives the step.
   /// @param field_from_shell  Pose of the shell's frame in the field's.
   /// @param turning           Of the shell's body: samples that may touch, once it has turned,
   /// before the place that they slide to does, stay where they are, also in drop_covered().
-  void slide(std::vector<Contact>& contacts, const Model& model, std::optional<RoundSide> round,
+  void slide(std::vector<Contact>& contacts, const Model& model, const Side& other,
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
 
   /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same
@@ -64,6 +66,7 @@ class RoundFieldContacts {
                   const Vec3& outwards, const RoundSide::Place& on_round) const;
 
   std::optional<RoundSide> round_;
+  SmoothField field_;                     ///< of models, whose nearest places it finds fast
   std::optional<RoundSide::Place> last_;  ///< makes the search for the next one short
   const Model* shell_ = nullptr;
   Pose field_from_shell_;
@@ -74,6 +77,7 @@ class RoundFieldContacts {
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
   const void* before_ = nullptr;  ///< of which shell the places of the step before are
+  FailedSlides failed_;
   PlacesAtRest<Touch> on_edges_;
   PlacesAtRest<Touch> on_faces_;
 };

@@ -25,14 +25,29 @@ void SmoothField::start_from(std::uint32_t triangle) {
   before_ = RoundSide::Place{surface.position(middle), surface.normal(middle), middle};
 }
 
-/// None beyond the end of a round part, whose edge is nearest.
-std::optional<SmoothField::Value> SmoothField::value_at(const Vec3& place,
-                                                        const RoundSide::Place& nearest) const {
+/// What the field says beyond the end of a round part, whose edge is nearest, is true.
+SmoothField::Value SmoothField::value_at(const Vec3& place, const RoundSide::Place& nearest,
+                                         const Value& of_field) const {
   const Vec3 apart = place - nearest.position;
   const double distance = dot(apart, nearest.normal);
   const double aside = length(apart - distance * nearest.normal);
-  if (aside > tolerance_ + kAsideOfDistance * std::abs(distance)) return std::nullopt;
-  return Value{distance, nearest.normal};
+  if (aside > tolerance_ + kAsideOfDistance * std::abs(distance)) return of_field;
+  return {distance, nearest.normal};
+}
+
+/// By way of the surface; none where what is near so is not what is nearest.
+std::optional<SmoothField::Value> SmoothField::walk_from(const RoundSide::Place& start,
+                                                         const Vec3& place,
+                                                         const Value& of_field) {
+  const auto near = round_->nearest_from(start, place);
+  if (!near) return std::nullopt;
+  const double distance = std::abs(of_field.distance);
+  const double within = walk_within_ + kFarFieldError * distance;
+  if (std::abs(length(place - near->position) - distance) > within) return std::nullopt;
+  const Value found = value_at(place, *near, of_field);
+  if (std::abs(found.distance - of_field.distance) > within) return std::nullopt;
+  before_ = near;
+  return found;
 }
 
 SmoothField::Value SmoothField::at(const Vec3& place) {
@@ -44,24 +59,29 @@ SmoothField::Value SmoothField::at(const Vec3& place) {
       },
       *field_);
   if (!round_ || value.distance < -deepest_) return value;
-  // What is near on the way along the surface need not be what is nearest.
-  const auto walk_from = [&](const RoundSide::Place& start) -> std::optional<Value> {
-    const auto near = round_->nearest_from(start, place);
-    if (!near) return std::nullopt;
-    const auto found = value_at(place, *near);
-    const double within = walk_within_ + kFarFieldError * std::abs(value.distance);
-    if (!found || std::abs(found->distance - value.distance) > within) return std::nullopt;
-    before_ = near;
-    return found;
-  };
   if (before_) {
-    if (const auto found = walk_from(*before_)) return *found;
+    if (const auto found = walk_from(*before_, place, value)) return *found;
   }
   const auto below =
       round_->nearest(place - value.distance * value.outwards, before_ ? &*before_ : nullptr);
   if (!below) return value;
   before_ = below;
-  return walk_from(*below).value_or(value);
+  return walk_from(*below, place, value).value_or(value);
+}
+
+std::optional<RoundSide::Place> SmoothField::nearest(const Vec3& place) {
+  if (!round_) return std::nullopt;
+  if (before_) {
+    const double distance = std::visit(
+        [&](const auto& field) {
+          return static_cast<double>(field.distance(static_cast<Vec3f>(place)));
+        },
+        *field_);
+    if (walk_from(*before_, place, {distance, {}})) return before_;
+  }
+  const auto found = round_->nearest(place, before_ ? &*before_ : nullptr);
+  if (found) before_ = found;
+  return found;
 }
 
 }  // namespace voxshell::bullet

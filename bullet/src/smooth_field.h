@@ -34,8 +34,14 @@ class SmoothField {
   /// At places near the surface. Fast where the place before was near.
   Value at(const Vec3& place);
 
+  /// The place of the smooth surface that is nearest to one; none where it is flat, or where the
+  /// field has none. Fast where the place before was near.
+  std::optional<RoundSide::Place> nearest(const Vec3& place);
+
  private:
-  std::optional<Value> value_at(const Vec3& place, const RoundSide::Place& nearest) const;
+  Value value_at(const Vec3& place, const RoundSide::Place& nearest, const Value& of_field) const;
+  std::optional<Value> walk_from(const RoundSide::Place& start, const Vec3& place,
+                                 const Value& of_field);
 
   const Field* field_ = nullptr;
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets

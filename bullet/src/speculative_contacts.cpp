@@ -88,12 +88,13 @@ std::optional<ShellPoint> shell_point_of(const Side& side, std::uint32_t id, con
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
-std::optional<Contact> find_in_shell_body(const PairStep& step, const Feature& feature,
-                                          std::uint32_t id, double steps, const ShellPoint* point) {
+std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMotion& motion,
+                                          const Feature& feature, std::uint32_t id, double steps,
+                                          const ShellPoint* point) {
   const PosedPair& pair = *step.pair;
   const GridField& field = pair.shell_side().model()->grid();
   const Vec3 displacement =
-      -step.time_step * (step.motion.velocity_at(feature.place) + step.motion.velocity_of_forces);
+      -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_forces);
   const auto touch = find_touch(step, field, feature.place, displacement, steps,
                                 feature.radius + step.thickness, point);
   if (!touch) return std::nullopt;
@@ -116,12 +117,13 @@ bool is_between_walls(const GridField& field, const Feature& ball, const Contact
 
 }  // namespace
 
-std::optional<Contact> find_speculative(const PairStep& step, std::span<const Feature> features,
-                                        const Contact& contact, double steps) {
+std::optional<Contact> find_speculative(const PairStep& step, const RelativeMotion& motion,
+                                        std::span<const Feature> features, const Contact& contact,
+                                        double steps) {
   const PosedPair& pair = *step.pair;
   if (contact.id >= kFirstFeature) {
     const Feature& feature = features[contact.id - kFirstFeature];
-    const auto touch = find_in_shell_body(step, feature, contact.id, steps, nullptr);
+    const auto touch = find_in_shell_body(step, motion, feature, contact.id, steps, nullptr);
     const bool is_ball = feature.radius > 0.0;
     if (touch && is_ball && is_between_walls(pair.shell_side().model()->grid(), feature, *touch)) {
       return contact;
@@ -134,11 +136,12 @@ std::optional<Contact> find_speculative(const PairStep& step, std::span<const Fe
     const auto point =
         shell_point_of(pair.field_side(), id, step.field_from_shell.transform_point(place),
                        step.field_from_shell.inverse());
-    return find_in_shell_body(step, {place, 0.0}, contact.id, steps, point ? &*point : nullptr);
+    return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps,
+                              point ? &*point : nullptr);
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
-      step.time_step * (step.motion.velocity_at(point) + step.motion.velocity_of_forces));
+      step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
   const Vec3 start = step.field_from_shell.transform_point(point);
   const auto element = shell_point_of(pair.shell_side(), contact.id, point, step.field_from_shell);
   const auto touch = std::visit(
@@ -156,6 +159,21 @@ std::optional<Contact> find_speculative(const PairStep& step, std::span<const Fe
     put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
   }
   return touching;
+}
+
+void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,
+                                 const Contact& found, Contact& plane) {
+  if (step.pair->has_triangles()) return;
+  const Impact impact = impact_of(step, plane);
+  const double closing = impact.approach * step.time_step;
+  if (closing <= impact.gap) return;
+  RelativeMotion motion = step.motion;
+  motion.velocity_of_forces = {};
+  if (find_speculative(step, motion, features, found, 1.0)) return;
+  const Vec3 on_field = step.field_from_shell.transform_point(
+      static_cast<Vec3>(plane.point) + plane.depth * static_cast<Vec3>(plane.normal));
+  plane.depth = static_cast<float>(-closing - step.thickness);
+  if (is_shell_larger(step)) put_on_field(step, on_field, plane);
 }
 
 void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {

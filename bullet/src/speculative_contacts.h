@@ -17,10 +17,20 @@ namespace voxshell::bullet {
 /// touches. The result has the gap that is left to the point now and the normal of the place that
 /// it will reach; none where it touches nothing. Not for triangles.
 ///
-/// @param steps     For how long it is followed.
+/// @param motion    Of the shell as the field sees it, in the shell's frame.
 /// @param features  Those that the ids of contacts from kFirstFeature on count.
-std::optional<Contact> find_speculative(const PairStep& step, std::span<const Feature> features,
-                                        const Contact& contact, double steps);
+/// @param steps     For how long it is followed.
+std::optional<Contact> find_speculative(const PairStep& step, const RelativeMotion& motion,
+                                        std::span<const Feature> features, const Contact& contact,
+                                        double steps);
+
+/// Widens the gap of a plane that a contact is taken for, so that it does not stop the motion that
+/// the bodies have without forces where nothing is in the way of that: what something else carries
+/// does not fall, and may pass below a bar whose nearest place, as seen from here, is aslant.
+///
+/// @param found  The contact where it is now.
+void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,
+                                 const Contact& found, Contact& plane);
 
 /// Moves contacts that were looked for after a fraction of the step to where they are at its start,
 /// and drops those that overlap there.

@@ -28,11 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
-from voxshell.accuracy import Accuracy, AccuracyWarning, ErrorStatistic
-from voxshell.batch import ContactBatch, collide_batch, contacts_batch
-from voxshell.cache import CacheWarning
-from voxshell.contact_bounds import ContactBounds, contact_bounds
-from voxshell.contact_set import Contacts
+from voxshell.base.poses import pose
 from voxshell.errors import (
     FileAccessError,
     InputTypeError,
@@ -47,62 +43,71 @@ from voxshell.errors import (
     SimulationError,
     VoxshellError,
 )
-from voxshell.field import DistanceField, Field
-from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh, MeshWarning
-from voxshell.model import Model
-from voxshell.poses import pose
-from voxshell.queries import (
+from voxshell.model import (
+    Accuracy,
+    AccuracyWarning,
+    Box,
+    CacheWarning,
+    Capsule,
+    Cone,
+    ConvexPolyhedron,
+    Cylinder,
+    DistanceField,
+    ErrorStatistic,
+    Field,
+    MassProperties,
+    Mesh,
+    MeshWarning,
+    Model,
+    Plane,
+    PointShell,
+    PointSphereTree,
+    Sphere,
+)
+from voxshell.query import (
+    ContactBatch,
+    ContactBounds,
+    Contacts,
     Distance,
+    QueryScratch,
+    Sweep,
+    SweepBatch,
     Wrench,
     collide,
+    collide_batch,
+    contact_bounds,
     contacts,
+    contacts_batch,
     deepest_per_segment,
     distance,
+    interpolate_pose,
     manifold,
+    sweep,
+    sweep_batch,
     wrench,
 )
-from voxshell.query_scratch import QueryScratch
-from voxshell.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Plane, Sphere
-from voxshell.shell import PointShell, PointSphereTree
-from voxshell.sweeps import Sweep, SweepBatch, interpolate_pose, sweep, sweep_batch
+from voxshell.recording import Recording
 
 if TYPE_CHECKING:
-    from voxshell.body import Body
-    from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
-    from voxshell.compound import Compound
-    from voxshell.joints import (
+    from voxshell.simulation import (
+        Body,
+        Compound,
+        ConvexDecomposition,
+        ConvexHull,
         FixedJoint,
+        GImpact,
         HingeJoint,
         Joint,
+        LiveView,
+        Material,
         PointJoint,
         Reaction,
+        Recorder,
         SliderJoint,
+        World,
+        WorldState,
     )
     from voxshell.urdf import Link, Robot, RobotWarning, load_urdf
-    from voxshell.world import World
-    from voxshell.world_state import WorldState
-
-# What needs Bullet; loaded when it is first asked for.
-_SIMULATION = {
-    "Body": "voxshell.body",
-    "Compound": "voxshell.compound",
-    "ConvexDecomposition": "voxshell.comparison_shapes",
-    "ConvexHull": "voxshell.comparison_shapes",
-    "FixedJoint": "voxshell.joints",
-    "GImpact": "voxshell.comparison_shapes",
-    "HingeJoint": "voxshell.joints",
-    "Joint": "voxshell.joints",
-    "Link": "voxshell.urdf",
-    "PointJoint": "voxshell.joints",
-    "Reaction": "voxshell.joints",
-    "Robot": "voxshell.urdf",
-    "RobotWarning": "voxshell.urdf",
-    "SliderJoint": "voxshell.joints",
-    "World": "voxshell.world",
-    "WorldState": "voxshell.world_state",
-    "load_urdf": "voxshell.urdf",
-}
 
 __all__ = [
     "Accuracy",
@@ -131,7 +136,9 @@ __all__ = [
     "InputTypeError",
     "Joint",
     "Link",
+    "LiveView",
     "MassProperties",
+    "Material",
     "MemoryLimitError",
     "Mesh",
     "MeshError",
@@ -146,6 +153,8 @@ __all__ = [
     "PoseError",
     "QueryScratch",
     "Reaction",
+    "Recorder",
+    "Recording",
     "RecordingError",
     "Robot",
     "RobotError",
@@ -180,11 +189,17 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _SIMULATION:
+    """Loads what needs Bullet, when it is first asked for."""
+    if name not in __all__:
         raise AttributeError(f"module 'voxshell' has no attribute {name!r}")
-    from importlib import import_module
+    from voxshell import simulation
 
-    value = getattr(import_module(_SIMULATION[name]), name)
+    if name in simulation.__all__:
+        value = getattr(simulation, name)
+    else:
+        from voxshell import urdf
+
+        value = getattr(urdf, name)
     globals()[name] = value
     return value
 

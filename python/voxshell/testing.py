@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from voxshell import _core, queries
+from voxshell import _core
+from voxshell.query import queries
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from voxshell.contact_set import Contacts
-    from voxshell.queries import Collidable, Shell
-    from voxshell.query_scratch import QueryScratch
+    from voxshell.query.contact_set import Contacts
+    from voxshell.query.pairs import Collidable, Shell
+    from voxshell.query.scratch import QueryScratch
 
 
 def contacts_flat(

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MissingExtraError
 from voxshell.measuring.poses import find_poses_between
-from voxshell.model import Model
+from voxshell.model.model import Model
 from voxshell.testing import contacts_flat
 
 from voxshell_studies.part import Part

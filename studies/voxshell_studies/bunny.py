@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer
-from voxshell.comparison_shapes import ConvexDecomposition
+from voxshell.base.arguments import as_integer
 from voxshell.measuring.timing import pinned
-from voxshell.meshes import Mesh, read_mesh
-from voxshell.model import Model
+from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.model.model import Model
+from voxshell.simulation.comparison_shapes import ConvexDecomposition
 
 from voxshell_studies.convex_parts import RECIPES, split
 from voxshell_studies.drop import FULL_OPERATION, DropRun, run_drop

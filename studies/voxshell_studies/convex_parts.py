@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, Literal
 from zipfile import BadZipFile
 
 import numpy as np
-from voxshell._outputs import make_folder, write_bytes
-from voxshell.cache import CacheWarning, find_folder, read_capacity
+from voxshell.base.outputs import make_folder, write_bytes
 from voxshell.errors import MeshError, MissingExtraError
-from voxshell.meshes import Mesh
-from voxshell.world import BULLET_VERSION
+from voxshell.model.cache import CacheWarning
+from voxshell.model.cache_place import find_folder, read_capacity
+from voxshell.model.meshes import Mesh
+from voxshell.simulation.world import BULLET_VERSION
 
 from voxshell_studies.scenes.solids import simplify
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from voxshell.measuring.timing import pinned
-from voxshell.model import Model
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.simulation.world import World
 
 from voxshell_studies.everyday_mujoco import import_mujoco
 from voxshell_studies.scenes.drop import decompose
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
-    from voxshell.body import Body
+    from voxshell.simulation.body import Body
 
     from voxshell_studies.part import Tables
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.accuracy import AccuracyWarning
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
+from voxshell.model.accuracy import AccuracyWarning
 
 from voxshell_studies.everyday_runs import is_installed, record_stage, run_stage
 from voxshell_studies.part import Part

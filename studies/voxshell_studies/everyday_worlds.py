@@ -7,23 +7,23 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull
-from voxshell.compound import Compound
 from voxshell.errors import SettingsError
-from voxshell.joints import HingeJoint, PointJoint, SliderJoint
-from voxshell.model import Model
-from voxshell.shapes import Box, Capsule, Cylinder, Plane, Sphere
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull
+from voxshell.simulation.compound import Compound
+from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.world import World
 
 from voxshell_studies.scenes.everyday.forms import matter, spheroid_points
 from voxshell_studies.scenes.everyday.scene import shift
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
-    from voxshell.body_shapes import Shape
-    from voxshell.compound import Part
-    from voxshell.joints import JointKind
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.body_shapes import Shape
+    from voxshell.simulation.compound import Part
+    from voxshell.simulation.joint_kinds import JointKind
 
     from voxshell_studies.scenes.everyday.scene import Engine, Form, Item, Piece, Stage
 

@@ -17,7 +17,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 _PAIRS_AT_ONCE = 2_000
 """Pairs of triangles that are compared without splitting the area further."""

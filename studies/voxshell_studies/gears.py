@@ -7,13 +7,13 @@ from functools import cache
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.comparison_shapes import ConvexDecomposition, GImpact
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
-from voxshell.joints import HingeJoint
-from voxshell.model import Model
-from voxshell.queries import distance
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.query.distances import distance
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
+from voxshell.simulation.joint_kinds import HingeJoint
+from voxshell.simulation.world import World
 
 from voxshell_studies.convex_parts import RECIPES, split
 from voxshell_studies.hull_tables import tabulate_hulls
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body_shapes import Shape
 
     from voxshell_studies.part import Columns, Tables
 

@@ -12,7 +12,8 @@ import re
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.queries import collide, contacts, distance
+from voxshell.query.distances import distance
+from voxshell.query.queries import collide, contacts
 
 from voxshell_studies.first_touch import find_first_touch
 from voxshell_studies.geometry_contacts import JUDGED, judge_contacts, measure_contacts
@@ -41,7 +42,7 @@ from voxshell_studies.scenes.solids import as_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.contact_set import Contacts
+    from voxshell.query.contact_set import Contacts
 
     from voxshell_studies.part import Tables
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from voxshell.queries import contacts
+from voxshell.query.queries import contacts
 
 from voxshell_studies.geometry_models import (
     ORDERS,
@@ -22,7 +22,7 @@ from voxshell_studies.surface_truth import measure_angle
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.contact_set import Contacts
+    from voxshell.query.contact_set import Contacts
 
     from voxshell_studies.geometry_settings import GeometrySettings
     from voxshell_studies.part import Tables

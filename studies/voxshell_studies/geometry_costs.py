@@ -7,9 +7,9 @@ import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from voxshell.batch import contacts_batch
 from voxshell.measuring.timing import pinned
-from voxshell.model import Model
+from voxshell.model.model import Model
+from voxshell.query.batch import contacts_batch
 
 from voxshell_studies.geometry_models import move
 from voxshell_studies.geometry_pairs import meet

@@ -7,8 +7,8 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from voxshell.contact_bounds import ContactBounds, contact_bounds
-from voxshell.model import Model
+from voxshell.model.model import Model
+from voxshell.query.bounds import ContactBounds, contact_bounds
 
 from voxshell_studies.scenes.geometry import random_rotation
 from voxshell_studies.scenes.geometry_bodies import BODIES, make_body, retriangulate, turn_mesh

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from voxshell.queries import collide
+from voxshell.query.queries import collide
 
 from voxshell_studies.first_touch import find_first_touch
 from voxshell_studies.geometry_models import (
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from typing import Literal
 
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.geometry_settings import GeometrySettings
     from voxshell_studies.part import Tables

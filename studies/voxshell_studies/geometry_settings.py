@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from voxshell._arguments import as_integer
+from voxshell.base.arguments import as_integer
 from voxshell.errors import SettingsError
 
 from voxshell_studies.scenes.geometry import BUILT, PAIRS, SCENES

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell.comparison_shapes import ConvexHull, GImpact
-from voxshell.queries import distance
-from voxshell.world import World
+from voxshell.query.distances import distance
+from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
+from voxshell.simulation.world import World
 
 from voxshell_studies.motion import tabulate
 from voxshell_studies.part import Part
@@ -15,7 +15,7 @@ from voxshell_studies.scenes.bolt import BoltSettings, measure_turns
 from voxshell_studies.scenes.drop import decompose
 
 if TYPE_CHECKING:
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body_shapes import Shape
 
     from voxshell_studies.part import Tables
 

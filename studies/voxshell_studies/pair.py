@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.measuring.poses import find_poses_between
 from voxshell.measuring.timing import pinned
-from voxshell.model import Model
-from voxshell.queries import collide
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.query.queries import collide
+from voxshell.simulation.world import World
 
 from voxshell_studies.bunny import build_all_shapes
 from voxshell_studies.part import Part
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
-    from voxshell.body_shapes import Inertia
+    from voxshell.simulation.body_shapes import Inertia
 
     from voxshell_studies.part import Columns, Tables
     from voxshell_studies.scenes.drop import DropShapes, Method

@@ -12,8 +12,8 @@ from voxshell_studies.part import Part
 from voxshell_studies.scenes.pour import METHODS, Method, PourSettings, build_world
 
 if TYPE_CHECKING:
-    from voxshell.body import Body
-    from voxshell.world import World
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.world import World
 
     from voxshell_studies.part import Columns, Tables
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from voxshell._arguments import as_positive
+from voxshell.base.arguments import as_positive
 from voxshell.errors import SettingsError
-from voxshell.shapes import Plane
-from voxshell.world import World
+from voxshell.model.shapes import Plane
+from voxshell.simulation.world import World
 
 from voxshell_studies.motion import tabulate
 from voxshell_studies.part import Part
@@ -18,8 +18,8 @@ from voxshell_studies.scenes.bunny import BunnySettings, build_block, compute_po
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
+    from voxshell.simulation.body import Body
 
     from voxshell_studies.part import Columns, Tables
 

@@ -13,11 +13,11 @@ from itertools import product
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.body import Body
-from voxshell.comparison_shapes import ConvexHull
-from voxshell.shapes import Plane
-from voxshell.world import World
+from voxshell.base.arguments import as_integer, as_positive
+from voxshell.model.shapes import Plane
+from voxshell.simulation.body import Body
+from voxshell.simulation.comparison_shapes import ConvexHull
+from voxshell.simulation.world import World
 
 from voxshell_studies.part import Part
 from voxshell_studies.rest_mujoco import MuJoCoFall
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body_shapes import Shape
 
     from voxshell_studies.part import Tables
 

@@ -10,7 +10,7 @@ from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.mass_properties import MassProperties
+    from voxshell.model.mass_properties import MassProperties
 
 FRICTION = 0.25
 """Coulomb's coefficient of the pair, as of two bodies of World's default, 0.5, in Bullet."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.measuring.timing import pinned
-from voxshell.model import Model
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.simulation.world import World
 
 from voxshell_studies import crowd
 from voxshell_studies.crowd import Engine, list_engines, time_bodies

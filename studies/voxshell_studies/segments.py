@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.measuring.timing import pinned
-from voxshell.world import World
+from voxshell.simulation.world import World
 
 from voxshell_studies.motion import tabulate
 from voxshell_studies.part import Part
@@ -18,7 +18,7 @@ from voxshell_studies.timing import STAGES, time_poses
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
+    from voxshell.simulation.body import Body
 
     from voxshell_studies.part import Columns, Tables
 

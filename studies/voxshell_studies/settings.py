@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from voxshell._settings import override, parse_toml, read_text
+from voxshell.base.settings import override, parse_toml, read_text
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_positive
-from voxshell.body_shapes import mesh_of
-from voxshell.model import Model
-from voxshell.shapes import Box, Plane
-from voxshell.world import World
+from voxshell.base.arguments import as_positive
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Plane
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.simulation.world import World
 
 from voxshell_studies.part import Part
 
 if TYPE_CHECKING:
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body_shapes import Shape
 
     from voxshell_studies.part import Tables
 

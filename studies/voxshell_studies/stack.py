@@ -14,8 +14,8 @@ from voxshell_studies.scenes.stack import StackSettings, build_bunny_world, buil
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from voxshell.body import Body
-    from voxshell.world import World
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.world import World
 
     from voxshell_studies.part import Tables
     from voxshell_studies.scenes.ball import Rule

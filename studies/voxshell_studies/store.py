@@ -6,7 +6,8 @@ import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._outputs import filling, make_folder, sweep
+from voxshell.base.outputs import filling, make_folder
+from voxshell.base.unfinished import sweep
 from voxshell.measuring.files import import_pyarrow, write_json, write_parquet
 
 if TYPE_CHECKING:

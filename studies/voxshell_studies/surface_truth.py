@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 TIE = 1e-5
 """Metres by which a face may be farther than the nearest one and still count as nearest."""

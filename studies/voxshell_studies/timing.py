@@ -8,8 +8,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
-    from voxshell.world import World
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.world import World
 
 
 STAGES = ("query", "reduction", "manifold")

@@ -22,7 +22,7 @@ def test_importing_it_imports_nothing_heavy():
     result = run(
         "import sys, voxshell\n"
         "heavy = {'trimesh', 'matplotlib', 'viser', 'scipy', 'PIL', 'cyclopts', 'rich',\n"
-        "         'dask', 'distributed', 'pyarrow', 'manifold3d', 'vhacdx', 'voxshell.world',\n"
+        "         'dask', 'distributed', 'pyarrow', 'manifold3d', 'vhacdx', 'voxshell.simulation',\n"
         "         'voxshell._bullet', 'voxshell.viewer'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )

@@ -148,7 +148,9 @@ def test_worlds(tmp_path: Path):
         world.add(shape, pose=aside + number * (aside - np.eye(4)), mask=0)
     pose = np.eye(4)
     pose[2, 3] = 0.3
-    body = world.add(model, mass=0.2, pose=pose, inertia="solid", motion="dynamic")
+    rubber: vx.Material = vx.Material(friction=1.0)
+    body = world.add(model, mass=0.2, pose=pose, inertia="solid", motion="dynamic", material=rubber)
+    body.material = vx.Material(body.friction, restitution=0.1)
     kinds = (vx.FixedJoint(), vx.PointJoint(), vx.HingeJoint((0, 1, 0), limits=(-1, 1)))
     for kind in kinds:
         joint: vx.Joint = world.add_joint(kind, None, body)
@@ -160,7 +162,7 @@ def test_worlds(tmp_path: Path):
     def note(world: vx.World) -> None:
         heights.append(float(body.pose[2, 3]))
 
-    recorder = world.record(every=2)
+    recorder: vx.Recorder = world.record(every=2)
     state: vx.WorldState = world.save_state()
     world.step(10, note, before=lambda world: body.apply_force((0, 0, 0.1)))
     reaction: vx.Reaction = slide.reaction
@@ -180,7 +182,8 @@ def test_worlds(tmp_path: Path):
     assert not world.overlaps(ground, body)
     assert world.ray_cast((0, 0, 1), (0, 0, -1))["body"][0] >= 0
     assert world.timings["step"].shape == (10,)
-    assert recorder.recording().frame_count == 6
+    recording: vx.Recording = recorder.recording()
+    assert recording.frame_count == 6
 
 
 def test_robots(tmp_path: Path):

@@ -14,18 +14,17 @@ LISTED = 3  # findings of a task that the page shows
 INTRODUCTION = """\
 # Evidence
 
-Each promise below is held to an independent oracle, and every run is counted. `./dev soak` adds to the
-counters until they reach what a release asks for, and `./dev soak --write` writes this page. A row is
-**short** while it is below that target, and such rows come first. "Found" counts the cases in which the
-promise did not hold. Counters speak of the code as it was at the commit in the second table: a change to the
-library's sources starts them again.
+voxshell checks each promise below against an independent oracle and counts every run. `./dev soak` adds to the
+counters until they reach the target of a release, and `./dev soak --write` writes this page. A row is **short**
+while it is below its target, and short rows come first. "Found" counts the cases in which the promise did not
+hold. Counters belong to the code of the commit in the second table: a change to the library's sources resets them.
 
-These are the numbers of random cases that were tried. They are no proof that the next one holds.
+The counters are numbers of random cases. They do not prove that the next case holds.
 """
 
 AFTER = """\
-Every case has a number, which seeds all that is random in it. `./dev soak --only NAME --case NUMBER` runs one
-case again. What each task does stands at the top of its file in `tools/soak/tasks`.
+Every case has a number, which seeds all its random values. `./dev soak --only NAME --case NUMBER` repeats one
+case. The top of each task's file in `tools/soak/tasks` describes what the task does.
 """
 
 
@@ -56,12 +55,12 @@ def render(tasks: Mapping[str, Task], records: Mapping[str, Record]) -> str:
 
 
 def reach(task: Task, record: Record) -> float:
-    """Share of the target."""
+    """Fraction of the target."""
     return task.done(record.totals) / task.target
 
 
 def count_row(task: Task, record: Record) -> str:
-    """How much was run, and what came of it."""
+    """The counts of a task and its findings."""
     done = task.done(record.totals)
     short = " **short**" if done < task.target else ""
     measured = task.describe(record.totals) if record.totals.count else "nothing yet"
@@ -80,7 +79,7 @@ def count_row(task: Task, record: Record) -> str:
 
 
 def origin_row(name: str, task: Task, record: Record) -> str:
-    """Where a counter is from."""
+    """The origin of a counter."""
     cells = (
         name,
         task.oracle,
@@ -108,10 +107,10 @@ def list_findings(tasks: Mapping[str, Task], records: Mapping[str, Record]) -> l
 
 
 def last_line(text: str) -> str:
-    """What an error says last, short enough for a list."""
+    """The last line of an error, short enough for a list."""
     return (text.strip().splitlines() or ["?"])[-1][:200].replace("`", "'")
 
 
 def escape(cell: str) -> str:
-    """A cell without what ends one."""
+    """A cell without characters that would end it."""
     return cell.replace("|", "\\|").replace("\n", " ")

@@ -11,27 +11,27 @@ struct ErrorStatistic {
   double worst = 0.0;
 };
 
-/// How exact a model is, measured on places of its surface when it is built: on faces, edges and
-/// vertices. A statistic, not a proof.
+/// Accuracy of a model, measured at places of its surface when it is built: on faces, edges and
+/// vertices. It is a statistic, not a proof.
 struct Accuracy {
-  std::size_t places = 0;  ///< at which it was measured
-  /// Of the field's distance, which is 0 on the surface; metres.
+  std::size_t places = 0;  ///< number of measured places
+  /// Error of the field's distance, which is 0 on the surface; meters.
   ErrorStatistic distance;
-  /// Of the field's gradient just inside of the surface: its angle to the cone of the normals of
-  /// the nearest faces; radians. pi where the gradient is 0.
+  /// Error of the field's gradient just inside the surface: its angle to the cone of the normals of
+  /// the nearest faces; radians. pi if the gradient is 0.
   ErrorStatistic normal;
-  /// How far places of the surface stand out, along the surface's normal there, above the shell's
-  /// elements (points and edge segments) that are nearest to them and do not face away: the depth
-  /// in a flat body that the shell does not see; metres. At edges and corners the normal is the
-  /// mean of those around.
+  /// Depth in a flat body that the shell does not see: how far places of the surface stand out,
+  /// along the surface's normal there, above the nearest elements of the shell (points and edge
+  /// segments) that do not face away; meters. At edges and corners the normal is the mean of the
+  /// adjacent ones.
   ErrorStatistic coverage;
-  /// No place of the surface that was looked at is farther than this from an element of the shell
-  /// that does not face away from it; metres. What is sharper than the shell is dense may enter
-  /// between its elements.
+  /// No measured place of the surface is farther than this from an element of the shell that does
+  /// not face away from it; meters. Features sharper than the shell is dense may enter between its
+  /// elements.
   double gap = 0.0;
-  /// Whether faces meet at a convex edge by more than 20 degrees, where no ball can roll.
+  /// Whether faces meet at a convex edge by more than 20 degrees; no ball can roll there.
   bool is_sharp = false;
-  /// Largest convex curvature elsewhere, from the angles between faces; 1/metres.
+  /// Largest convex curvature elsewhere, from the angles between faces; 1/meters.
   double curvature = 0.0;
 };
 

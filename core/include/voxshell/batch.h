@@ -8,15 +8,15 @@
 
 namespace voxshell {
 
-/// The contacts of many poses, one after another: those of pose i are
-/// contacts[offsets[i]] to contacts[offsets[i + 1] - 1].
+/// Contacts of many poses, in sequence. Those of pose i are contacts[offsets[i]] to
+/// contacts[offsets[i + 1] - 1].
 struct ContactBatch {
   std::vector<Contact> contacts;
-  std::vector<std::size_t> offsets;  ///< one more than there are poses
+  std::vector<std::size_t> offsets;  ///< number of poses + 1
 };
 
-/// find_contacts() for each pose, on `threads` threads (0: one a core); the same bits for any
-/// number. Error kCancelled where `progress` asked to stop.
+/// find_contacts() for each pose, on `threads` threads (0: one per core), with the same bits for
+/// any number. Error kCancelled if `progress` asked to stop.
 Result<ContactBatch> find_contacts_batch(const Field& field, const PointShell& shell,
                                          std::span<const Pose> field_from_shell,
                                          const ContactOptions& options, unsigned threads = 0,

@@ -8,7 +8,7 @@ namespace simd {
 struct BoxView;
 }
 
-/// A solid box centred at its origin: exact signed distance, negative inside. Metres, body frame.
+/// A solid box centered at its origin: exact signed distance, negative inside. Meters, body frame.
 struct BoxField {
   Vec3 half_extents{0.5, 0.5, 0.5};
 
@@ -20,7 +20,7 @@ struct BoxField {
   /// No point within `radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float radius) const;
 
-  /// The largest coordinate that matters to rounding, metres.
+  /// The largest coordinate that matters to rounding, meters.
   double reach() const;
 
   simd::BoxView view() const;

@@ -7,8 +7,8 @@
 
 namespace voxshell {
 
-/// The points of a point-sphere tree by their ids, as queries read them: in buckets of eight, eight
-/// x, eight y, eight z. A view, for as long as the tree is there.
+/// The points of a point-sphere tree by their ids, in the layout of queries: buckets of eight, with
+/// eight x, eight y and eight z. A view that is valid as long as the tree.
 class BucketPoints {
  public:
   static constexpr std::size_t kEach = 8;

@@ -5,10 +5,10 @@
 
 namespace voxshell {
 
-/// What processors load at once, bytes. Eight floats that lie across two lines take twice as long.
+/// Size of a cache line, bytes. To load eight floats across two lines takes twice as long.
 inline constexpr std::align_val_t kCacheLine{64};
 
-/// For vectors that begin with a line.
+/// Allocator for vectors that begin at a cache line.
 template <class T>
 struct LineAllocator {
   using value_type = T;  // NOLINT(readability-identifier-naming): what vectors ask for

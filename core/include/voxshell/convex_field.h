@@ -15,30 +15,30 @@ namespace simd {
 struct ConvexView;
 }
 
-/// A solid convex polyhedron: the largest of the signed distances to its faces' planes. Exact
-/// inside and where the nearest point of the surface is on a face; beyond edges and corners less
-/// than the true distance. Metres, the mesh's frame.
+/// A solid convex polyhedron: the largest of the signed distances to the planes of its faces. Exact
+/// inside, and where the nearest point of the surface is on a face; less than the true distance
+/// beyond edges and corners. Meters, the mesh's frame.
 class ConvexField {
  public:
   static constexpr std::size_t kMostFaces = 4096;
 
-  /// Triangles in one plane, to 1e-6 of the mesh's longest side, become one face. Planes that touch
-  /// the mesh at an edge or a corner, of which `tangents` are the outward unit normals, bring the
-  /// distances beyond it nearer to the true ones; they count as faces.
-  /// Errors: kInvalidMesh (not closed, inside out; not convex, or thinner than, 1e-5 of its longest
-  /// side), kTooLarge (more than kMostFaces faces).
+  /// Triangles in one plane, to 1e-6 of the mesh's longest side, become one face. `tangents` are
+  /// outward unit normals of planes that touch the mesh at an edge or a corner. They bring the
+  /// distances beyond it nearer to the true ones, and count as faces. Errors: kInvalidMesh (not
+  /// closed, inside out, not convex, or thinner than 1e-5 of its longest side), kTooLarge (more
+  /// than kMostFaces faces).
   static Result<ConvexField> create(const TriangleMesh& mesh, std::span<const Vec3> tangents = {});
 
   float distance(const Vec3f& p) const;
 
-  /// The normal of the face whose plane decides distance(); the larger face's where they tie. Unit
+  /// The normal of the face whose plane determines distance(); the larger face's if they tie. Unit
   /// length.
   Vec3f gradient(const Vec3f& p) const;
 
   /// No point within `radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float radius) const;
 
-  /// The largest coordinate that matters to rounding, metres.
+  /// The largest coordinate that matters to rounding, meters.
   double reach() const { return reach_; }
 
   std::size_t face_count() const { return planes_.size() / 4; }

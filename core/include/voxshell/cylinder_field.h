@@ -8,8 +8,8 @@ namespace simd {
 struct CylinderView;
 }
 
-/// A solid cylinder along z, centred at its origin: exact signed distance, negative inside. Metres,
-/// body frame.
+/// A solid cylinder along z, centered at its origin: exact signed distance, negative inside.
+/// Meters, body frame.
 struct CylinderField {
   double radius = 0.5;
   double length = 1.0;
@@ -23,7 +23,7 @@ struct CylinderField {
   /// No point within `ball_radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float ball_radius) const;
 
-  /// The largest coordinate that matters to rounding, metres.
+  /// The largest coordinate that matters to rounding, meters.
   double reach() const;
 
   simd::CylinderView view() const;

@@ -14,10 +14,10 @@ namespace simd {
 struct EdgeView;
 }
 
-/// Sharp edges of a mesh, cut into short straight pieces: the elements of a point shell that points
-/// alone would miss. Metres, the mesh's frame.
+/// Sharp edges of a mesh, cut into short straight pieces: the elements of a shell that points alone
+/// would miss. Meters, the mesh's frame.
 ///
-/// Each piece is its middle, which the tree holds, and half of the way from one end to the other.
+/// A piece is its middle, which the tree holds, and half of the vector from one end to the other.
 /// Queries find the place of the least distance along each piece by samples, as a function of the
 /// pose alone.
 class EdgeSegments {
@@ -29,14 +29,14 @@ class EdgeSegments {
     Vec3 normal;  ///< the mean of the two faces', unit length
   };
 
-  /// Longest half of a piece, in tolerances: samples along a piece are then two tolerances apart.
+  /// Longest half of a piece, in tolerances. Samples along a piece are then two tolerances apart.
   static constexpr double kHalfPerTolerance = 7.0;
   static constexpr std::size_t kMostPieces = 50'000;  ///< unless there are more edges than that
 
-  /// Cuts `edges`, one at least. Where they would give more than kMostPieces, pieces are longer.
+  /// Cuts `edges`, at least one. If they would give more than kMostPieces, pieces are longer.
   static EdgeSegments build(std::span<const Edge> edges, double tolerance, unsigned threads = 0);
 
-  /// What the functions below return.
+  /// The results of the functions below.
   struct Parts {
     PointSphereTree tree;  ///< of the middles
     std::vector<Vec3f> halves;
@@ -44,7 +44,8 @@ class EdgeSegments {
     double tolerance = 0.0;
   };
 
-  /// Checked: as many of each, finite, normals of unit length or zero. Error: kInvalidArgument.
+  /// Checks the data: equal counts, finite values, normals of unit length or zero. Error:
+  /// kInvalidArgument.
   static Result<EdgeSegments> from_parts(Parts parts);
 
   std::size_t size() const { return tree_.point_count(); }
@@ -57,12 +58,12 @@ class EdgeSegments {
   /// No end of a piece is farther than this from its middle.
   float reach() const { return reach_; }
 
-  /// In a field whose distances change by no more than the way between two places, no place of a
-  /// piece is deeper than the one that queries find by more than this and tie().
+  /// In a field whose distances change by no more than the distance between two places, no place of
+  /// a piece is deeper than the one that queries find by more than this and tie().
   double bracket() const;
 
-  /// Places whose distances differ by less than this count as equally deep: the middle of them is
-  /// the contact, so that an edge that lies flat touches with its middle.
+  /// Places whose distances differ by less than this count as equally deep. The contact is the
+  /// middle of them, so an edge that lies flat touches with its middle.
   float tie() const { return static_cast<float>(tolerance_ / 8.0); }
 
   std::size_t nbytes() const;

@@ -14,12 +14,12 @@
 namespace voxshell {
 
 /// Any signed distance field. Every alternative offers
-///   float distance(Vec3f)             metres, negative inside, body frame
-///   Vec3f gradient(Vec3f)             outwards; unit length where the field is analytic
+///   float distance(Vec3f)             meters, negative inside, body frame
+///   Vec3f gradient(Vec3f)             outward; unit length where the field is analytic
 ///   float lower_bound(Vec3f, float)   of the distance over a ball
 ///   double reach()                    scale of its coordinates, for rounding bounds
 ///   view()                            itself as kernels see it (simd/*_view.h)
-/// A new field is added to this list, and its view to the one in simd/query_kernels.h.
+/// To add a field, add it to this list, and its view to the list in simd/query_kernels.h.
 using Field = std::variant<GridField, PlaneField, BoxField, SphereField, CapsuleField,
                            CylinderField, ConeField, ConvexField>;
 

@@ -20,46 +20,47 @@ struct GridView;
 struct ExactGridView;
 }  // namespace simd
 
-/// How it is told what a mesh has inside.
+/// How to decide what is inside a mesh.
 enum class SignMethod {
   kAutomatic,  ///< as a closed mesh if it is one, else by winding numbers
-  kClosed,     ///< by the surface's crossings of grid rows; any other mesh is refused
-  kWinding,    ///< where the generalised winding number is above a half: any mesh
+  kClosed,     ///< by the surface's crossings of grid rows; refuses any other mesh
+  kWinding,    ///< where the generalized winding number is above a half: any mesh
 };
 
-/// How that was done, and what there was to overcome.
+/// How the signs were decided, and the defects found.
 struct SignReport {
   SignMethod method = SignMethod::kClosed;
-  /// 1: closed; else the fraction of the mesh's area on both of whose sides the winding number is
-  /// not near a half.
+  /// 1 if the mesh is closed; otherwise the fraction of the mesh's area on both of whose sides the
+  /// winding number is not near a half.
   double confidence = 1.0;
   bool was_turned = false;  ///< the mesh was inside out as a whole
   MeshDefects defects;      ///< open, non-manifold and wrongly oriented edges
-  /// Grid nodes enclosed more than once or inside out, as far as they were looked for.
+  /// Grid nodes enclosed more than once or inside out, as far as the build looked for them.
   std::size_t overlaps = 0;
   std::size_t hidden_triangles = 0;  ///< left out of distances: inside on both sides
-  Vec3 first_location{};             ///< of any of these faults, metres
-  double cap_error = 0.0;  ///< across holes the surface is known to this, metres; 0: there are none
+  Vec3 first_location{};             ///< of any of these defects, meters
+  double cap_error = 0.0;  ///< the surface's uncertainty across holes, meters; 0: no holes
 };
 
 struct GridFieldSettings {
-  double voxel_size = 0.0;  ///< edge of a cell, metres
-  /// Where samples near the surface are off by more than this, metres, cells hold the triangles
-  /// that are nearest there instead. 0: samples alone.
+  double voxel_size = 0.0;  ///< edge of a cell, meters
+  /// If samples near the surface are off by more than this, meters, cells hold the nearest
+  /// triangles instead. 0: samples alone.
   double tolerance = 0.0;
-  /// Of the body's thinnest walls, metres: with a tolerance, normals are right up to their middle,
-  /// if that is no deeper than a brick. 0: within two voxels of the surface.
+  /// Thickness of the body's thinnest walls, meters. With a tolerance, normals are correct up to
+  /// the middle of the walls, if that is no deeper than a brick. 0: within two voxels of the
+  /// surface.
   double wall_thickness = 0.0;
-  double padding = 0.0;  ///< metres of grid beyond the mesh's bounds; at least a brick is kept
+  double padding = 0.0;  ///< meters of grid beyond the mesh's bounds; at least a brick is kept
   SignMethod sign = SignMethod::kAutomatic;
-  unsigned threads = 0;  ///< 0: one a core; the result is the same for any number
+  unsigned threads = 0;  ///< 0: one per core; any number gives the same result
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes; a larger grid is refused
 };
 
-/// Fine cells in which the distance is that to the nearest of a few triangles; see
-/// simd/exact_view.h, where the arrays are explained.
+/// Fine cells whose distance is that to the nearest of a few triangles. simd/exact_view.h explains
+/// the arrays.
 struct ExactCells {
-  std::vector<std::uint32_t> bricks;  ///< one a brick, or none where no cell is exact
+  std::vector<std::uint32_t> bricks;  ///< one per brick, or none if no cell is exact
   std::vector<std::uint32_t> masks;
   std::vector<std::uint32_t> lists;
   std::vector<std::uint32_t> listed;
@@ -73,36 +74,36 @@ struct ExactCells {
   }
 };
 
-/// What a grid field consists of, as its file holds it. The entries' bits are explained in
-/// simd/grid_view.h. Metres, the mesh's frame.
+/// The contents of a grid field, as its file holds them. simd/grid_view.h explains the bits of the
+/// entries. Meters, the mesh's frame.
 struct GridFieldData {
   double voxel_size = 0.0;
   Vec3 origin{};                ///< of the first node
   std::array<int, 3> bricks{};  ///< along x, y, z
   Bounds surface_bounds;
-  std::vector<std::uint32_t> entries;  ///< one a brick, x fastest
+  std::vector<std::uint32_t> entries;  ///< one per brick, x fastest
   std::vector<std::int16_t> samples;
   int quanta_per_voxel = 256;  ///< of samples at scale exponent 0; a power of two
   std::vector<float> planes;   ///< unit normal and offset of each
-  double node_error = 0.0;     ///< metres; see simd::GridView
-  /// Of a field by tolerance, metres; else 0. See GridField::surface_error().
+  double node_error = 0.0;     ///< meters; see simd::GridView
+  /// Of a field by tolerance, meters; 0 for others. See GridField::surface_error().
   double surface_error = 0.0;
-  /// Of cells of 2, 4 and 8 voxels; metres; see simd::GridView.
+  /// Of cells of 2, 4 and 8 voxels; meters; see simd::GridView.
   std::array<double, 3> coarse_floors{};
   SignReport sign;
   ExactCells exact;
 
-  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2: across
-  /// holes the surface is known only so well.
+  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), meters^2: across
+  /// holes the surface is known only to that.
   double gap() const { return sign.cap_error * sign.cap_error; }
-  /// What lies around a plane and is not of it is at least this far away, metres.
+  /// Surface near a plane that does not belong to it is at least this far away, meters.
   double plane_margin() const { return 4.0 * voxel_size; }
 };
 
-/// Numbers of eight points.
+/// One number for each of eight points.
 using EightFloats = std::array<float, 8>;
 
-/// Metres, the field's frame.
+/// Coordinates of eight points. Meters, the field's frame.
 struct EightPoints {
   std::array<EightFloats, 3> coordinates{};  ///< x, y, z
 
@@ -113,25 +114,26 @@ struct EightPoints {
   }
 };
 
-/// The signed distance field of a mesh on a sparse regular grid. Negative inside; metres, the
+/// The signed distance field of a mesh on a sparse regular grid. Negative inside; meters, the
 /// mesh's frame.
 ///
-/// The grid is cut into bricks of 8x8x8 cells. A brick near the surface holds the true distances at
-/// its 9x9x9 nodes, to 1/512 voxel; farther away it may hold fewer nodes, down to its corners;
-/// where all its distances are those to one plane, it holds the plane. Between nodes: trilinear.
-/// Built to a tolerance, nodes are eight times finer and cells that trilinear samples cannot follow
-/// (creases, thin walls) hold the few triangles that are nearest to them, and are exact. Outside
-/// the grid the surface is taken to be where the nearest point of the grid sees it: off by at most
-/// as much as that point is away from the surface, and its own error. For D(q) the distance of the
-/// nearest point q, the true one of p is between sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
+/// The grid consists of bricks of 8x8x8 cells. A brick near the surface holds the true distances at
+/// its 9x9x9 nodes, to 1/512 voxel. Farther away it may hold fewer nodes, down to its corners. If
+/// all its distances are those to one plane, it holds the plane. Values between nodes are
+/// trilinear. In a field by tolerance, nodes are eight times finer, and cells that trilinear
+/// samples cannot follow (creases, thin walls) hold the few triangles nearest to them and are
+/// exact. Outside the grid, the field takes the surface to be where the nearest point of the grid
+/// sees it. It is then off by at most that point's distance from the surface, plus the point's own
+/// error. For D(q), the distance of the nearest point q of the grid, the true distance of p is
+/// between sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
 class GridField {
  public:
-  /// Errors: kInvalidArgument, kInvalidMesh (encloses nothing; where it must be closed: is open,
-  /// inside out or overlaps itself), kTooLarge, kCancelled.
+  /// Errors: kInvalidArgument; kInvalidMesh (the mesh encloses nothing; or it must be closed, but
+  /// is open, inside out or overlaps itself); kTooLarge; kCancelled.
   static Result<GridField> build(const TriangleMesh& mesh, const GridFieldSettings& settings,
                                  const Progress& progress = {});
 
-  /// `data` must be what data() of a field returned, or have been checked to be as sound.
+  /// `data` must come from data() of a field, or have passed the same checks.
   explicit GridField(GridFieldData data);
 
   float distance(const Vec3f& p) const;
@@ -143,10 +145,10 @@ class GridField {
   /// No point within `radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float radius) const;
 
-  /// The same of eight points or balls at once: the same bits, in about the time of one.
+  /// The same for eight points or balls at once: the same bits, in about the time of one.
   EightFloats distances(const EightPoints& points) const;
   struct BallValues {
-    EightFloats distance;  ///< of the centre
+    EightFloats distance;  ///< of the center
     EightFloats lower_bound;
   };
   BallValues bound_balls(const EightPoints& centres, const EightFloats& radii) const;
@@ -159,17 +161,17 @@ class GridField {
   std::size_t nbytes() const;
   const Bounds& surface_bounds() const { return data_.surface_bounds; }
 
-  /// |distance() - true distance| is at most this near the surface, metres. A proof, which is far
-  /// above what Model::accuracy() measures: the true distance is
-  /// 1-Lipschitz, and the corners of a cell are at most sqrt(3)/2 voxel from a point of it in the
-  /// trilinear mean. Bricks with fewer nodes are off by as much of their larger cells.
+  /// |distance() - true distance| is at most this near the surface, meters. This is a proof, far
+  /// above what Model::accuracy() measures: the true distance is 1-Lipschitz, and the corners of a
+  /// cell are at most sqrt(3)/2 voxel from a point of it in the trilinear mean. For bricks with
+  /// fewer nodes, the bound scales with their larger cells.
   double interpolation_error() const {
     return std::sqrt(0.75) * data_.voxel_size + data_.node_error + data_.sign.cap_error;
   }
 
   /// Where the field and the mesh differ in what is inside, the surface is no farther than this,
-  /// metres: a proof. Fields by tolerance are proved cell by cell when they are built (decision
-  /// 0028); of others, interpolation_error().
+  /// meters. This is a proof: fields by tolerance are proved cell by cell when they are built
+  /// (decision 0028); for others it is interpolation_error().
   double surface_error() const {
     return data_.surface_error > 0.0 ? data_.surface_error : interpolation_error();
   }
@@ -179,7 +181,7 @@ class GridField {
   const GridFieldData& data() const { return data_; }
   simd::GridView view() const;
 
-  /// Whether any cells are exact: then the field is what this view says.
+  /// Whether any cells are exact. If so, use this view of the field.
   bool has_exact_cells() const { return !data_.exact.bricks.empty(); }
   simd::ExactGridView exact_view() const;
 

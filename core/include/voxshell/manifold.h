@@ -22,25 +22,26 @@ struct ManifoldPoints {
   std::span<const std::uint32_t> chosen() const { return std::span(indices).first(count); }
 };
 
-/// Picks at most `max_points` (1 to 4) contacts (thesis, section 5.3): the deepest first, then
-/// those that make the manifold's area largest. Points that would add no area are left out; ties go
-/// to the smaller id.
+/// Selects at most `max_points` (1 to 4) contacts (thesis, section 5.3): the deepest first, then
+/// those that give the manifold the largest area. Points that would add no area are left out; ties
+/// go to the smaller id.
 ManifoldPoints select_manifold(std::span<const Contact> contacts,
                                std::size_t max_points = kManifoldSize);
 
 /// The deepest contact of each segment of a level (thesis, section 5.3, segmented traverse):
-/// indices into `contacts`, ascending, ties to the smaller id. Replaces what `deepest` held.
+/// indices into `contacts`, ascending; ties go to the smaller id. Overwrites `deepest`.
 void select_deepest_per_segment(std::span<const Contact> contacts, const PointShell& shell,
                                 int level, std::vector<std::uint32_t>& deepest);
 
-/// The contacts that select_manifold() would pick from those of find_contacts(), the same bits, by
-/// branch and bound: without listing the others. The result lives in `scratch` until its next use.
+/// The contacts that select_manifold() would select from those of find_contacts(), bit for bit, by
+/// branch and bound and without listing the others. The result lives in `scratch` until its next
+/// use.
 std::span<const Contact> find_manifold(const Field& field, const PointShell& shell,
                                        const Pose& field_from_shell, float margin,
                                        QueryScratch& scratch,
                                        std::size_t max_points = kManifoldSize);
 
-/// The contacts that select_deepest_per_segment() would pick, likewise.
+/// The contacts that select_deepest_per_segment() would select, found in the same way.
 std::span<const Contact> find_deepest_per_segment(const Field& field, const PointShell& shell,
                                                   const Pose& field_from_shell, int level,
                                                   float margin, QueryScratch& scratch);

@@ -6,8 +6,8 @@
 
 namespace voxshell {
 
-/// Mass, centre and inertia of a body. Kilograms, metres, the mesh's frame and axes; the inertia
-/// tensor is taken about the centre of mass.
+/// Mass, center and inertia of a body. Kilograms, meters, the mesh's frame and axes; the inertia
+/// tensor is about the center of mass.
 struct MassProperties {
   double mass = 1.0;
   Vec3 centre_of_mass{};
@@ -17,12 +17,12 @@ struct MassProperties {
   MassProperties with_mass(double new_mass) const;
 };
 
-/// Of the homogeneous solid that a closed mesh encloses, at mass 1 kg.
-/// Tetrahedra to the origin (Tonon 2004).
+/// Mass properties of the homogeneous solid that a closed mesh encloses, at mass 1 kg. Uses
+/// tetrahedra to the origin (Tonon 2004).
 MassProperties compute_solid_mass_properties(const TriangleMesh& mesh);
 
-/// Of a homogeneous thin skin on the mesh's triangles, at mass 1 kg. The tensor that the thesis
-/// uses for its bunny (section 5.3) is of this kind.
+/// Mass properties of a homogeneous thin skin on the mesh's triangles, at mass 1 kg. The tensor
+/// that the thesis uses for its bunny (section 5.3) is of this kind.
 MassProperties compute_surface_mass_properties(const TriangleMesh& mesh);
 
 }  // namespace voxshell

@@ -14,15 +14,14 @@
 namespace voxshell {
 
 /// Writes a model to a file: a header, a table and the model's arrays, little-endian, with a
-/// checksum. The file appears whole or not at all, in place of one that had its name. The same
-/// model gives the same bytes.
-/// Errors: kFileAccess.
+/// checksum. The file appears completely or not at all, and replaces a file of the same name. The
+/// same model gives the same bytes. Errors: kFileAccess.
 Result<std::monostate> save_model(const Model& model, const std::string& path);
 
-/// Reads what save_model() wrote. Whatever the file holds, a model that comes out is sound: every
-/// index is in range, every number finite. That distances are true is trusted (decision 0008).
+/// Reads a file of save_model(). Whatever the file holds, a model that is returned is valid: every
+/// index is in range, and every number is finite. The reader trusts the distances (decision 0008).
 /// Takes a few milliseconds. Errors: kFileAccess; kInvalidFile (damaged, or of another kind or
-/// version); kTooLarge (more than `memory_limit` bytes, or than there are).
+/// version); kTooLarge (more than `memory_limit` bytes, or more than are available).
 Result<std::shared_ptr<const Model>> load_model(const std::string& path,
                                                 std::uint64_t memory_limit = std::uint64_t{4}
                                                                              << 30);
@@ -30,7 +29,7 @@ Result<std::shared_ptr<const Model>> load_model(const std::string& path,
 /// The bytes of the file that save_model() writes.
 std::vector<std::byte> model_to_bytes(const Model& model);
 
-/// The same as load_model(), of bytes that are in memory already.
+/// load_model() for bytes in memory.
 Result<std::shared_ptr<const Model>> model_from_bytes(std::span<const std::byte> bytes,
                                                       std::uint64_t memory_limit = std::uint64_t{4}
                                                                                    << 30);

@@ -4,9 +4,9 @@
 
 namespace voxshell {
 
-/// While one lives, its thread rounds to nearest, keeps denormal numbers and does not trap, which
-/// is the state in which results are the same bits everywhere. Then the thread is in the state that
-/// was found again, flags included. Costs about 12 ns.
+/// While an object of this class exists, its thread rounds to nearest, keeps denormal numbers and
+/// does not trap. In this state, results have the same bits everywhere. The destructor restores the
+/// previous state, flags included. Costs about 12 ns.
 class OrdinaryFloats {
  public:
   OrdinaryFloats();

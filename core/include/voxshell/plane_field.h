@@ -9,7 +9,7 @@ struct PlaneView;
 }
 
 /// The half-space below a plane: signed distance normal . p - offset, negative inside.
-/// `normal` is unit length and points out of the solid; metres, body frame.
+/// `normal` is unit length and points out of the solid; meters, body frame.
 struct PlaneField {
   Vec3 normal{0.0, 0.0, 1.0};
   double offset = 0.0;
@@ -20,7 +20,7 @@ struct PlaneField {
   /// No point within `radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float radius) const;
 
-  /// The largest coordinate that matters to rounding, metres.
+  /// The largest coordinate that matters to rounding, meters.
   double reach() const;
 
   simd::PlaneView view() const;

@@ -34,10 +34,10 @@ struct PointRange {
 /// encloses its points. Branching factor 4 (thesis, section 5.3); levels count from the root = 1,
 /// so level L has at most 4^(L-1) clusters.
 ///
-/// The points lie in tree order, in buckets of kBucketPoints, which makes a cluster a range of ids
-/// that a formula gives: of b buckets, cluster i of m on a level covers
-/// [floor(b i / m), floor(b (i + 1) / m)). Queries walk eight clusters at a time: every third level
-/// of the binary tree that the same formula gives for m = 2, 4, 8, ...
+/// The points lie in tree order, in buckets of kBucketPoints, so a formula gives the range of ids
+/// of a cluster: of b buckets, cluster i of m on a level covers [floor(b i / m), floor(b (i + 1) /
+/// m)). Queries walk eight clusters at a time: every third level of the binary tree that the same
+/// formula gives for m = 2, 4, 8, ...
 class PointSphereTree {
  public:
   static constexpr std::uint32_t kBranching = 4;
@@ -46,15 +46,16 @@ class PointSphereTree {
 
   PointSphereTree() = default;
 
-  /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic, for any
-  /// number of threads (0: one a core). A tree without points where `progress` asked to stop.
-  /// `normals` of the points, if given, make queries against planes faster.
+  /// Puts `order` (point indices) into tree order and encloses each cluster. Deterministic for any
+  /// number of threads (0: one per core). Returns a tree without points if `progress` asked to
+  /// stop. `normals` of the points, if given, make queries against planes faster.
   static PointSphereTree build(std::span<const Vec3f> points, std::vector<std::uint32_t>& order,
                                const Progress& progress = {}, unsigned threads = 0,
                                std::span<const Vec3f> normals = {});
 
-  /// From what spheres() and blocks() of the tree of these points returned: as many as they need,
-  /// finite, and each around its points. Error: kInvalidArgument.
+  /// Builds a tree from the results of spheres() and blocks() for these points. Checks the number
+  /// of spheres, that values are finite, and that each sphere encloses its points. Error:
+  /// kInvalidArgument.
   static Result<PointSphereTree> from_parts(std::span<const Vec3f> points,
                                             std::vector<Sphere> spheres, std::vector<float> blocks);
 
@@ -62,7 +63,7 @@ class PointSphereTree {
   std::uint32_t bucket_count() const { return bucket_count_; }
   BucketPoints points() const { return {bucket_points_.data(), point_count_}; }
 
-  /// Levels with spheres: as many as have a bucket for each cluster.
+  /// Levels with spheres: those with a bucket for each cluster.
   int level_count() const { return level_count_; }
 
   static std::uint64_t cluster_count(int level) { return std::uint64_t{1} << (2 * (level - 1)); }
@@ -79,14 +80,14 @@ class PointSphereTree {
     return static_cast<std::uint32_t>((scaled - 1) / bucket_count_);
   }
 
-  /// One sphere a cluster; level 1 to level_count().
+  /// One sphere per cluster; level 1 to level_count().
   std::span<const Sphere> spheres(int level) const {
     return std::span(spheres_).subspan((cluster_count(level) - 1) / 3, cluster_count(level));
   }
 
-  /// Those of all levels, from the root on.
+  /// The spheres of all levels, from the root on.
   std::span<const Sphere> spheres() const { return spheres_; }
-  /// Those that queries walk; see simd/tree_view.h.
+  /// The spheres that queries walk; see simd/tree_view.h.
   std::span<const float> blocks() const { return blocks_; }
 
   std::size_t nbytes() const;

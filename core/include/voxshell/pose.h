@@ -23,14 +23,15 @@ struct Matrix3 {
   }
 };
 
-/// A rigid transform. Named `a_from_b`: it takes coordinates in frame b to frame a, so that
-/// `world_from_a.inverse() * world_from_b` is `a_from_b`.
+/// A rigid transform. `a_from_b` maps coordinates in frame b to frame a, so `world_from_a.inverse()
+/// * world_from_b` is `a_from_b`.
 struct Pose {
   Matrix3 rotation;
   Vec3 translation;
 
-  /// From a row-major 4x4 matrix. Error kInvalidPose unless finite, last row (0, 0, 0, 1) and
-  /// rotation orthonormal with determinant 1, each to 1e-6, and translation within 1e15 m.
+  /// From a row-major 4x4 matrix. Error kInvalidPose unless all numbers are finite, the last row is
+  /// (0, 0, 0, 1), the rotation is orthonormal with determinant 1, each to 1e-6, and the
+  /// translation is within 1e15 m.
   static Result<Pose> from_matrix(const std::array<double, 16>& matrix);
 
   Vec3 transform_point(const Vec3& p) const { return rotation * p + translation; }

@@ -5,7 +5,7 @@
 
 namespace voxshell {
 
-/// Called now and then from the calling thread of a long build with the stage's name and the
+/// A long build calls this from the calling thread at intervals, with the stage's name and the
 /// fraction of it that is done (0 to 1). Return false to stop the build with Error kCancelled.
 using Progress = std::function<bool(std::string_view stage, double fraction)>;
 

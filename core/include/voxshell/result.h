@@ -18,7 +18,7 @@ enum class ErrorCode {
   kFileAccess,       ///< a file cannot be opened, read or written
 };
 
-/// Bad data, told: what, how much, where, and what to do.
+/// Describes invalid input: what is wrong, by how much, where, and what to do.
 struct Error {
   ErrorCode code;
   std::string message;

@@ -8,14 +8,14 @@ namespace voxshell {
 /// velocity, and the body turns about it at a constant angular velocity.
 struct RigidMotion {
   Pose start;         ///< world_from_body
-  Vec3 displacement;  ///< of the frame's origin, metres, the world's frame
+  Vec3 displacement;  ///< of the frame's origin, meters, the world's frame
   Vec3 turn;          ///< along the axis, radians, the world's frame
 
-  /// The motion that turns least: by at most half a turn. Of exactly half a turn either direction
-  /// is as short; it is the one whose axis has a positive first component that is not zero.
+  /// The motion that turns least: by at most half a turn. For exactly half a turn, both directions
+  /// are equally short; the result has the axis whose first nonzero component is positive.
   static RigidMotion between(const Pose& start, const Pose& end);
 
-  /// Where it is at a fraction: the same bits on every processor. Turns up to 1e5 radians.
+  /// The pose at a fraction, with the same bits on every processor. Turns may be up to 1e5 radians.
   Pose at(double fraction) const;
 };
 

@@ -22,37 +22,37 @@ class ClosestPointTree;
 /// Alexa 2008) with a shape factor of one half, with which patches equal spheres and cylinders to
 /// second order. Normals of corners are the means of those of the faces around them, weighted by
 /// their angles and squared areas. Edges that bend by more than kMostBend are creases: a mesh with
-/// such facets is a polyhedron, and its patches are flat. Metres, the mesh's frame.
+/// such facets is a polyhedron, and its patches are flat. Meters, the mesh's frame.
 class SmoothSurface {
  public:
-  /// Radians: a turn of 30 facets is round, one of 29 has edges.
+  /// Radians. A turn of 30 facets is round, and one of 29 has edges.
   static constexpr double kMostBend = 0.2095;
 
-  /// A place on a triangle's patch. The weights are those of its corners, and sum to 1.
+  /// A place on a triangle's patch. The weights belong to its corners and sum to 1.
   struct Place {
     std::uint32_t triangle;
     std::array<double, 3> weights;
   };
 
-  /// Of the mesh, which outlives this, and the elements of its shell.
+  /// Builds the surface of a mesh, which must outlive it, and of the elements of its shell.
   SmoothSurface(const TriangleMesh& mesh, const PointShell& shell);
   ~SmoothSurface();
   SmoothSurface(const SmoothSurface&) = delete;
   SmoothSurface& operator=(const SmoothSurface&) = delete;
 
-  /// Whether any patch is.
+  /// Whether any patch is curved.
   bool is_curved() const { return most_lift_ > 0.0f; }
   bool is_flat(std::uint32_t triangle) const { return lifts_[triangle] == 0.0f; }
 
   /// The triangle that an element of the shell lies on; at a crease between a flat patch and a
-  /// curved one, the curved one. Of curved surfaces.
+  /// curved one, the curved one. Only for curved surfaces.
   std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
 
   /// Whether the element lies on a flat patch whose normal has at least this cosine with a
-  /// direction, at a crease to a curved one included. Of curved surfaces.
+  /// direction, including at a crease to a curved one. Only for curved surfaces.
   bool lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const;
 
-  /// How far a patch is from its triangle at most, metres; 0 where it is flat.
+  /// How far a patch is from its triangle at most, meters; 0 where it is flat.
   float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
   float most_lift() const { return most_lift_; }
   /// Whether the surface ends or bends sharply there.
@@ -62,23 +62,23 @@ class SmoothSurface {
 
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
-  /// The place of the surface that is nearest to a point: exactly where the point is near. The
-  /// first call makes a tree of the triangles. A near triangle as a guess makes the search short.
+  /// The nearest place of the surface to a point; exact if the point is near. The first call builds
+  /// a tree of the triangles. A near triangle as a guess shortens the search.
   Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
-  /// The place of the flat triangles, by way of adjacent ones, that is nearest to a point.
+  /// The nearest place of the flat triangles to a point, found by walking over adjacent ones.
   Place below(const Place& start, const Vec3& point) const;
-  /// The place of the surface, in the same way, that is nearest to a point; none where it is more
-  /// than a few triangles away. It need not be the nearest of all.
+  /// The nearest place of the surface to a point, found in the same way; none if it is more than a
+  /// few triangles away. It need not be the nearest of all.
   std::optional<Place> nearest_from(const Place& start, const Vec3& point) const;
 
-  /// Where a slide has led.
+  /// The result of a slide.
   struct Slide {
     Place place;
     bool is_at_rest;  ///< no place beside it is farther along; never where the surface is concave
   };
-  /// Slides, from triangle to triangle, to the place that is farthest along `direction` of the
-  /// surface around. It moves only along directions in which the surface is convex by at least
-  /// `least_curvature`, 1/metres: along a cylinder's axis it stays. At creases it goes on along
+  /// Slides from triangle to triangle to the place of the surrounding surface that is farthest
+  /// along `direction`. It moves only along directions in which the surface is convex by at least
+  /// `least_curvature`, 1/meters: along a cylinder's axis it stays. At creases it continues along
   /// them.
   Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;
 

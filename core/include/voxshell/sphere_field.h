@@ -8,20 +8,20 @@ namespace simd {
 struct SphereView;
 }
 
-/// A solid sphere centred at its origin: exact signed distance, negative inside. Metres, body
+/// A solid sphere centered at its origin: exact signed distance, negative inside. Meters, body
 /// frame.
 struct SphereField {
   double radius = 0.5;
 
   float distance(const Vec3f& p) const;
 
-  /// Unit length; +z at the centre, where no direction is better than another.
+  /// Unit length; +z at the center, where all directions are equal.
   Vec3f gradient(const Vec3f& p) const;
 
   /// No point within `ball_radius` of `centre` has a smaller distance.
   float lower_bound(const Vec3f& centre, float ball_radius) const;
 
-  /// The largest coordinate that matters to rounding, metres.
+  /// The largest coordinate that matters to rounding, meters.
   double reach() const;
 
   simd::SphereView view() const;

@@ -14,27 +14,27 @@ namespace voxshell {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// What stands between a mesh and a closed, consistently oriented surface.
+/// Defects that keep a mesh from being a closed, consistently oriented surface.
 struct MeshDefects {
   std::size_t open_edges = 0;          ///< edges of one triangle
   std::size_t non_manifold_edges = 0;  ///< edges of more than two triangles
   std::size_t flipped_edges = 0;       ///< edges whose two triangles disagree on orientation
-  Vec3 first_location{};               ///< midpoint of the first such edge, metres
+  Vec3 first_location{};               ///< midpoint of the first such edge, meters
 
   bool is_closed() const { return open_edges + non_manifold_edges + flipped_edges == 0; }
 };
 
 /// A validated triangle mesh: finite, from 1e-9 to 1e9 m in size, indices in range, at least one
-/// triangle with area. Vertices at exactly the same place are merged; triangles that lose a corner
-/// by it and vertices that no triangle uses are dropped. Counter-clockwise triangles face outwards.
-/// Metres.
+/// triangle with area. Vertices at exactly the same place are merged. Triangles that lose a corner
+/// by merging, and vertices that no triangle uses, are dropped. Counterclockwise triangles face
+/// outward. Meters.
 class TriangleMesh {
  public:
   static Result<TriangleMesh> create(std::span<const Vec3> vertices,
                                      std::span<const Triangle> triangles);
 
-  /// From what vertices() and triangles() of a mesh returned: checked, but neither merged nor
-  /// reordered, and so much faster.
+  /// From the results of vertices() and triangles() of a mesh. They are checked, but neither merged
+  /// nor reordered, which is much faster.
   static Result<TriangleMesh> from_parts(std::vector<Vec3> vertices,
                                          std::vector<Triangle> triangles);
 
@@ -47,12 +47,12 @@ class TriangleMesh {
 
   double compute_area() const;
 
-  /// Signed volume by the divergence theorem; negative where the mesh is inside out.
+  /// Signed volume by the divergence theorem; negative if the mesh is inside out.
   double compute_volume() const;
 
   MeshDefects compute_defects() const;
 
-  /// The same surface with its inside out.
+  /// The same surface with inside and outside exchanged.
   TriangleMesh turned() const;
 
  private:
@@ -61,8 +61,8 @@ class TriangleMesh {
   Bounds bounds_;
 };
 
-/// Error kInvalidMesh, with counts and a location, unless the mesh is closed, consistently
-/// oriented and right side out: what a signed distance and a solid's mass need.
+/// Error kInvalidMesh, with counts and a location, unless the mesh is closed, consistently oriented
+/// and oriented outward, as a signed distance and a solid's mass require.
 Result<std::monostate> check_encloses_volume(const TriangleMesh& mesh);
 
 }  // namespace voxshell

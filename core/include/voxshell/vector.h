@@ -4,7 +4,7 @@
 
 namespace voxshell {
 
-/// Three coordinates. Metres for points, no unit for directions.
+/// Three coordinates. Meters for points, no unit for directions.
 template <class T>
 struct Vector3 {
   T x{};

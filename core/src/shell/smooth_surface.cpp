@@ -94,6 +94,7 @@ std::optional<Planar> newton_step(const Shape& shape, double least) {
   const double middle = 0.5 * (shape.xx + shape.yy);
   const double half = 0.5 * (shape.xx - shape.yy);
   const double apart = std::sqrt(half * half + shape.xy * shape.xy);
+  if (middle + apart >= least) return std::nullopt;
   Planar axis{1.0, 0.0};
   if (apart > 0.0) {
     // Of the two ways to write the axis of the larger one, that without cancellation.
@@ -104,7 +105,6 @@ std::optional<Planar> newton_step(const Shape& shape, double least) {
   Planar step{0.0, 0.0};
   for (const auto& [direction, curvature] :
        {std::pair{axis, middle + apart}, std::pair{other, middle - apart}}) {
-    if (curvature >= least) return std::nullopt;
     if (-curvature >= least) step = step + (-dot(shape.slope, direction) / curvature) * direction;
   }
   return step;
@@ -504,7 +504,14 @@ std::optional<SmoothSurface::Place> SmoothSurface::project(const Vec3& point, Pl
 
 SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
   std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
+  bool is_searched = false;
+  // Once the tree has found the part of the surface, what is nearest to its patches is near by.
   const auto find = [&](const Vec3& near, const Place& place) {
+    if (is_searched) {
+      const Slide walked = climb(place, Nearness{*this, near}, kMostWalked);
+      if (walked.is_at_rest) return walked;
+    }
+    is_searched = true;
     return Slide{nearest_on(tree_->find_closest(near, place.triangle).triangle, near), true};
   };
   return project(point, {guess, {}}, find).value_or(Place{guess, {}});

@@ -16,20 +16,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.accuracy import AccuracyWarning
 from voxshell.cli.model_facts import field_bound, shell_bound
 from voxshell.errors import MemoryLimitError
 from voxshell.measuring.poses import find_poses_between
-from voxshell.meshes import MeshWarning
-from voxshell.model import Model
-from voxshell.queries import collide, contacts
+from voxshell.model.accuracy import AccuracyWarning
+from voxshell.model.meshes import MeshWarning
+from voxshell.model.model import Model
+from voxshell.query.queries import collide, contacts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 MEASURED = (25, 50, 100)
 """Resolutions that models are built at; the finer ones only while time is left."""

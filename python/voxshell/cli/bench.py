@@ -10,7 +10,7 @@ import numpy as np
 from cyclopts import Parameter
 from rich.console import Console
 
-from voxshell._arguments import as_integer
+from voxshell.base.arguments import as_integer
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, read_body, refuse_unused
 from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
@@ -21,9 +21,10 @@ from voxshell.measuring.files import finite
 from voxshell.measuring.poses import find_poses_between
 from voxshell.measuring.timing import pinned
 from voxshell.measuring.units import format_length, format_time
-from voxshell.model import Model
-from voxshell.queries import collide, contacts, distance, manifold
-from voxshell.query_scratch import QueryScratch
+from voxshell.model.model import Model
+from voxshell.query.distances import distance
+from voxshell.query.queries import collide, contacts, manifold
+from voxshell.query.scratch import QueryScratch
 
 if TYPE_CHECKING:
     from collections.abc import Callable

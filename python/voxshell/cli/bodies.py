@@ -11,14 +11,14 @@ from cyclopts import Parameter
 
 from voxshell.cli.model_facts import list_accuracy
 from voxshell.errors import FileAccessError, MeshError, ModelFileError, SettingsError
-from voxshell.meshes import MODEL_SUFFIX
-from voxshell.model import Model
-from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
+from voxshell.model.meshes import MODEL_SUFFIX
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from voxshell.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., Collidable]]] = {
     "plane": (("nx", "ny", "nz", "offset"), lambda x, y, z, offset: Plane((x, y, z), offset)),

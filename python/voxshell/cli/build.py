@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from voxshell._outputs import check_output_file
+from voxshell.base.outputs import check_output_file
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, is_model_file, require_file
 from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked

@@ -12,8 +12,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from voxshell.cache import ModelCache, open_cache
 from voxshell.errors import FileAccessError
+from voxshell.model.cache import ModelCache, open_cache
 
 cache = App(
     name="cache",

@@ -11,11 +11,11 @@ from cyclopts import CycloptsError, UnusedCliTokensError
 from rich.console import Console
 from rich.markup import escape
 
-from voxshell._outputs import OF_WRITING
-from voxshell.cache import CacheWarning
+from voxshell.base.outputs import OF_WRITING
 from voxshell.cli.interrupts import raising_interrupts
 from voxshell.errors import FileAccessError, MissingExtraError, VoxshellError
-from voxshell.meshes import MeshWarning
+from voxshell.model.cache import CacheWarning
+from voxshell.model.meshes import MeshWarning
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

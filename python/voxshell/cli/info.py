@@ -24,8 +24,8 @@ from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import MeshError, SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length, format_size, format_time
-from voxshell.meshes import Mesh, MeshWarning, read_mesh
-from voxshell.model import Model
+from voxshell.model.meshes import Mesh, MeshWarning, read_mesh
+from voxshell.model.model import Model
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -13,8 +13,8 @@ from voxshell.measuring.units import format_length, format_size
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.accuracy import ErrorStatistic
-    from voxshell.model import Model
+    from voxshell.model.accuracy import ErrorStatistic
+    from voxshell.model.model import Model
 
 MEASURED_FIELD = "field off by"
 """Measured: errors of the field's distance on the surface."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell._input_files import read_small_file
-from voxshell._poses import as_rigid_pose
+from voxshell.base.input_files import read_small_file
+from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import PoseError, SettingsError
 
 if TYPE_CHECKING:

@@ -12,7 +12,6 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from voxshell.batch import collide_batch, contacts_batch
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.poses import make_pose, read_poses
 from voxshell.cli.progress import open_progress, tracked
@@ -20,8 +19,11 @@ from voxshell.cli.tables import new_table
 from voxshell.errors import PoseError, SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length
-from voxshell.queries import Shell, distance, wrench
-from voxshell.query_scratch import QueryScratch
+from voxshell.query.batch import collide_batch, contacts_batch
+from voxshell.query.distances import distance
+from voxshell.query.pairs import Shell
+from voxshell.query.scratch import QueryScratch
+from voxshell.query.wrenches import wrench
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,8 +31,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.cli.progress import Track
-    from voxshell.contact_set import Contacts
-    from voxshell.queries import Collidable, Distance, Wrench
+    from voxshell.query.contact_set import Contacts
+    from voxshell.query.distances import Distance
+    from voxshell.query.pairs import Collidable
+    from voxshell.query.wrenches import Wrench
 
 Question: TypeAlias = Literal["contacts", "collide", "distance", "wrench"]
 Numbers: TypeAlias = Annotated[

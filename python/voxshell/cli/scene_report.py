@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import filling
+from voxshell.base.outputs import filling
 from voxshell.errors import MissingExtraError
 from voxshell.measuring.environment import describe_environment
 from voxshell.measuring.files import write_csv, write_figure, write_json, write_parquet
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from voxshell.scenes.scene_file import Scene
     from voxshell.scenes.scene_run import SceneRun
     from voxshell.scenes.scene_settings import OutputSettings
-    from voxshell.world import World
+    from voxshell.simulation.world import World
 
 PAGE, PLOT, RESULTS = "index.html", "plot.png", "results.json"
 EXPORT = "recording"

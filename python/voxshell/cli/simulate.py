@@ -13,7 +13,7 @@ from cyclopts import App, Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from voxshell._outputs import check_output_folder
+from voxshell.base.outputs import check_output_folder
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
 from voxshell.measuring.files import finite
@@ -22,7 +22,7 @@ from voxshell.measuring.units import format_length, format_time
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from voxshell.world import World
+    from voxshell.simulation.world import World
 
 _STILL = 1e-9
 """Metres a second; what is slower moves by rounding alone."""

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from voxshell._outputs import check_output_file
+from voxshell.base.outputs import check_output_file
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
-from voxshell.model import Model
+from voxshell.model.model import Model
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.inspector import Inspector, Layer
 from voxshell.viewer.server import import_viser, make_address, silent_server
 
 if TYPE_CHECKING:
-    from voxshell.queries import Collidable
+    from voxshell.query.pairs import Collidable
 
 
 def view(

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 import voxshell
-from voxshell.world import BULLET_VERSION
+from voxshell.simulation.world import BULLET_VERSION
 
 _LIBRARIES = (
     "coacd",

@@ -8,7 +8,7 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import write_bytes, write_text
+from voxshell.base.outputs import write_bytes, write_text
 from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.queries import collide
+from voxshell.query.queries import collide
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.model import Model
+    from voxshell.model.model import Model
 
 
 def find_poses_between(

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_not_negative, as_positive, as_real
+from voxshell.base.arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
+from voxshell.simulation.material import Material
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -80,10 +81,7 @@ class BodySettings:
             raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
         if self.shape == "plane" and self.mass:
             raise SettingsError("mass of a plane must be 0: it has no end and cannot move")
-        for name in ("friction", "rolling_friction", "spinning_friction"):
-            as_not_negative(getattr(self, name), name)
-        if not 0.0 <= as_real(self.restitution, "restitution") <= 1.0:
-            raise SettingsError(f"restitution must be from 0 to 1, not {self.restitution:g}")
+        _ = self.material  # which checks its numbers
         for name in ("position", "linear_velocity", "angular_velocity"):
             check_vector(getattr(self, name), name)
         if self.rotation_vector is not None:
@@ -106,6 +104,13 @@ class BodySettings:
         if self.mass is not None:
             return self.mass
         return 0.0 if self.shape == "plane" else 1.0
+
+    @property
+    def material(self) -> Material:
+        """How it rubs and rebounds."""
+        return Material(
+            self.friction, self.restitution, self.rolling_friction, self.spinning_friction
+        )
 
     @property
     def pose(self) -> NDArray[np.float64]:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_not_negative, as_positive, as_real
+from voxshell.base.arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
-from voxshell.joints import FixedJoint, HingeJoint, PointJoint, SliderJoint
 from voxshell.scenes.scene_settings import check_vector
+from voxshell.simulation.joint_kinds import FixedJoint, HingeJoint, PointJoint, SliderJoint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.joints import JointKind
     from voxshell.scenes.body_settings import BodySettings
+    from voxshell.simulation.joint_kinds import JointKind
 
 _OF_AN_AXIS = ("axis", "limits", "friction", "damping", "target_velocity", "target_position")
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from voxshell._settings import make, parse_toml, read_text
+from voxshell.base.settings import make, parse_toml, read_text
 from voxshell.errors import MeshError, PoseError, SettingsError, SimulationError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.body_shapes import mesh_of
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.world_tables import CONTACT_DTYPE
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.simulation.tables import CONTACT_DTYPE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.scenes.scene_file import Scene
-    from voxshell.world import World
+    from voxshell.simulation.world import World
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 
 MOST_FRAMES = 1_000_000

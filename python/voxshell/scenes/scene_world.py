@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from voxshell.comparison_shapes import ConvexHull, GImpact
 from voxshell.errors import MemoryLimitError
-from voxshell.meshes import Mesh, read_mesh
-from voxshell.model import Model
-from voxshell.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
-from voxshell.world import World
+from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
+from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
+from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from voxshell.body_shapes import Shape
     from voxshell.scenes.body_settings import BodySettings
     from voxshell.scenes.scene_file import Scene
     from voxshell.scenes.scene_settings import MeshSettings
+    from voxshell.simulation.body_shapes import Shape
 
 _BUILD_NAMES = ("voxel_size", "resolution", "point_spacing", "target_points", "sign")
 
@@ -63,11 +63,8 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 _make_shape(body, meshes),
                 mass=body.kilograms,
                 pose=body.pose,
-                friction=body.friction,
-                rolling_friction=body.rolling_friction,
-                spinning_friction=body.spinning_friction,
-                restitution=body.restitution,
                 inertia=body.inertia,
+                material=body.material,
                 name=name,
             )
             if body.kilograms > 0.0:

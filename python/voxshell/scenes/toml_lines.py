@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from voxshell._settings import TOML_TOKEN, parse_toml
+from voxshell.base.settings import TOML_TOKEN, parse_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell._arguments import as_floats, as_integer, as_positive
-from voxshell.comparison_shapes import ConvexHull
-from voxshell.compound import Compound, Part
+from voxshell.base.arguments import as_floats, as_integer, as_positive
 from voxshell.errors import (
     InputTypeError,
     MemoryLimitError,
@@ -19,20 +17,17 @@ from voxshell.errors import (
     RobotError,
     SettingsError,
 )
-from voxshell.joints import HingeJoint, Joint, PointJoint, SliderJoint
-from voxshell.model import Model
-from voxshell.shapes import Box, Capsule, Cylinder, Sphere
-from voxshell.urdf.description import (
-    Collision,
-    MeshFile,
-    Primitive,
-    RobotDescription,
-    read_urdf,
-    shorten_names,
-)
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cylinder, Sphere
+from voxshell.simulation.comparison_shapes import ConvexHull
+from voxshell.simulation.compound import Compound, Part
+from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.joints import Joint
+from voxshell.urdf.description import Collision, MeshFile, Primitive, RobotDescription
 from voxshell.urdf.lumps import Lump, find_lumps
 from voxshell.urdf.matter import DENSITY, GHOST_MASS, Matter, complete_matter
 from voxshell.urdf.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.urdf.reading import read_urdf, shorten_names
 from voxshell.urdf.robot import Link, Robot, RobotWarning, Strength
 
 if TYPE_CHECKING:
@@ -40,9 +35,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from voxshell.body import Body
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.world import World
     from voxshell.urdf.description import JointDescription
-    from voxshell.world import World
 
 _DEFAULT_RESOLUTION = 100
 _MARKER_RADIUS = 0.005
@@ -147,7 +142,7 @@ def load_urdf(
     if voxel_size is None and resolution is None:
         resolution = _DEFAULT_RESOLUTION
     world_from_root = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
-    from voxshell.world import World  # which imports robots
+    from voxshell.simulation.world import World  # which imports robots
 
     if not isinstance(world, World):
         raise InputTypeError(f"world must be a World, not {type(world).__name__}")

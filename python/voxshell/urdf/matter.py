@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.body_shapes import compute_mass_properties
 from voxshell.errors import MissingExtraError
-from voxshell.mass_properties import MassProperties
-from voxshell.shapes import Box, Capsule, Cylinder, Sphere
+from voxshell.model.mass_properties import MassProperties
+from voxshell.model.shapes import Box, Capsule, Cylinder, Sphere
+from voxshell.simulation.body_shapes import compute_mass_properties
 from voxshell.urdf.description import MeshFile
 from voxshell.urdf.mesh_files import read_link_mesh
 

@@ -9,7 +9,7 @@ from xml.parsers import expat
 import numpy as np
 
 from voxshell.errors import MeshError, MissingExtraError, RobotError
-from voxshell.meshes import Mesh, read_mesh
+from voxshell.model.meshes import Mesh, read_mesh
 
 if TYPE_CHECKING:
     from voxshell.urdf.description import MeshFile, RobotDescription

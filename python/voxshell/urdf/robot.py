@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from voxshell.body import Body
-    from voxshell.joints import Joint
-    from voxshell.world import World
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.joints import Joint
+    from voxshell.simulation.world import World
 
 
 class RobotWarning(UserWarning):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import write_bytes
+from voxshell.base.outputs import write_bytes
 from voxshell.viewer.lanes import view_axes
 from voxshell.viewer.palette import choose_colors
 from voxshell.viewer.quaternions import as_steady, rotations_as_wxyz

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from voxshell.body_shapes import mesh_of
-from voxshell.queries import contacts, distance
-from voxshell.query_scratch import QueryScratch
+from voxshell.model.shapes import Plane
+from voxshell.query.distances import distance
+from voxshell.query.queries import contacts
+from voxshell.query.scratch import QueryScratch
 from voxshell.recording import ContactTrack
-from voxshell.shapes import Plane
+from voxshell.simulation.body_shapes import mesh_of
 from voxshell.viewer.handle import Handle
 from voxshell.viewer.layers import (
     Axis,
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
     import viser
     from numpy.typing import NDArray
 
-    from voxshell.model import Model
-    from voxshell.queries import Collidable
+    from voxshell.model.model import Model
+    from voxshell.query.pairs import Collidable
 
 Layer = Literal["surface", "slice", "level", "points", "normals", "spheres"]
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell.errors import MissingExtraError
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.model import Model
+    from voxshell.model.model import Model
 
 Axis = Literal["x", "y", "z"]
 

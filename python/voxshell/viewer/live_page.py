@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     import viser
     from numpy.typing import NDArray
 
-    from voxshell.body import Body
-    from voxshell.live_frame import LiveFrame
-    from voxshell.live_view import LiveView
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.live_frame import LiveFrame
+    from voxshell.simulation.live_view import LiveView
     from voxshell.viewer.stage import Camera
 
 _TEXT_EVERY = 0.2

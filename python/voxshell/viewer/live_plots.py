@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     import viser
 
-    from voxshell.live_frame import LiveFrame
+    from voxshell.simulation.live_frame import LiveFrame
 
 _SAMPLES = 600
 """That are shown: twenty seconds at 30 frames a second."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.body_shapes import mesh_of
+from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
-from voxshell.shapes import Plane
+from voxshell.simulation.body_shapes import mesh_of
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
 from voxshell.viewer.pins import build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     import viser
     from numpy.typing import NDArray
 
-    from voxshell.body import Body
-    from voxshell.live_frame import LiveFrame
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.live_frame import LiveFrame
 
     Grab = Callable[[Body, "viser.SceneNodeDragEvent[Any]"], None]
 

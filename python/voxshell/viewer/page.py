@@ -7,7 +7,7 @@ from html import escape
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import write_text
+from voxshell.base.outputs import write_text
 from voxshell.errors import RecordingError
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT

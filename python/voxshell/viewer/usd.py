@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._outputs import replacing
+from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.palette import choose_colors
 from voxshell.viewer.quaternions import as_steady, rotations_as_wxyz

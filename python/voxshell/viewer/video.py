@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell._arguments import as_integer, as_positive
-from voxshell._outputs import replacing
+from voxshell.base.arguments import as_integer, as_positive
+from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.page import metric

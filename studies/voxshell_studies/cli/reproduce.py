@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from voxshell._outputs import check_output_folder, make_folder
+from voxshell.base.outputs import check_output_folder, make_folder
 from voxshell.errors import SettingsError
 from voxshell.measuring.files import finite
 

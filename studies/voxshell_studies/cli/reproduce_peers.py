@@ -11,7 +11,7 @@ from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
-from voxshell._outputs import check_output_folder
+from voxshell.base.outputs import check_output_folder
 from voxshell.cli.progress import Track, open_progress
 from voxshell.errors import SettingsError
 from voxshell.measuring.files import finite

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
-from voxshell._outputs import check_output_folder, filling
+from voxshell.base.outputs import check_output_folder, filling
 from voxshell.cli.bodies import require_file
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError

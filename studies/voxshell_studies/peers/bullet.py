@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from voxshell import Box, ConvexDecomposition, ConvexHull, GImpact, Plane, World
-from voxshell.body_shapes import mesh_of
 from voxshell.errors import SettingsError
-from voxshell.world import BULLET_VERSION
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.simulation.world import BULLET_VERSION
 
 from voxshell_studies.peers import ours
 from voxshell_studies.scenes.drop import BULLET_MARGIN, choose_bullet_solver
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.body_shapes import Shape
 
     from voxshell_studies.peers.protocol import Case, Job, Other
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell._arguments import as_positive, as_real
+from voxshell.base.arguments import as_positive, as_real
 from voxshell.errors import SettingsError
-from voxshell.mass_properties import MassProperties
-from voxshell.meshes import Mesh, read_mesh
+from voxshell.model.mass_properties import MassProperties
+from voxshell.model.meshes import Mesh, read_mesh
 
 from voxshell_studies.peers.protocol import Case, Job
 from voxshell_studies.scenes.bunny import find_bunny

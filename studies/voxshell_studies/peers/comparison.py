@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import make_folder
+from voxshell.base.outputs import make_folder
 from voxshell.measuring.environment import describe_environment
 from voxshell.measuring.files import write_json
 

@@ -11,7 +11,7 @@ from voxshell_studies.peers.protocol import load_library, seconds_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.peers.protocol import Case, Job, Other
 

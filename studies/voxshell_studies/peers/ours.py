@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import voxshell
 from voxshell import Box, Model, Plane, QueryScratch, contacts
-from voxshell.body_shapes import mesh_of
+from voxshell.simulation.body_shapes import mesh_of
 
 from voxshell_studies.peers.protocol import seconds_of
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-    from voxshell.contact_set import Contacts
+    from voxshell.query.contact_set import Contacts
 
     from voxshell_studies.peers.protocol import Case, Job, Other
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 RECIPE = RECIPES["coacd"]
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
-    from voxshell.mass_properties import MassProperties
-    from voxshell.meshes import Mesh
+    from voxshell.model.mass_properties import MassProperties
+    from voxshell.model.meshes import Mesh
 
 Other = Literal["plane", "box", "body"]
 """What the body meets: the plane z = 0, a box whose top is in it, or a second body of its kind."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import make_folder, write_text
+from voxshell.base.outputs import make_folder, write_text
 from voxshell.measuring.files import write_csv, write_json
 from voxshell.measuring.units import format_time
 
@@ -42,7 +42,7 @@ def write_results(out: Path, comparison: Comparison, command: str) -> None:
 
 
 def describe(comparison: Comparison) -> dict[str, object]:
-    """Everything, ready for JSON. Seconds, metres, m/s, rad/s."""
+    """All results, ready for JSON. Seconds, meters, m/s, rad/s."""
     return {
         "experiment": "peers",
         "units": "seconds, metres, m/s, rad/s",
@@ -136,7 +136,7 @@ def format_times(
 
 
 def format_ratio(ratio: float) -> str:
-    """Two digits that matter, or none; how many times slower, or faster.
+    """A ratio with two significant digits, as "12x" (slower) or "1/13" (faster).
 
     Example:
         >>> [format_ratio(ratio) for ratio in (0.0754, 0.5, 1.0, 12.3, 1234.0)]
@@ -148,7 +148,7 @@ def format_ratio(ratio: float) -> str:
 
 
 def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
-    """Contacts, deepest depth and how far that is off: "94: 0.98 (-0.02)"."""
+    """Contacts, deepest depth and its error: "94: 0.98 (-0.02)"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -164,7 +164,7 @@ def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
 
 
 def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
-    """Contacts and how far the deepest depth is off, millimetres: "94 -0.02"."""
+    """Contacts and the error of the deepest depth, millimeters: "94 -0.02"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -177,7 +177,7 @@ def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
 
 
 def format_drop(drop: DropResult | None) -> str:
-    """How it ended, and the height of the lowest vertex, millimetres: "rests -0.10"."""
+    """The result, and the height of the lowest vertex, millimeters: "rests -0.10"."""
     if drop is None:
         return "-"
     if drop.problem:
@@ -197,32 +197,35 @@ def format_preparation(peer: PeerResult) -> str:
 
 
 def describe_truth(comparison: Comparison) -> str:
-    """Where the true depths are from."""
+    """The origin of the true depths."""
     if comparison.truth_problem:
         return (
-            f"as the poses were set up, with libigl, once: this time it could not say "
-            f"({comparison.truth_problem})"
+            f"computed once with libigl when the poses were made (not available in this run: "
+            f"{comparison.truth_problem})"
         )
     version = next(iter(comparison.truths.values())).version
-    return f"by libigl {version}, of all vertices and face centres of both meshes"
+    return f"computed by libigl {version} at all vertices and face centers of both meshes"
 
 
 def describe_load(peers: list[PeerResult]) -> str:
-    """What else the machine did: a load above the cores means that other work took turns."""
+    """The load of the machine: a load above the number of cores means that other work competed."""
     loads = [peer.load for peer in peers]
     if not loads:
         return "nothing measured"
-    return f"load average {min(loads):.1f} to {max(loads):.1f} (above the cores, others took turns)"
+    return (
+        f"load average {min(loads):.1f} to {max(loads):.1f} (a load above the number of cores means "
+        "that other programs competed)"
+    )
 
 
 # ---- Markdown ------------------------------------------------------------------------------------
 
 
 def write_markdown(comparison: Comparison, command: str) -> str:
-    """The page: what was asked, the tables, the settings of each peer."""
+    """The page: the setup, the tables, the settings of each engine."""
     measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
     lines = [
-        "# What people would use instead",
+        "# Comparison with other engines",
         *_describe_setup(comparison, measured, command),
         *_tabulate_times(comparison, measured),
         *_tabulate_depths(comparison, measured),
@@ -241,19 +244,20 @@ def _describe_setup(comparison: Comparison, measured: list[PeerResult], command:
     )
     return [
         "",
-        "Made by",
+        "This page compares voxshell with the libraries that people would otherwise use. The command",
         "",
         f"    {command}",
         "",
-        f"at commit {environment['commit']}, on {environment['cores']} cores of {environment['cpu']}, "
-        f"{environment['system']}, Python {environment['python']}, {describe_load(measured)}. "
-        "Peers: `pip install voxshell-studies[peers]`, or in a checkout `.venv/bin/pip install -c "
-        "tools/constraints.txt -r tools/requirements-peers.txt`; ODE: `apt install libode8`. Each runs "
-        "in a process of its own, with the settings below; one that is missing, fails or hangs is a row "
-        "that says so.",
+        f"wrote it at commit {environment['commit']}, on {environment['cores']} cores of "
+        f"{environment['cpu']}, {environment['system']}, Python {environment['python']}, "
+        f"{describe_load(measured)}. To install the other engines, run `pip install "
+        "voxshell-studies[peers]`, or in a checkout `.venv/bin/pip install -c tools/constraints.txt -r "
+        "tools/requirements-peers.txt`. For ODE, run `apt install libode8`. Each engine runs in a "
+        "process of its own, with the settings below. If an engine is missing, fails or hangs, its row "
+        "says so.",
         "",
-        f"The body is the Stanford bunny, {LENGTH:g} m long. True depths in millimetres, "
-        f"{describe_truth(comparison)}: {', '.join(depths)}.",
+        f"The body is the Stanford bunny, {LENGTH:g} m long. The true depths in millimeters, "
+        f"{describe_truth(comparison)}, are: {', '.join(depths)}.",
     ]
 
 
@@ -263,16 +267,17 @@ def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str
         "",
         "## Times",
         "",
-        f"Median and 99th percentile of a query over {POSES} poses that differ by at most "
-        f"{1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad, asked again and again for "
-        f"{comparison.settings.case_seconds:g} s; and, as a multiple of the first row's, the median over "
-        "poses of the least time, which other work on the machine disturbs less (`cases.csv` has it), "
-        "unless a query is longer than a turn of some 4 ms; "
-        "preparation in seconds, that of the convex parts first. Settings, below, say what is timed. "
-        "Pairs have no ground, so that they are asked about once.",
+        f"Each cell has the median and the 99th percentile of a query. {POSES} poses that differ by at "
+        f"most {1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad are queried repeatedly for "
+        f"{comparison.settings.case_seconds:g} s. The last number of a cell is the median over poses of "
+        "the least time, as a multiple of the first row's; `cases.csv` has the times. Other work on the "
+        "machine disturbs the least time less, unless a query is longer than a time slice of some 4 ms. "
+        "Preparation is in seconds; the time for convex parts comes first. The table of settings says "
+        "what is timed. Pairs have no ground, so the rows with an analytic ground have no figures for "
+        "them.",
         "",
         *_table(
-            ["peer", "preparation, s", *(case.label for case in cases)],
+            ["engine", "preparation, s", *(case.label for case in cases)],
             [
                 [
                     peer.label,
@@ -291,13 +296,13 @@ def _tabulate_depths(comparison: Comparison, peers: list[PeerResult]) -> list[st
         "",
         "## Contacts and depths",
         "",
-        "Number of contacts in the first pose: deepest depth reported, millimetres (and how far that "
-        "is off the true one). True is how far the deepest point of either body is from the other's "
-        "surface. Convex shapes report the shortest way out of each other instead, parts pair by pair; "
-        "meshes how deep a triangle is in another.",
+        "Each cell has the number of contacts in the first pose, the deepest depth reported in "
+        "millimeters, and its error in parentheses. The true depth is the distance of the deepest point "
+        "of either body from the other's surface. Convex shapes report the shortest separating "
+        "translation instead, for each pair of parts. Meshes report how deep one triangle is in another.",
         "",
         *_table(
-            ["peer", *(case.label for case in cases)],
+            ["engine", *(case.label for case in cases)],
             [
                 [peer.label, *(format_depth(comparison, peer, case) for case in cases)]
                 for peer in peers
@@ -314,11 +319,13 @@ def _tabulate_drops(comparison: Comparison, peers: list[PeerResult]) -> list[str
         "",
         "## Drops",
         "",
-        f"From {DROP_HEIGHT:g} m, upright, followed for {comparison.settings.drop_seconds:g} s, and the "
-        "height of the mesh's lowest vertex at the end in millimetres. *rests*: slower than "
-        f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second; *moves*: not; *sinks*: "
-        f"deeper than {1e3 * SUNK:g} mm at the end; *through*: its centre is below the surface; *off*: "
-        "it left the box sideways; *unstable*: the simulation blew up. `drops.csv` has how deep each was on the way.",
+        f"The bunny falls upright from {DROP_HEIGHT:g} m and is simulated for "
+        f"{comparison.settings.drop_seconds:g} s. Each cell has the result and the height of the mesh's "
+        "lowest vertex at the end in millimeters. *rests*: the bunny was slower than "
+        f"{1e3 * REST_SPEED:g} mm/s and {REST_SPIN:g} rad/s for the last second. *moves*: it was not. "
+        f"*sinks*: it is deeper than {1e3 * SUNK:g} mm at the end. *through*: its center is below the "
+        "surface. *off*: it left the box sideways. *unstable*: the simulation diverged. `drops.csv` has "
+        "the greatest depth of each drop.",
     ]
     for ground in GROUNDS:
         thick = 2e2 * BOX_HALF_EXTENTS[2]
@@ -328,7 +335,7 @@ def _tabulate_drops(comparison: Comparison, peers: list[PeerResult]) -> list[str
             f"On the {where}:",
             "",
             *_table(
-                ["peer", *(f"{rate:g} Hz" for rate in rates)],
+                ["engine", *(f"{rate:g} Hz" for rate in rates)],
                 [
                     [peer.label, *(format_drop(find_drop(peer, ground, rate)) for rate in rates)]
                     for peer in peers
@@ -344,7 +351,7 @@ def _tabulate_settings(peers: list[PeerResult]) -> list[str]:
         "## Settings",
         "",
         *_table(
-            ["peer", "version", "timed", "settings"],
+            ["engine", "version", "timed", "settings"],
             [[peer.label, peer.version, peer.timed, format_settings(peer)] for peer in peers],
         ),
     ]
@@ -354,7 +361,7 @@ def _tabulate_problems(comparison: Comparison) -> list[str]:
     problems = list(list_problems(comparison))
     if not problems:
         return []
-    return ["", "## Not measured", "", *_table(["peer", "what", "why"], problems)]
+    return ["", "## Not measured", "", *_table(["engine", "what", "why"], problems)]
 
 
 def format_settings(peer: PeerResult) -> str:

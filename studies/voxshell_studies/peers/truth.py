@@ -7,8 +7,8 @@ from importlib import metadata
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.body_shapes import mesh_of
-from voxshell.shapes import Box
+from voxshell.model.shapes import Box
+from voxshell.simulation.body_shapes import mesh_of
 
 from voxshell_studies.peers.protocol import load_library
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.peers.protocol import Job
 

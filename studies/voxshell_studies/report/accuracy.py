@@ -26,14 +26,14 @@ TOUCHING_VOLUME = 1e-12
 
 
 def describe(settings: AccuracySettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"Two bunnies of {settings.size * 1e3:g} mm in {settings.poses} relative poses from "
+        f"Two bunnies of {settings.size * 1e3:g} mm are in {settings.poses} relative poses, from "
         f"{-settings.least_depth * 1e3:g} mm apart to {settings.most_depth * 1e3:g} mm in each other. "
-        "The deepest contact of both shells in both fields, against the same by brute force on voxels "
-        f"and points of {settings.reference_voxel_size * 1e3:g} mm, and against the exact overlap of "
-        "the triangles (volume by manifold3d): of a shallow overlap, the points' areas by their depths "
-        "add up to its volume."
+        "The deepest contact of both shells in both fields is compared with a brute-force search on "
+        f"voxels and points of {settings.reference_voxel_size * 1e3:g} mm, and with the exact overlap of "
+        "the triangles (volume by manifold3d). For a shallow overlap, the sum of the points' areas times "
+        "their depths is its volume."
     )
 
 
@@ -145,7 +145,7 @@ def draw(settings: AccuracySettings, results: Results, folder: Path) -> list[Pic
 ACCURACY = Experiment(
     name="accuracy",
     title="Accuracy",
-    question="How far is the reported depth off the meshes' own, and which overlaps are missed?",
+    question="How large is the error of the reported depth, and which overlaps are missed?",
     describe=describe,
     settings=AccuracySettings(),
     quick=replace(AccuracySettings(), poses=12, reference_voxel_size=0.001),

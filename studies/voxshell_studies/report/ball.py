@@ -8,7 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import ball
 from voxshell_studies.experiment import Experiment, Picture
@@ -52,19 +52,19 @@ ROUGHLY = 0.05
 
 
 def describe(settings: BallSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"A ball of {settings.radius:g} m and {settings.mass:g} kg falls from a centre height of "
-        f"{settings.height:g} m at {settings.rate:g} Hz, g {settings.gravity:g} m/s2, on a block of "
-        f"voxels of {settings.voxel_size * 1e3:g} mm; shells of {settings.low_points} and "
-        f"{settings.high_points:,} points; restitution "
-        f"{', '.join(f'{c:g}' for c in settings.restitutions)}. Each ball is turned so that the lowest "
-        "point of its shell is straight below its centre: a coarse one that lands on a point beside that "
-        "turns and misses the published apex, as the last rows tell, for information. The published rule "
-        "makes a contact of the point that penetrates deepest; ours adds points that will touch within "
-        "the step. Then "
+        f"A ball of radius {settings.radius:g} m and {settings.mass:g} kg falls from a center height of "
+        f"{settings.height:g} m at {settings.rate:g} Hz, with g {settings.gravity:g} m/s2, onto a block "
+        f"with voxels of {settings.voxel_size * 1e3:g} mm. The shells have {settings.low_points} and "
+        f"{settings.high_points:,} points, and the restitution is "
+        f"{', '.join(f'{c:g}' for c in settings.restitutions)}. Each ball is rotated so that the lowest "
+        "point of its shell is directly below its center. A coarse ball that lands on another point "
+        "starts to turn and misses the published apex; the last rows show this for information. The "
+        "published rule makes a contact of the point that penetrates deepest. Our rule adds points that "
+        "will touch within the step. Further runs use "
         f"{settings.phases} start heights within {settings.phase_reach * 1e3:g} mm, on the block and "
-        "on an analytic plane. The peer is Bullet's own sphere on its box, in the same world."
+        "on an analytic plane. The baseline is Bullet's own sphere on its box, in the same world."
     )
 
 
@@ -465,7 +465,7 @@ def _label(settings: BallSettings, method: str) -> str:
 BALL = Experiment(
     name="ball",
     title="Bouncing ball",
-    question="Does a ball of points rebound as Bullet's own sphere does, and how deep does it go?",
+    question="Does a ball of points rebound like Bullet's own sphere, and how deep does it penetrate?",
     describe=describe,
     settings=BallSettings(),
     quick=replace(BallSettings(), phases=6),

@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._outputs import make_folder
-from voxshell.comparison_shapes import ConvexDecomposition
-from voxshell.model import Model
+from voxshell.base.outputs import make_folder
+from voxshell.model.model import Model
+from voxshell.simulation.comparison_shapes import ConvexDecomposition
 
 from voxshell_studies import bunny
 from voxshell_studies.bunny import BunnyFallSettings
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.drop import DropRun
     from voxshell_studies.experiment import Results
@@ -71,20 +71,21 @@ SEEN = 2e-4
 
 
 def describe(settings: BunnyFallSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     first, last = FULL_OPERATION
     return (
         f"The bunny of {settings.size * 1e3:g} mm and {settings.mass:g} kg falls {settings.height:g} m "
-        f"on a block at {settings.rate:g} Hz, voxels of {settings.voxel_size * 1e3:g} mm, shells of "
-        f"{settings.fine_points:,} and {settings.coarse_points} points; beside it, in the same process "
-        "and with the same mass and start, Bullet's GImpact on the full mesh, GJK on the hull of 42 "
-        "directions, and convex decompositions: V-HACD's and HACD's 8 hulls of at most 100 vertices (HACD of "
-        "Bullet's extras, with the settings of its demo, on the mesh simplified to within "
-        f"{1e3 * RECIPES['hacd'].tolerance * settings.size:.1f} mm), and CoACD's with its own settings, a "
-        f"concavity of {CONCAVITY:g}; each with Bullet's own settings (GImpact with two friction directions) and "
-        f"the least margin that keeps all of them on the block. Full operation: steps {first} to "
-        f"{last}. Medians over {settings.orientations} orientations; then every method in "
-        f"{settings.equal_poses} equal poses of the fine fall. Pinned to one core, nothing else running."
+        f"onto a block at {settings.rate:g} Hz, with voxels of {settings.voxel_size * 1e3:g} mm and "
+        f"shells of {settings.fine_points:,} and {settings.coarse_points} points. The baselines run in "
+        "the same process with the same mass and start: Bullet's GImpact on the full mesh, GJK on the "
+        "hull of 42 directions, and convex decompositions. These are V-HACD's and HACD's 8 hulls of at "
+        "most 100 vertices, and CoACD's with its own settings and a concavity of "
+        f"{CONCAVITY:g}. HACD is the one of Bullet's extras, with the settings of its demo, on the mesh "
+        f"simplified to within {1e3 * RECIPES['hacd'].tolerance * settings.size:.1f} mm. Each method has "
+        "Bullet's own settings (GImpact with two friction directions) and the least margin that keeps "
+        f"all of them on the block. Full operation means steps {first} to {last}. Figures are medians "
+        f"over {settings.orientations} orientations; then every method runs in {settings.equal_poses} "
+        "equal poses of the fine fall. The process is pinned to one core, and nothing else runs."
     )
 
 
@@ -295,7 +296,7 @@ def _rows_of_pictures(tables: Tables) -> list[Row]:
             note="levels 1 to 5: " + ", ".join(f"{count:,}" for count in levels.values()),
         ),
         Row(
-            f"frames of the drop, steps {', '.join(map(str, FRAME_STEPS))}: way down after the first",
+            f"frames of the drop, steps {', '.join(map(str, FRAME_STEPS))}: distance down after the first",
             "falls, then lies",
             1e3 * (heights[0] - heights[-1]),
             "mm",
@@ -392,7 +393,7 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
 
 def _read_runs(settings: BunnyFallSettings, tables: Any, mesh: Mesh) -> list[DropRun]:
     from trimesh.creation import box
-    from voxshell.meshes import Mesh as Triangles
+    from voxshell.model.meshes import Mesh as Triangles
 
     block = box(2.0 * np.array(GROUND_HALF_EXTENTS))
     ground = Triangles(block.vertices, block.faces)
@@ -543,7 +544,7 @@ def _median_time(results: Results, table: str, key: str) -> float:
 BUNNY = Experiment(
     name="bunny",
     title="Falling bunny",
-    question="How long does the narrow phase of a mesh on a ground take, beside Bullet's own methods?",
+    question="How long does the narrow phase of a mesh on a ground take, compared with Bullet's own methods?",
     describe=describe,
     settings=BunnyFallSettings(),
     quick=replace(

@@ -7,8 +7,8 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell._outputs import make_folder, write_text
-from voxshell.meshes import Mesh
+from voxshell.base.outputs import make_folder, write_text
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import everyday
 from voxshell_studies.everyday import EverydaySettings, name_part
@@ -45,15 +45,15 @@ MOST_DECADES = 3.0
 
 
 def describe(settings: EverydaySettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     rates = sorted({rate for scene in settings.chosen for rate in settings.rates_of(scene)})
     ran = ", ".join(ENGINE_NAMES[engine] for engine in ENGINES if engine in settings.engines)
     return (
-        f"{len(settings.chosen)} ordinary scenes at default settings with a truth from outside: a closed form, "
-        "summed over time steps where these matter, or an argument that anyone can check. "
-        f"At {', '.join(f'{rate:g}' for rate in rates)} Hz, in up to {settings.placements} headings or places "
-        f"each, for at most {settings.longest:g} s; the worst run counts. With {ran}, where they can represent "
-        "the scene and are installed."
+        f"{len(settings.chosen)} ordinary scenes run at default settings. Each has an independent truth: "
+        "a closed form, summed over time steps where these matter, or an argument that anyone can "
+        f"check. The rates are {', '.join(f'{rate:g}' for rate in rates)} Hz, with up to "
+        f"{settings.placements} headings or positions each, for at most {settings.longest:g} s. The "
+        f"worst run counts. The engines are {ran}, where they can represent the scene and are installed."
     )
 
 
@@ -246,7 +246,7 @@ def _surface(item: Item) -> Surface:
 EVERYDAY = Experiment(
     name="everyday",
     title="Everyday scenes",
-    question="Do bodies slide, roll, bounce, spin, hang and stand as mechanics says, at default settings?",
+    question="Do bodies slide, roll, bounce, spin, hang and stand as mechanics predicts, at default settings?",
     describe=describe,
     settings=EverydaySettings(),
     quick=replace(

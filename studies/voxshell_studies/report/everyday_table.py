@@ -163,11 +163,11 @@ def count_holding(lines: Sequence[Line], engine: Engine, rate: float | None) -> 
 
 def write_table(lines: Sequence[Line]) -> str:
     """Tables as Markdown: counts by rate and engine, then one a group, good and bad rows alike."""
-    parts = ["### Measures within their bars", _write_counts(lines)]
+    parts = ["### Measures within their limits", _write_counts(lines)]
     for group, members in groupby(lines, key=lambda line: line.scene.group):
         parts.append(f"### {group}")
         rows = [
-            "| scene, measure | bar | 1000 Hz | 200 Hz | 60 Hz | 30 Hz | worst value (truth) "
+            "| scene, measure | limit | 1000 Hz | 200 Hz | 60 Hz | 30 Hz | worst value (truth) "
             "| Bullet's own | MuJoCo | verdict |",
             "|---|---|---|---|---|---|---|---|---|---|",
         ]

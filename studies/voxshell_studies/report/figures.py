@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import make_folder
+from voxshell.base.outputs import make_folder
 from voxshell.errors import MissingExtraError
 from voxshell.measuring.files import write_figure
 

@@ -20,7 +20,7 @@ from voxshell_studies.verdict import Row, at_most
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
     from voxshell_studies.experiment import Results
     from voxshell_studies.part import Tables
@@ -37,16 +37,17 @@ COLORS = dict(zip(LABELS, (OURS, *PEERS, "#8d6e63"), strict=True))
 
 
 def describe(settings: GearsSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"A gear of {settings.teeth[0]} involute teeth drives one of {settings.teeth[1]}: module "
-        f"{settings.module * 1e3:g} mm, each tooth {settings.backlash * 1e3:g} mm thinner than half a "
-        f"pitch, friction {settings.friction:g}. Axles are ideal hinges, so that nothing but teeth "
-        f"collides; a motor of at most {settings.torque:g} N m turns the first at {settings.speed:g} "
-        f"turns a second against {settings.load:g} N m on the other's axle, for {settings.seconds:g} s "
-        f"at {settings.rate:g} Hz. The same gears as models of {settings.voxel_size * 1e3:g} mm voxels, "
-        f"as Bullet's GImpact with a margin of {settings.margin * 1e3:g} mm, and as convex parts without "
-        "one. The true overlap is that of the models in the poses of each method."
+        f"A gear of {settings.teeth[0]} involute teeth drives one of {settings.teeth[1]}. The module is "
+        f"{settings.module * 1e3:g} mm, each tooth is {settings.backlash * 1e3:g} mm thinner than half a "
+        f"pitch, and friction is {settings.friction:g}. The axles are ideal hinges, so that only teeth "
+        f"collide. A motor of at most {settings.torque:g} N m turns the first gear at {settings.speed:g} "
+        f"turns per second against {settings.load:g} N m on the other axle, for {settings.seconds:g} s "
+        f"at {settings.rate:g} Hz. The same gears run as models with voxels of "
+        f"{settings.voxel_size * 1e3:g} mm, as Bullet's GImpact with a margin of "
+        f"{settings.margin * 1e3:g} mm, and as convex parts without a margin. The true overlap is that "
+        "of the models in the poses of each method."
     )
 
 
@@ -107,7 +108,7 @@ def _measure_ratio(settings: GearsSettings, tables: Tables) -> tuple[float, str]
         )
     lag = 360.0 * (other - driven / settings.ratio)[: done[0] + 1]
     ratio = float(driven[done[0]] / other[done[0]])
-    return ratio, f"the other gear is {lag.min():+.2f} to {lag.max():+.2f} degrees ahead on its way"
+    return ratio, f"the other gear is {lag.min():+.2f} to {lag.max():+.2f} degrees ahead"
 
 
 def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Picture]:
@@ -141,7 +142,7 @@ def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Pictur
 
 def _surfaces(settings: GearsSettings, tables: Tables) -> list[list[Mesh]]:
     """Of each gear, the meshes of its parts, or its own."""
-    from voxshell.comparison_shapes import ConvexHull
+    from voxshell.simulation.comparison_shapes import ConvexHull
 
     return [
         [ConvexHull(points).mesh for points in read_hulls(tables["hulls"], name)] or [model.mesh]
@@ -171,7 +172,7 @@ def _draw_gears(settings: GearsSettings, results: Results, ran: list[str], path:
 
 
 def _save_replay(settings: GearsSettings, results: Results, ran: list[str], path: Path) -> None:
-    from voxshell.comparison_shapes import ConvexDecomposition
+    from voxshell.simulation.comparison_shapes import ConvexDecomposition
     from voxshell.viewer.lanes import arrange_lanes
     from voxshell.viewer.replay import save_replay
 
@@ -193,7 +194,7 @@ def _save_replay(settings: GearsSettings, results: Results, ran: list[str], path
 GEARS = Experiment(
     name="gears",
     title="Gears in mesh",
-    question="Do teeth carry a turn over at their ratio, where convex parts fill the gaps between them?",
+    question="Do teeth transmit a rotation at their ratio, where convex parts fill the gaps between them?",
     describe=describe,
     settings=GearsSettings(),
     quick=replace(GearsSettings(), methods=("voxshell", "gimpact", "vhacd")),

@@ -62,21 +62,22 @@ _SHOWN_LEAST = 1e-6
 
 
 def describe(settings: GeometrySettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     held_out = sum(SCENES[name].held_out for name in settings.chosen)
     compared = (
-        f" Two of {COMPARED}, 1 mm deep in each other, are asked about in {settings.compared_poses} poses: "
-        "uniform models, models to a tolerance that makes them as exact, and default ones take turns."
+        f" Two of {COMPARED}, 1 mm deep in each other, are queried in {settings.compared_poses} poses. "
+        "Queries of uniform models, of models to a tolerance that makes them as exact, and of default "
+        "models alternate."
     )
     return (
-        f"{len(settings.chosen)} scenes of two meshes that come nearer to each other, {held_out} of them "
-        f"chosen by someone who did not write the code, in {settings.poses} poses each, in both orders "
-        f"of the bodies, with {settings.rotations} rotated copies and {settings.retriangulated} with "
-        "other triangles. Models and queries have default settings. The truth is the meshes': the first "
-        "touch of their triangles along the approach, the shortest separating translation, and the "
-        f"faces nearest to each contact. {settings.pairs} pairs of mixed size meet in "
-        f"{settings.pair_poses:,} poses, the worst of which {settings.optimized} steps of a search make "
-        "worse." + (compared if settings.compared_poses else "")
+        f"{len(settings.chosen)} scenes of two meshes that approach each other, {held_out} of them "
+        f"chosen by someone who did not write the code, run in {settings.poses} poses each, in both "
+        f"orders of the bodies, with {settings.rotations} rotated copies and {settings.retriangulated} "
+        "with other triangles. Models and queries have default settings. The truth comes from the "
+        "meshes: the first touch of their triangles along the approach, the shortest separating "
+        f"translation, and the faces nearest to each contact. {settings.pairs} pairs of mixed size meet "
+        f"in {settings.pair_poses:,} poses. A search of {settings.optimized} steps makes the worst of "
+        "these poses worse." + (compared if settings.compared_poses else "")
     )
 
 
@@ -416,7 +417,7 @@ def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Pic
 GEOMETRY = Experiment(
     name="geometry",
     title="Geometry",
-    question="How right are yes and no, depths, normals and places at default settings, whatever the pair?",
+    question="How accurate are yes and no, depths, normals and places at default settings, for any pair?",
     describe=describe,
     settings=GeometrySettings(),
     quick=replace(

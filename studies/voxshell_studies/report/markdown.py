@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from voxshell._outputs import write_text
+from voxshell.base.outputs import write_text
 from voxshell.measuring.environment import describe_environment
 
 from voxshell_studies.verdict import format_value
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from voxshell_studies.verdict import Row
 
 _HEAD = (
-    "| quantity | published | here | unit | ours should be | verdict | note |",
+    "| quantity | published | here | unit | required of voxshell | verdict | note |",
     "|---|---|---|---|---|---|---|",
 )
 

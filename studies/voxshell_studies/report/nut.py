@@ -41,14 +41,15 @@ LABELS = {
 
 
 def describe(settings: BoltSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"A nut of M{settings.radius * 2e3:g} size with a clearance of {settings.clearance * 1e3:g} mm "
-        f"along the radius, {settings.compute_clearance() * 1e3:.2f} mm across the flanks, is let go "
-        f"{nut.START_TURNS:g} turns up the thread of an upright bolt, at {settings.rate:g} Hz for "
-        f"{settings.seconds:g} s: with friction it has to hold, without it may turn down along its thread "
-        f"and never through it. Both are meshes made with manifold3d, of {settings.segments} edges a turn "
-        f"and {settings.sections} cuts a pitch; voxels of {settings.voxel_size * 1e3:g} mm."
+        f"A nut of size M{settings.radius * 2e3:g} has a clearance of {settings.clearance * 1e3:g} mm "
+        f"along the radius and {settings.compute_clearance() * 1e3:.2f} mm across the flanks. It is "
+        f"released {nut.START_TURNS:g} turns up the thread of an upright bolt, at {settings.rate:g} Hz "
+        f"for {settings.seconds:g} s. With friction it must hold. Without friction it may turn down "
+        "along its thread, but must not slip through it. Both are meshes made with manifold3d, with "
+        f"{settings.segments} edges per turn and {settings.sections} cuts per pitch, and voxels of "
+        f"{settings.voxel_size * 1e3:g} mm."
     )
 
 
@@ -132,12 +133,12 @@ def draw(settings: BoltSettings, results: Results, folder: Path) -> list[Picture
         axes.plot(
             [0, most], [0, most * settings.pitch * 1e3], "--", color="#999999", label="the thread"
         )
-        axes.set(xlabel="turns", ylabel="way down, mm")
+        axes.set(xlabel="turns", ylabel="distance down, mm")
         axes.legend(fontsize=8, frameon=False)
     _draw_places(settings, results, folder / "places.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("thread.png", "The nut's way down over its turns without friction; dashed: the pitch."),
+        Picture("thread.png", "The nut's distance down over its turns without friction; dashed: the pitch."),
         Picture("places.png", "At the start, and at the end: with friction, and without (regular contacts)."),
         Picture("replay.html", "The nut with and without friction."),
     ]  # fmt: skip

@@ -7,7 +7,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from voxshell._outputs import write_text
+from voxshell.base.outputs import write_text
 from voxshell.measuring.environment import describe_environment
 from voxshell.measuring.files import write_json
 
@@ -169,7 +169,7 @@ def _tell(out: Path, finding: Finding) -> str:
 <h3>Result</h3>{pictures}
 <h3>Verdict</h3>
 <table><tr><th>quantity</th><th class="number">published</th><th class="number">here</th><th>unit</th>
-<th>ours should be</th><th>verdict</th></tr>{lines}</table>"""
+<th>required of voxshell</th><th>verdict</th></tr>{lines}</table>"""
 
 
 def _show(out: Path, folder: str, picture: Picture) -> str:

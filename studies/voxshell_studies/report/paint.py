@@ -8,9 +8,9 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell._outputs import write_bytes
+from voxshell.base.outputs import write_bytes
 from voxshell.errors import MissingExtraError
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -41,18 +41,20 @@ LABELS = {method.key: method.label for method in METHODS} | {
 
 
 def describe(settings: PairSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"Two bunnies of {settings.size * 1e3:g} mm in {settings.poses} relative poses, pushed "
-        f"{settings.least_depth * 1e3:g} to {settings.most_depth * 1e3:g} mm into each other, the "
-        "same poses for every method in one process; at each pose the bunny moves to and fro by "
-        f"{settings.drift * 1e3:g} mm, as in a simulation. Medians over poses of the least over "
-        f"{settings.repeats} repeats, in each of which the quick methods take {settings.turns} turns "
-        "and GImpact and the yes/no queries one: what a busy machine adds belongs to none of them. The yes/no queries are called from Python, ours and coal's "
-        "(trees of oriented boxes with swept spheres)."
-        + f" Falling: one of them falls {settings.falls} times on the other, which is fixed; timed are the steps in "
-        "which they touch, at the speed that it has there. Models that move by more than a voxel in a step are "
-        "followed through it, hulls are not; so the fine shell falls once more without (`ccd_motion_threshold`)."
+        f"Two bunnies of {settings.size * 1e3:g} mm overlap by {settings.least_depth * 1e3:g} to "
+        f"{settings.most_depth * 1e3:g} mm in {settings.poses} relative poses, the same for every method "
+        "in one process. At each pose the bunny moves back and forth by "
+        f"{settings.drift * 1e3:g} mm, as in a simulation. Figures are medians over poses of the least "
+        f"of {settings.repeats} repeats. In each repeat the fast methods run {settings.turns} times, and "
+        "GImpact and the yes/no queries once, so that a busy machine affects all of them alike. The "
+        "yes/no queries of voxshell and coal are called from Python (coal uses trees of oriented boxes "
+        "with swept spheres)."
+        f" Falling: one bunny falls {settings.falls} times onto the other, which is fixed. The steps in "
+        "which they touch are timed, at the speed that the bunny has there. Models that move by more "
+        "than a voxel in a step get continuous collision detection, and hulls do not. The fine shell "
+        "therefore falls once more without it (`ccd_motion_threshold`)."
         + (_describe_rest(settings) if pair.rests(settings) else "")
     )
 
@@ -60,7 +62,7 @@ def describe(settings: PairSettings) -> str:
 def _describe_rest(settings: PairSettings) -> str:
     return (
         " At rest: the four pairs of a stack of five bunnies that has stood for "
-        f"{settings.rest_seconds:g} s, in the poses of its next {settings.rest_steps} steps."
+        f"{settings.rest_seconds:g} s are timed in the poses of its next {settings.rest_steps} steps."
     )
 
 
@@ -219,7 +221,7 @@ def _median(results: Results, key: str, part: str = "times") -> float:
 PAIR = Experiment(
     name="pair",
     title="Bunny on bunny",
-    question="How long does the narrow phase of two meshes take, beside Bullet's methods and coal?",
+    question="How long does the narrow phase of two meshes take, compared with Bullet's methods and coal?",
     describe=describe,
     settings=PairSettings(),
     quick=replace(PairSettings(), poses=8, repeats=2),

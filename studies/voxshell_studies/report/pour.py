@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import pour
 from voxshell_studies.experiment import Experiment, Picture
@@ -39,15 +39,15 @@ DRAWN_ERROR = 0.004
 
 
 def describe(settings: PourSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     inside = " x ".join(f"{1e2 * side:g}" for side in settings.bin_size)
     return (
-        f"{settings.count} bodies of {settings.size * 1e3:g} mm, {len(settings.build_model().shell.points):,} "
+        f"{settings.count} bodies of {settings.size * 1e3:g} mm, with {len(settings.build_model().shell.points):,} "
         f"points each and voxels of {settings.voxel_size * 1e3:g} mm, fall into a bin of {inside} cm, "
-        f"a model too, at {settings.rate:g} Hz for {settings.seconds:g} s. The peers fall into a bin of "
-        "five of Bullet's boxes: V-HACD's hulls on their own; GImpact, which takes seconds a step, for "
-        f"{settings.slow_steps} steps in the heap that the models made, as all are timed there. "
-        "One core."
+        f"which is also a model, at {settings.rate:g} Hz for {settings.seconds:g} s. The baselines fall "
+        "into a bin of five of Bullet's boxes. V-HACD's hulls fall on their own. GImpact takes seconds "
+        f"per step, so it runs {settings.slow_steps} steps in the heap that the models made; all methods "
+        "are timed in that heap. The experiment uses one core."
     )
 
 

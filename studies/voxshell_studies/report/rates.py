@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import rates
 from voxshell_studies.experiment import Experiment, Picture
@@ -37,16 +37,17 @@ HELD_TO = ("level 4", "level 5", "regular", "auto")
 
 
 def describe(settings: RatesSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
         f"The bunny with {settings.fine_points:,} points falls {settings.height:g} m in "
-        f"{settings.orientations} orientations, {settings.seconds:g} s and at least {rates.LEAST_STEPS} steps at each rate from "
-        f"{settings.rates[0]:g} to {settings.rates[-1]:g} Hz, on a half-space and on a slab of "
-        f"{2e2 * rates.SLAB_HALF_EXTENTS[2]:g} cm. Carried: at the end its centre of mass is above "
-        "the surface and above the ground. The published rule makes contacts of the points that "
-        "penetrate, the deepest of each segment of a level; ours adds points that will touch within "
-        f"the step. Then throws at {' and '.join(f'{v:g}' for v in settings.throw_speeds)} m/s, at "
-        f"{settings.throw_rate:g} Hz."
+        f"{settings.orientations} orientations. Each run takes {settings.seconds:g} s and at least "
+        f"{rates.LEAST_STEPS} steps at each rate from {settings.rates[0]:g} to {settings.rates[-1]:g} "
+        "Hz, on a half-space and on a slab of "
+        f"{2e2 * rates.SLAB_HALF_EXTENTS[2]:g} cm. The ground carries the bunny if its center of mass is "
+        "above the surface and above the ground at the end. The published rule makes contacts of the "
+        "points that penetrate: the deepest of each segment of a level. Our rule adds points that will "
+        "touch within the step. Then the bunny is thrown at "
+        f"{' and '.join(f'{v:g}' for v in settings.throw_speeds)} m/s, at {settings.throw_rate:g} Hz."
     )
 
 
@@ -293,7 +294,7 @@ def _fell_through(runs: Columns, ground: str) -> NDArray[np.bool_]:
 RATES = Experiment(
     name="rates",
     title="Low rates",
-    question="Down to how many steps a second does the ground carry the bunny, and how deep does it sink?",
+    question="At which step rates does the ground carry the bunny, and how deep does it sink?",
     describe=describe,
     settings=RatesSettings(),
     quick=replace(

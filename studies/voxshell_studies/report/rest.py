@@ -51,21 +51,21 @@ GROUND_NAMES = {"voxels": "block of voxels", "plane": "analytic plane"}
 
 
 def describe(settings: RestSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"The bunny is let go {settings.height * 1e2:g} cm over the ground in {settings.orientations} "
-        f"orientations, at {settings.rate:g} Hz, with the fine and the coarse shell, each way to make "
-        "contacts, on a block of voxels and on an analytic plane. Its angular speed is the largest of "
-        f"the last {rest.WINDOW_SECONDS:g} s before {settings.settle_seconds:g} s after touch-down, "
-        f"its drift the farthest from there in the next {settings.drift_seconds:g} s, nothing sleeps. "
-        "Once more with sleeping on: does it fall asleep? Bullet's own hull of the bunny, of 42 "
-        "vertices, does the same for comparison. Whether a body that still rolls after that time is a "
-        "fault of contacts, others tell whose contacts are not ours: on the plane, the hull of all of the "
-        f"bunny's vertices in Bullet and in MuJoCo, at {', '.join(f'{r:g}' for r in settings.roll_rates)} "
-        "Hz. A body lies still from when it turns slower than "
-        f"{MOST_TURNING:g} rad/s and does so to the end. None of these bodies has rolling friction, with "
-        f"which real ones come to rest; so all of ours lie down once more with {_name_friction(settings)} "
-        "on bunny and ground, and as much spinning friction"
+        f"The bunny is released {settings.height * 1e2:g} cm above the ground in {settings.orientations} "
+        f"orientations, at {settings.rate:g} Hz, with the fine and the coarse shell and every contact "
+        "rule, on a block of voxels and on an analytic plane. Its angular speed is the largest of the "
+        f"last {rest.WINDOW_SECONDS:g} s before {settings.settle_seconds:g} s after touch-down. Its "
+        f"drift is the largest displacement in the next {settings.drift_seconds:g} s. No body sleeps in "
+        "these runs; a second set of runs with sleeping on shows whether the bunny falls asleep. "
+        "Bullet's own hull of the bunny, with 42 vertices, does the same for comparison. Other engines "
+        "show whether contacts cause a body to roll after that time: the hull of all of the bunny's "
+        "vertices runs on the plane in Bullet and in MuJoCo, at "
+        f"{', '.join(f'{r:g}' for r in settings.roll_rates)} Hz. A body lies still from the time when it "
+        f"turns slower than {MOST_TURNING:g} rad/s until the end. None of these bodies has rolling "
+        "friction, which brings real bodies to rest. Therefore all models run once more with "
+        f"{_name_friction(settings)} on bunny and ground, and the same spinning friction"
         + (f", and in {settings.others} other orientations." if settings.others > 0 else ".")
     )
 

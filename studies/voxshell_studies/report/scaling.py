@@ -32,17 +32,18 @@ ENGINE_NAMES: dict[Engine, str] = {
 
 
 def describe(settings: ScalingSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"The bunny {settings.depth * 1e3:g} mm deep in a block of voxels, moved to and fro by "
-        f"{settings.shift * 1e3:g} mm, {settings.steps} steps in {settings.orientations} orientations: "
-        f"the narrow phase with {settings.points[0]:,} to {settings.points[-1]:,} points, and with "
-        f"voxels of {settings.voxel_sizes[0] * 1e3:g} to {settings.voxel_sizes[-1] * 1e3:g} mm. "
-        "Medians; one core, nothing else running. "
-        f"And {settings.bodies[0]:,} to {settings.bodies[-1]:,} bunnies of 0.1 m, poured for "
-        f"{settings.poured:g} s into a bin whose floor grows with their number: whole steps at 200 Hz of the "
-        "heap that they make, with models at default settings, models of voxels of 2 mm and the shell of fewest points, "
-        "eight hulls each in Bullet, and the same hulls in MuJoCo, where it is installed. Nothing sleeps."
+        f"The bunny is {settings.depth * 1e3:g} mm deep in a block of voxels and moves back and forth by "
+        f"{settings.shift * 1e3:g} mm, for {settings.steps} steps in {settings.orientations} "
+        f"orientations. The narrow phase is timed with {settings.points[0]:,} to "
+        f"{settings.points[-1]:,} points, and with voxels of {settings.voxel_sizes[0] * 1e3:g} to "
+        f"{settings.voxel_sizes[-1] * 1e3:g} mm. Figures are medians on one core, with nothing else "
+        f"running. In addition, {settings.bodies[0]:,} to {settings.bodies[-1]:,} bunnies of 0.1 m are "
+        f"poured for {settings.poured:g} s into a bin whose floor grows with their number. Whole steps "
+        "of the resulting heap are timed at 200 Hz: with models at default settings, with models of "
+        "voxels of 2 mm and the shell of fewest points, with eight hulls each in Bullet, and with the "
+        "same hulls in MuJoCo, where it is installed. No body sleeps."
     )
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.body_shapes import mesh_of
-from voxshell.shapes import Box
+from voxshell.model.shapes import Box
+from voxshell.simulation.body_shapes import mesh_of
 
 from voxshell_studies import segments
 from voxshell_studies.experiment import Experiment, Picture
@@ -38,15 +38,16 @@ SPEED_UP = 30.0
 
 
 def describe(settings: SegmentsSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"The bunny falls {settings.height:g} m on a block of voxels at {settings.rate:g} Hz in "
+        f"The bunny falls {settings.height:g} m onto a block of voxels at {settings.rate:g} Hz in "
         f"{settings.orientations} orientations, with {settings.coarse_points} and "
-        f"{settings.fine_points:,} points, its contacts segmented at levels 1 to 5. Means over steps "
-        f"{settings.first_step} to {settings.last_step}; a step's time is its median over "
-        f"{settings.repeats} equal runs, one core, nothing else running. Then all levels once more in "
-        f"the poses of level {segments.POSES_OF}. The section gives its fine shell 35,596 or 34,892 "
-        "points, and 0.71 ms or these times: here it has the former, beside these times."
+        f"{settings.fine_points:,} points. Its contacts are segmented at levels 1 to 5. Figures are "
+        f"means over steps {settings.first_step} to {settings.last_step}. The time of a step is its "
+        f"median over {settings.repeats} equal runs, on one core, with nothing else running. Then all "
+        f"levels run once more in the poses of level {segments.POSES_OF}. The thesis gives its fine shell "
+        "as 35,596 or 34,892 points, and its times as 0.71 ms or as listed here. This experiment uses "
+        "the first number of points and compares with the listed times."
     )
 
 

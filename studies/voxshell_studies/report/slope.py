@@ -27,13 +27,13 @@ LABELS = {
 
 
 def describe(settings: SlopeSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     size = " x ".join(f"{2e2 * half:g}" for half in settings.half_extents)
     return (
-        f"A model of a box of {size} cm lies on a plane; gravity leans. The least angle at which it "
-        f"slides more than {settings.least_slide * 1e3:g} mm in {settings.seconds:g} s is found by "
-        f"halving, for friction {', '.join(f'{f:g}' for f in settings.frictions)}; ten degrees beyond "
-        "Coulomb's angle its acceleration is compared with g (sin a - mu cos a)."
+        f"A model of a box of {size} cm lies on a plane, and gravity is inclined. Bisection finds the "
+        f"least angle at which the box slides more than {settings.least_slide * 1e3:g} mm in "
+        f"{settings.seconds:g} s, for friction {', '.join(f'{f:g}' for f in settings.frictions)}. Ten "
+        "degrees beyond Coulomb's angle, its acceleration is compared with g (sin a - mu cos a)."
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 from voxshell_studies import stack
 from voxshell_studies.experiment import Experiment, Picture
@@ -32,14 +32,16 @@ if TYPE_CHECKING:
 
 
 def describe(settings: StackSettings) -> str:
-    """The set-up in words."""
+    """The setup as text."""
     return (
-        f"{settings.count} spheres of {settings.radius:g} m and {settings.mass:g} kg on an analytic "
-        f"plane, one exactly above the other, each turned at random ({settings.seeds} seeds), at "
-        f"{settings.rate:g} Hz, nothing sleeps. Collapsed: the top has fallen by a radius. Shells of "
-        f"{', '.join(f'{n:,}' for n in settings.resolutions)} points, and Bullet's own spheres. "
-        f"Beside them {len(BUNNY_PLACES)} fine bunnies, {settings.bunny_seeds} times: let go "
-        f"{BUNNY_SHAKE * 1e3:g} mm over each other and shaken by as much, in places where they had held."
+        f"{settings.count} spheres of radius {settings.radius:g} m and {settings.mass:g} kg stand on an "
+        f"analytic plane, one exactly above the other. Each is rotated at random ({settings.seeds} "
+        f"seeds). The rate is {settings.rate:g} Hz, and no body sleeps. A stack has collapsed when its "
+        "top has fallen by a radius. The shells have "
+        f"{', '.join(f'{n:,}' for n in settings.resolutions)} points; the baseline is Bullet's own "
+        f"spheres. A second stack has {len(BUNNY_PLACES)} fine bunnies and runs {settings.bunny_seeds} "
+        f"times: they are released {BUNNY_SHAKE * 1e3:g} mm above each other, with random offsets of the "
+        "same size, at places where they had rested."
     )
 
 

@@ -11,17 +11,17 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.body import Body
-from voxshell.body_shapes import mesh_of
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
-from voxshell.model import Model
-from voxshell.shapes import Box, Plane, Sphere
-from voxshell.world import World
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Plane, Sphere
+from voxshell.simulation.body import Body
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body_shapes import Shape
 
 GROUND_HALF_EXTENTS = (0.4, 0.4, 0.1)
 """Of the block under the ball, metres: it meets the ball's lowest part only."""

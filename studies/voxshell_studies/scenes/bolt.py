@@ -10,9 +10,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
-from voxshell.model import Model
+from voxshell.model.model import Model
 from voxshell_studies.scenes.solids import as_mesh, import_manifold
 
 if TYPE_CHECKING:

@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.body_shapes import mesh_of
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MeshError
-from voxshell.meshes import Mesh, read_mesh
-from voxshell.model import Model
-from voxshell.shapes import Box
+from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box
+from voxshell.simulation.body_shapes import mesh_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.mass_properties import MassProperties
+    from voxshell.model.mass_properties import MassProperties
 
 _DEBIAN_PATH = Path("/usr/share/glmark2/models/bunny.obj")
 

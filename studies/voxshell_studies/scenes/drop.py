@@ -10,22 +10,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.body import Body
-from voxshell.body_shapes import Shape, mesh_of
-from voxshell.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MeshError, MissingExtraError
-from voxshell.meshes import Mesh, naming_file, read_mesh
-from voxshell.model import Model
-from voxshell.shapes import Box, Plane
-from voxshell.world import World
+from voxshell.model.meshes import Mesh, naming_file, read_mesh
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Plane
+from voxshell.simulation.body import Body
+from voxshell.simulation.body_shapes import Shape, mesh_of
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
+from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-    from voxshell.mass_properties import MassProperties
-    from voxshell.meshes import MeshLike
+    from voxshell.model.mass_properties import MassProperties
+    from voxshell.model.meshes import MeshLike
 
 Ground = Literal["voxels", "box", "plane"]
 """The block as a model, as Bullet's box, or an endless plane in its place."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from voxshell.errors import MeshError, SettingsError
-from voxshell.meshes import Mesh, read_mesh
+from voxshell.model.meshes import Mesh, read_mesh
 from voxshell_studies.scenes.bolt import make_bolt
 from voxshell_studies.scenes.bunny import find_bunny
 from voxshell_studies.scenes.gear import make_gear

@@ -10,20 +10,20 @@ from functools import cache
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.comparison_shapes import ConvexDecomposition, GImpact
-from voxshell.meshes import Mesh, read_mesh
-from voxshell.model import Model
-from voxshell.shapes import Box
-from voxshell.world import World
+from voxshell.base.arguments import as_integer, as_positive
+from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
+from voxshell.simulation.world import World
 from voxshell_studies.scenes.bunny import find_bunny
 from voxshell_studies.scenes.drop import choose_bullet_solver, decompose
 from voxshell_studies.scenes.solids import as_mesh, import_manifold
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.body import Body
-    from voxshell.body_shapes import Shape
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.body_shapes import Shape
 
 Method = Literal["voxshell", "decomposition", "gimpact"]
 METHODS: tuple[Method, ...] = ("voxshell", "decomposition", "gimpact")

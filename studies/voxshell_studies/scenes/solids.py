@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from voxshell.errors import MissingExtraError
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 
 
 def import_manifold() -> Any:

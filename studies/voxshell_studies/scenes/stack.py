@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from voxshell._arguments import as_integer, as_positive
-from voxshell.body import Body
+from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
-from voxshell.shapes import Plane, Sphere
-from voxshell.world import World
+from voxshell.model.shapes import Plane, Sphere
+from voxshell.simulation.body import Body
+from voxshell.simulation.world import World
 from voxshell_studies.scenes.ball import PUBLISHED_RULE, Rule, build_ball
 from voxshell_studies.scenes.bunny import BunnySettings
 

@@ -321,9 +321,9 @@ std::string meet(const Partner& partner, bool cube_first, bool compounds) {
 }
 
 const char* way_of(const std::string& shape) {
-  if (shape == "voxshell ModelShape") return "shell of the one in the field of the other";
-  if (shape == "btCompoundShape") return "child by child";
-  if (shape == "btEmptyShape") return "has nothing to touch";
+  if (shape == "voxshell ModelShape") return "shell of one body in the field of the other";
+  if (shape == "btCompoundShape") return "each child by its own method";
+  if (shape == "btEmptyShape") return "no contacts: the shape is empty";
   if (shape == "btSdfCollisionShape" || shape == "btGImpactCompoundShape") {
     return "`std::logic_error`";
   }
@@ -346,13 +346,16 @@ const char* way_of(const std::string& shape) {
 std::string make_table() {
   std::ostringstream table;
   table
-      << "# Every shape of Bullet's with a model\n\n"
-         "Made by the test `PairTable.IsThatOfTheDocs`, which fails where this page is not what it "
-         "finds\n(`VOXSHELL_WRITE_DOCS=1` writes it anew). A cube reaches 4 mm into each shape "
-         "from above: \"found\" says\nthat the world's step and `contactPairTest` both report that "
-         "depth, to 1.2 mm, where the model is the\npair's first body and where it is its second; "
-         "in compounds, with both bodies in one.\n\n"
-         "| shape | how it meets a model | model first | model second | in compounds: first | "
+      << "# Bullet's shapes and models\n\n"
+         "This table lists how each of Bullet's shapes collides with a model. The test "
+         "`PairTable.IsThatOfTheDocs` writes the\ntable if `VOXSHELL_WRITE_DOCS=1` is set, and "
+         "fails "
+         "if the table is out of date. In the test a cube overlaps each shape from\nabove by 4 mm. "
+         "\"Found\" means that the world's step and `contactPairTest` both report that depth to "
+         "within 1.2 mm. The columns tell\nwhether the model is the first or the second body of "
+         "the "
+         "pair. In the last two columns both bodies are in compounds.\n\n"
+         "| shape | collision method | model first | model second | in compounds: first | "
          "second |\n|---|---|---|---|---|---|\n";
   for (const Partner& partner : partners()) {
     table << "| " << partner.shape << " | " << way_of(partner.shape);
@@ -363,8 +366,8 @@ std::string make_table() {
     }
     table << " |\n";
   }
-  table << "\nSoft bodies and fluids, too, are refused. Ghost objects, kinematic and static bodies "
-           "meet models as\nother bodies do.\n";
+  table << "\nvoxshell also refuses soft bodies and fluids. Ghost objects, kinematic bodies and "
+           "static bodies collide with models as other\nbodies do.\n";
   return table.str();
 }
 

@@ -34,7 +34,7 @@ struct Thrown {
   std::vector<Contact> speculative() const {
     std::vector<Contact> all;
     for (const Contact& contact : near) {
-      if (const auto found = find_speculative(step, {}, contact, 1.0)) all.push_back(*found);
+      if (const auto found = find_speculative(step, step.motion, {}, contact, 1.0)) all.push_back(*found);
     }
     return all;
   }
@@ -100,7 +100,7 @@ TEST(SpeculativeContacts, OfALargerShellActWhereTheSmallerBodyIs) {
                                   {.margin = static_cast<float>(step.margin)}, scratch);
   int count = 0;
   for (const Contact& contact : near) {
-    const auto found = find_speculative(step, {}, contact, 1.0);
+    const auto found = find_speculative(step, step.motion, {}, contact, 1.0);
     if (!found) continue;
     ++count;
     const Vec3 on_box = static_cast<Vec3>(found->point) +

@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def two_models(folder, monkeypatch):
-    monkeypatch.setattr("voxshell.cache.WORTH_SECONDS", 0.0)
+    monkeypatch.setattr("voxshell.model.cache.WORTH_SECONDS", 0.0)
     for resolution in (5, 6):
         vx.Model.from_mesh(trimesh.creation.box(), resolution=resolution)
     return sum(file.stat().st_size for file in folder.iterdir())

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from voxshell.cli import advice
-from voxshell.meshes import read_mesh
+from voxshell.model.meshes import read_mesh
 
 
 def test_model_file_is_told_about(voxshell, cone_model_path):

@@ -95,7 +95,7 @@ def mutate_archive(content: bytes, rng: np.random.Generator) -> bytes:
 
 def takes_long(scene: bytes) -> bool:
     """Whether a sound scene asks for many steps."""
-    from voxshell._settings import parse_toml
+    from voxshell.base.settings import parse_toml
 
     try:
         world = parse_toml(scene.decode())["scene"]

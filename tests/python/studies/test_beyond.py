@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.mass_properties import MassProperties
+from voxshell.model.mass_properties import MassProperties
 from voxshell_studies import convex_parts, rest, slope
 from voxshell_studies.accuracy import AccuracySettings
 from voxshell_studies.gears import GearsSettings, turn_gears
@@ -226,7 +226,7 @@ def test_coarse_cuts_take_the_nuts_clearance():
     holds = {}
     for sections in (12, NUT.settings.sections):
         settings = replace(NUT.settings, sections=sections, fit_methods=("voxshell",))
-        assert f"{sections} cuts a pitch" in NUT.describe(settings)
+        assert f"{sections} cuts per pitch" in NUT.describe(settings)
         fit = next(part for part in NUT.plan(settings) if part.name == "fit")
         still = {"steps": {name: np.zeros(9) for name in ("height", "turns", "depth")}}
         results = {part.name: still for part in NUT.plan(settings)}

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.comparison_shapes import ConvexDecomposition
 from voxshell.errors import MissingExtraError
-from voxshell.meshes import read_mesh
+from voxshell.model.meshes import read_mesh
+from voxshell.simulation.comparison_shapes import ConvexDecomposition
 from voxshell_studies import convex_parts
 from voxshell_studies.convex_parts import RECIPES, split
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from voxshell.measuring.units import format_time
-from voxshell.model import Model
+from voxshell.model.model import Model
 from voxshell_studies.drop import REST_STEPS, run_drop, summarise
 from voxshell_studies.drop_report import draw_curves, write_results
 from voxshell_studies.scenes.bunny import find_bunny

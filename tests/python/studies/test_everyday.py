@@ -230,7 +230,7 @@ def results():
 
 def test_rows_tell_value_truth_error_bar_and_verdict(results):
     rows = {row.below_heading: row for row in EVERYDAY.reduce(SMALL, results)}
-    stop = rows["cube stops, plane, way to stop"]
+    stop = rows["cube stops, plane, stopping distance"]
     assert stop.bar == "<= 5 %"
     assert stop.unit == "% off"
     assert stop.holds is (stop.here <= 5.0)
@@ -264,7 +264,7 @@ def test_figures_tables_and_replays_are_written(results, tmp_path):
     # A heading for the counts and for each of three groups, two engines, five measures.
     assert table.count("\n| ") == 4 + 2 + 5
     assert "| engine | 200 Hz | 30 Hz | all rates |" in table
-    assert "| cube stops, plane: way to stop | <= 5 % |" in table
+    assert "| cube stops, plane: stopping distance | <= 5 % |" in table
 
 
 def test_verdict_says_whether_another_engine_is_better():

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 from voxshell_studies.report.paint import Camera, Canvas, Solid, thin_out
 
 CUBE = trimesh.creation.box((0.2, 0.2, 0.2))

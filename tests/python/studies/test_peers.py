@@ -10,8 +10,8 @@ import toy_peers
 import trimesh
 import voxshell as vx
 from voxshell.errors import MissingExtraError
-from voxshell.mass_properties import MassProperties
-from voxshell.meshes import read_mesh
+from voxshell.model.mass_properties import MassProperties
+from voxshell.model.meshes import read_mesh
 from voxshell_studies.convex_parts import Parts
 from voxshell_studies.peers import ours, report, truth
 from voxshell_studies.peers.apart import Ending

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toy_parts
-from voxshell._outputs import filling
+from voxshell.base.outputs import filling
 from voxshell_studies import part as part_module
 from voxshell_studies.part import Part, compute_part
 from voxshell_studies.running import RunError, run_each, run_parts

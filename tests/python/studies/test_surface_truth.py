@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from voxshell.meshes import Mesh
+from voxshell.model.meshes import Mesh
 from voxshell_studies.scenes.geometry_bodies import make_body
 from voxshell_studies.surface_truth import Surface, measure_angle
 

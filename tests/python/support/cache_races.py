@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from voxshell import _core
-from voxshell.cache import ModelCache
+from voxshell.model.cache import ModelCache
 
 
 def kill_after(seconds: float, work: Callable[[int], object]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import parts
 import voxshell as vx
 from parts import random_rotation
-from voxshell.queries import Collidable
+from voxshell.query.pairs import Collidable
 
 MUCH = 2**40  # nodes of a budget that is never used up
 FAR_AWAY = 100.0  # metres, or as many reaches of larger bodies: all points are within

@@ -18,7 +18,7 @@ SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 PROGRAM = "import sys; from voxshell_program import main; main()"
 CACHE = """
 import sys, trimesh, voxshell as vx
-from voxshell import cache
+from voxshell.model import cache
 cache.WORTH_SECONDS = 0.0
 for resolution in range(4, 20):
     vx.Model.from_mesh(trimesh.load_mesh(sys.argv[1]), resolution=resolution)

@@ -114,11 +114,11 @@ def list_writers() -> dict[str, Writer]:
     import trimesh
     import voxshell as vx
     from PIL import Image
-    from voxshell import cache as cache_module
-    from voxshell.cache import ModelCache
     from voxshell.cli import main
     from voxshell.measuring import environment
     from voxshell.measuring.files import write_json
+    from voxshell.model import cache as cache_module
+    from voxshell.model.cache import ModelCache
     from voxshell.recording import BodyTrack, ContactTrack, Recording
     from voxshell_studies import convex_parts
     from voxshell_studies.part import Part, compute_part

@@ -23,13 +23,24 @@ CLEAN = {
     "core/src/model/model.cpp": '#include "voxshell/model.h"\n#include "voxshell/grid_field.h"\n',
     "bullet/src/shape.cpp": "#include <btBulletDynamicsCommon.h>\nbtVector3 zero;\n",
     "python/bindings/core.cpp": "#include <nanobind/nanobind.h>\n",
-    "python/voxshell/__init__.py": "from ._core import Model\nfrom voxshell.world import World\n",
-    "python/voxshell/world.py": "import voxshell._bullet\n",
-    "python/voxshell/recording.py": (
+    "python/voxshell/__init__.py": "from ._core import x\nfrom voxshell.simulation import World\n",
+    "python/voxshell/errors.py": "",
+    "python/voxshell/testing.py": "from voxshell.query.contacts import find\n",
+    "python/voxshell/base/arguments.py": "from voxshell.errors import SettingsError\n",
+    "python/voxshell/model/model.py": (
+        "from voxshell import _core\nfrom voxshell.base import arguments\n"
+    ),
+    "python/voxshell/query/contacts.py": "from voxshell.model.model import Model\n",
+    "python/voxshell/simulation/world.py": (
+        "import voxshell._bullet\nfrom voxshell.recording.recording import Recording\n"
+    ),
+    "python/voxshell/recording/recording.py": (
         "def save_html():\n    from voxshell.viewer.replay import save\n"
     ),
     "python/voxshell/viewer/__init__.py": "",
-    "python/voxshell/viewer/replay.py": "import viser\nfrom voxshell.recording import save_html\n",
+    "python/voxshell/viewer/replay.py": (
+        "import viser\nfrom voxshell.recording.recording import save_html\n"
+    ),
     "python/voxshell/cli/__init__.py": "from voxshell import measuring, viewer\n",
     "python/voxshell/measuring/__init__.py": "import voxshell as vx\n",
     "studies/voxshell_studies/__init__.py": (
@@ -159,38 +170,74 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
             id="a C++ header in a kernel",
         ),
         pytest.param(
-            "python/voxshell/world.py",
+            "python/voxshell/simulation/world.py",
             "import numpy\nimport voxshell.viewer.replay\n",
             2,
-            "api imports voxshell.viewer.replay, which belongs to viewer; api may import bindings",
-            id="api imports viewer",
+            "simulation imports voxshell.viewer.replay, which belongs to viewer; simulation may "
+            "import base, bindings, model, query, recording",
+            id="simulation imports viewer",
+        ),
+        pytest.param(
+            "python/voxshell/model/model.py",
+            "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from voxshell.query.contacts import x\n",
+            3,
+            "model imports voxshell.query.contacts.x, which belongs to query; model may import base",
+            id="model imports query, for types alone",
+        ),
+        pytest.param(
+            "python/voxshell/recording/recording.py",
+            "import voxshell as vx\n",
+            1,
+            "recording imports voxshell, which belongs to front; recording may import base",
+            id="recording imports the package's front",
+        ),
+        pytest.param(
+            "python/voxshell/model/mesh_files/drop.py",
+            "from ...cli import main\n",
+            1,
+            "model imports voxshell.cli.main, which belongs to cli",
+            id="a relative import of cli from a subpackage",
+        ),
+        pytest.param(
+            "python/voxshell/base/arguments.py",
+            "from voxshell import _core\n",
+            1,
+            "base imports voxshell._core, which belongs to bindings; base may import no other",
+            id="base imports the bindings",
         ),
         pytest.param(
             "python/voxshell/shapes/drop.py",
-            "from ..cli import main\n",
+            "",
             1,
-            "api imports voxshell.cli.main, which belongs to cli",
-            id="a relative import of cli from a subpackage of the api",
+            "is in no room; the folders of python/voxshell are base, cli, ",
+            id="a folder that is no room",
         ),
         pytest.param(
-            "python/voxshell/world.py",
+            "python/voxshell/batch.py",
+            "",
+            1,
+            "is in no room",
+            id="a module beside the rooms",
+        ),
+        pytest.param(
+            "python/voxshell/simulation/world.py",
             "def f():\n    from voxshell_studies import ball\n",
             2,
-            "api imports voxshell_studies.ball, which belongs to studies",
+            "simulation imports voxshell_studies.ball, which belongs to studies",
             id="a lazy import that no exception allows",
         ),
         pytest.param(
-            "python/voxshell/recording.py",
+            "python/voxshell/recording/recording.py",
             "from voxshell.viewer.replay import save\n",
             1,
-            "api imports voxshell.viewer.replay.save",
+            "recording imports voxshell.viewer.replay.save",
             id="the lazy exception used at module level",
         ),
         pytest.param(
             "python/voxshell/viewer/replay.py",
             "from voxshell.cli import main\n",
             1,
-            "viewer imports voxshell.cli.main, which belongs to cli; viewer may import api",
+            "viewer imports voxshell.cli.main, which belongs to cli; viewer may import base, model",
             id="viewer imports cli",
         ),
         pytest.param(
@@ -212,7 +259,7 @@ def test_every_allowed_direction_passes(tmp_path: Path) -> None:
             "from voxshell._bullet import World\n",
             1,
             "studies imports voxshell._bullet.World, which belongs to bindings",
-            id="the studies go round the api",
+            id="the studies go round the public names",
         ),
     ],
 )
@@ -231,13 +278,16 @@ def test_a_violation_is_reported_where_it_is(
 @pytest.mark.parametrize("inside", ["", "    "], ids=["at the top", "for types alone"])
 def test_a_circle_of_imports_is_reported(tmp_path: Path, inside: str) -> None:
     guard = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n" if inside else ""
-    recorder = f"{guard}{inside}from voxshell.world import World\n"
-    world = "import voxshell._bullet\nfrom voxshell.recorder import Recorder\n"
-    files = {"python/voxshell/world.py": world, "python/voxshell/recorder.py": recorder}
+    recorder = f"{guard}{inside}from voxshell.simulation.world import World\n"
+    world = "import voxshell._bullet\nfrom voxshell.simulation.recorder import Recorder\n"
+    files = {
+        "python/voxshell/simulation/world.py": world,
+        "python/voxshell/simulation/recorder.py": recorder,
+    }
     write_tree(tmp_path, {**CLEAN, **files})
     [violation] = [str(violation) for violation in check_layers.check(tmp_path)]
     assert "circle of imports: " in violation
-    assert "voxshell.world -> voxshell.recorder" in violation
+    assert "voxshell.simulation.world -> voxshell.simulation.recorder" in violation
 
 
 def test_command_line_says_how_many_and_fails(

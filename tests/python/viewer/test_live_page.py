@@ -11,7 +11,7 @@ import pytest
 import voxshell as vx
 from player import PATIENCE, complaints_of
 from playwright.sync_api import Browser, Page
-from voxshell.live_view import LiveView
+from voxshell.simulation.live_view import LiveView
 from voxshell.viewer.live_page import find_up
 from voxshell.viewer.live_scene import LiveScene
 
@@ -149,7 +149,7 @@ def scene() -> Iterator[LiveScene]:
 
 
 def read(world: vx.World):
-    from voxshell.live_frame import take_frame
+    from voxshell.simulation.live_frame import take_frame
 
     return take_frame(world._simulation, world.bodies, world.gravity, world.time_step)
 

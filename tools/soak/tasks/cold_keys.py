@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 import voxshell as vx
-from voxshell import cache as cache_module
-from voxshell.cache import ModelCache
+from voxshell.model import cache as cache_module
+from voxshell.model.cache import ModelCache
 
 from soak.task import Check, Outcome, Task, Totals
 
@@ -44,13 +44,13 @@ def prepare() -> Check:
 
 def describe(totals: Totals) -> str:
     return (
-        f"{totals.tallies['processes']:,.0f} processes, {PROCESSES} a round, one build each round"
+        f"{totals.tallies['processes']:,.0f} processes, {PROCESSES} per round, one build per round"
     )
 
 
 TASK = Task(
-    promise="Of many processes that ask for one model at the same time, one builds it",
-    oracle="counted builds, and a digest of what each process got",
+    promise="If many processes request one model at the same time, exactly one builds it",
+    oracle="the number of builds, and a digest of each process's model",
     unit="rounds",
     target=1_000,
     prepare=prepare,

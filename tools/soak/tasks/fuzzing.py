@@ -64,7 +64,7 @@ def make_task(target: str, promise: str, executions: float) -> Task:
 
 
 PARSING = make_task(
-    "model_parsing", "A damaged model file is read as a sound model or refused", 100_000_000
+    "model_parsing", "A damaged model file is read as a valid model or refused", 100_000_000
 )
 QUERIES = make_task(
     "model_file", "Queries of a model from a damaged file read nothing beyond it", 10_000_000

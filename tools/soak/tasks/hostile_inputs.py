@@ -156,8 +156,8 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="Hostile input at any entrance is taken or refused with one typed error, in two seconds",
-    oracle="a process that is watched, and the type and text of the error",
+    promise="Hostile input is accepted or refused with one typed error, within two seconds",
+    oracle="a monitored process, and the type and text of the error",
     unit="inputs",
     target=2_000,
     prepare=prepare,

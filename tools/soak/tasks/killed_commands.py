@@ -46,7 +46,7 @@ def describe(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="A killed command works when it is run again, which removes what the kill left unfinished",
+    promise="A killed command succeeds when it is rerun, and the rerun removes unfinished files",
     oracle="the exit code of the second run, and the names in its folder and cache",
     unit="kills",
     target=200,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 import voxshell as vx
-from voxshell import cache as cache_module
-from voxshell.cache import ModelCache
+from voxshell.model import cache as cache_module
+from voxshell.model.cache import ModelCache
 
 from soak.task import Check, Outcome, Task, Totals
 
@@ -66,8 +66,8 @@ def prepare() -> Check:
 
 def describe(totals: Totals) -> str:
     return (
-        f"{totals.tallies['whole']:,.0f} files read back whole; the killed left "
-        f"{totals.tallies['left']:,.0f} unfinished ones, which are not read"
+        f"{totals.tallies['whole']:,.0f} files read back complete; killed processes left "
+        f"{totals.tallies['left']:,.0f} unfinished files, which are never read"
     )
 
 
@@ -78,7 +78,7 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="A process that is killed while it writes a model leaves nothing torn",
+    promise="A process that is killed while it writes a model leaves no incomplete model",
     oracle="every file is read back",
     unit="kills",
     target=10_000,

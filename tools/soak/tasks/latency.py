@@ -57,7 +57,7 @@ def describe(totals: Totals) -> str:
     median, rare = (quantile(totals, share) / 1e3 for share in (0.5, 0.999))
     return (
         f"median {median:.2f} µs, p99.9 {rare:.1f} µs, worst {totals.peaks['worst'] / 1e3:,.0f} µs "
-        f"({totals.tallies['interruptions']:,.0f} times the system took the processor away); "
+        f"({totals.tallies['interruptions']:,.0f} preemptions by the system); "
         f"{totals.tallies['touching'] / totals.count:.0%} touch"
     )
 
@@ -68,8 +68,8 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="p99.9 and worst time of queries for all contacts of two fine bunnies are known",
-    oracle="the time of each query by the clock, on a machine that other programs use, too",
+    promise="The p99.9 and worst times of queries for all contacts of two bunnies are known",
+    oracle="the wall-clock time of each query, on a machine that other programs use too",
     unit="queries",
     target=100_000_000,
     prepare=prepare,

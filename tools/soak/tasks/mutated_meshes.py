@@ -211,8 +211,8 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="A damaged mesh becomes a model or a typed error, in two seconds, without a crash",
-    oracle="a process that is watched, and the sampled values",
+    promise="A damaged mesh becomes a model or a typed error within two seconds, without a crash",
+    oracle="a monitored process, and the sampled values",
     unit="meshes",
     target=100_000,
     prepare=prepare,

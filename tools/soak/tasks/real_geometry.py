@@ -60,7 +60,7 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="Overlap beyond the stated bound is reported, and clearance beyond it is not",
+    promise="Overlap beyond the stated bound is a contact, and clearance beyond it is not",
     oracle="coal and manifold3d on the meshes",
     unit="poses",
     target=100_000,

@@ -52,7 +52,10 @@ def prepare() -> Check:
 
 def describe(totals: Totals) -> str:
     touching, free = (totals.tallies[name] / totals.count for name in ("touching", "free"))
-    return f"{touching:.0%} touch on their way, {free:.0%} do not; {totals.tallies['looks']:,.0f} looks"
+    return (
+        f"{touching:.0%} touch during the motion, {free:.0%} do not; "
+        f"{totals.tallies['looks']:,.0f} checks"
+    )
 
 
 def doubt(totals: Totals) -> str:
@@ -64,8 +67,8 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="No two bodies touch before the fraction of their motion that a sweep names",
-    oracle="queries at a hundred fractions before it",
+    promise="No two bodies touch before the time of impact that a sweep returns",
+    oracle="queries at a hundred earlier fractions of the motion",
     unit="motions",
     target=100_000,
     prepare=prepare,

@@ -132,7 +132,7 @@ def describe(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="Queries by tree return the bits of the flat loop",
+    promise="Tree queries return the same bits as the flat loop",
     oracle="the flat loop over all points and edge segments",
     unit="poses",
     target=1_000_000,

@@ -49,8 +49,8 @@ def describe(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="A writer whose system calls fail, or that is killed, leaves nothing torn and says why",
-    oracle="the files before and after, the one error, and the same run again without a fault",
+    promise="If a writer is killed or its system calls fail, it leaves no incomplete file and says why",
+    oracle="the files before and after, the error, and a second run without a fault",
     unit="points of failure",
     target=1_000,
     prepare=prepare,

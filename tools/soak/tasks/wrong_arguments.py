@@ -393,8 +393,8 @@ def describe(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="Wrong arguments are refused with a typed error, and odd layouts change nothing",
-    oracle="the type of the error, and the answer to the plain call",
+    promise="Wrong arguments are refused with a typed error, and array layouts change nothing",
+    oracle="the type of the error, and the result of the plain call",
     unit="calls",
     target=100_000,
     prepare=prepare,

@@ -11,17 +11,17 @@
 
 namespace voxshell::bullet {
 
-/// Whether a shape, and what it is composed of, can meet a ModelShape. Error kInvalidArgument, with
-/// the reason, where it cannot: btSdfCollisionShape and other concave shapes of user types,
-/// btGImpactCompoundShape, soft bodies, fluids. docs/bullet-pairs.md lists all.
+/// Whether a shape, and everything that it is composed of, can collide with a ModelShape. Error
+/// kInvalidArgument, with the reason, if it cannot: btSdfCollisionShape and other concave shapes of
+/// user types, btGImpactCompoundShape, soft bodies and fluids. docs/bullet-pairs.md lists all.
 Result<std::monostate> check_served(const btCollisionShape& shape);
 
-/// Use it in place of btDefaultCollisionConfiguration: the same, with algorithms for ModelShape
-/// against every shape of Bullet's that has none of its own for it, in either order. Where
-/// check_served() refuses a shape, the first overlap of its bounds with a model's throws
-/// std::logic_error out of the world's step, or of the query: no pair passes through in silence.
+/// Replaces btDefaultCollisionConfiguration. It adds algorithms for ModelShape against every Bullet
+/// shape, in either order. If check_served() refuses a shape, the first overlap of its bounds with
+/// a model's throws std::logic_error out of the world's step, or of the query: no pair passes
+/// through silently.
 ///
-/// A pool of the caller's for algorithms whose elements are too small throws std::logic_error.
+/// Throws std::logic_error if you pass a pool for algorithms whose elements are too small.
 ///
 /// For true rebounds, set m_splitImpulsePenetrationThreshold of the world's solver info to 0.
 class CollisionConfiguration : public btDefaultCollisionConfiguration {

@@ -5,63 +5,63 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  /// What rests most calmly: segmented, with up to four points a segment on few segments. In steps
-  /// with CCD, one point a segment.
+  /// The calmest rest: segmented, with up to four points per segment if there are few segments. In
+  /// steps with CCD, one point per segment.
   kAutomatic,
   /// One manifold of at most four points: the deepest, then area. Segmented in steps with CCD (see
   /// ContactSettings::ccd_motion_threshold).
   kRegular,
-  /// A manifold of one point, the deepest, for each segment of a level; of up to four where a body
+  /// A manifold of one point, the deepest, for each segment of a level; of up to four if a body
   /// lies still on few segments.
   kSegmented,
 };
 
-/// Whose points of two models are tested against the other's field.
+/// Which of two models is the shell.
 enum class ShellRule {
-  /// Those of the model with which least can be missed, or both's where neither alone is enough: a
-  /// constant of the two models (voxshell/pair.h).
+  /// The model that misses least, or both if neither alone is enough. It depends on the two models
+  /// alone (voxshell/pair.h).
   kAutomatic,
-  /// Those of the model with fewer points, as the thesis has it.
+  /// The model with fewer points, as in the thesis.
   kFewest,
 };
 
-/// Seconds spent in voxshell's part of the narrow phase since the last reset, for one thread.
+/// Seconds spent in voxshell's narrow phase since the last reset, for one thread.
 struct NarrowPhaseTimings {
   double query = 0.0;      ///< finding contacts
-  double reduction = 0.0;  ///< choosing those that go into manifolds, and these
+  double reduction = 0.0;  ///< choosing contacts for the manifolds
   double manifold = 0.0;   ///< filling manifolds
 };
 
-/// How contacts of models become contact points of Bullet.
+/// How contacts of models become contact points in Bullet.
 struct ContactSettings {
   ContactMode mode = ContactMode::kAutomatic;
   ShellRule shell = ShellRule::kAutomatic;
 
-  /// Tree level whose clusters are the segments, 1 (one) to 12; 0: level 4, up to 64 segments, and,
-  /// unless contacts are kSegmented, level 5, up to 256, in steps with CCD.
+  /// Tree level whose clusters are the segments, 1 (one segment) to 12. 0: level 4, up to 64
+  /// segments; and level 5, up to 256, in steps with CCD unless contacts are kSegmented.
   int level = 0;
 
-  /// Slow points this close to a surface count as contacts, metres: without them a resting body
+  /// Slow points this close to a surface count as contacts, meters. Without them a resting body
   /// loses and finds its contacts in turn and keeps rocking. Negative: a thousandth of the smaller
-  /// body's diameter, but no more than a 20th of either body's thickness. "Slow" is an approach
-  /// that takes longer than a step to cross the margin, so that impacts keep their rebound: a
-  /// contact reported before touching makes the solver close the gap instead of reversing the
-  /// velocity. Where a btCompoundShape takes part, give the ModelShape a margin above the default
-  /// with setMargin() too: compounds skip children whose bounds are apart.
+  /// body's diameter, but at most a 20th of either body's thickness. "Slow" is an approach that
+  /// takes longer than a step to cross the margin. Impacts therefore keep their rebound: a contact
+  /// reported before touching makes the solver close the gap instead of reversing the velocity. If
+  /// a btCompoundShape takes part and the margin is above the default, also give it to the
+  /// ModelShape with setMargin(), because compounds skip children whose bounds are apart.
   double margin = -1.0;
 
-  /// A pair that moves farther than this in a step, metres, gets continuous collision detection
-  /// (CCD): points that will touch within the step are speculative contacts, so that fast bodies
-  /// stop at surfaces, thin ones included. Negative: two fifths of a model's thickness or a 50th of
-  /// its longest side, or a quarter of the inner radius of a box, ball, hull ..., whichever is
-  /// least. Infinity: no CCD.
+  /// A pair that moves farther than this in a step, meters, gets continuous collision detection
+  /// (CCD): points that will touch within the step are speculative contacts, so fast bodies stop at
+  /// surfaces, including thin ones. Negative: two fifths of a model's thickness, a 50th of its
+  /// longest side, or a quarter of the inner radius of a box, ball or hull, whichever is least.
+  /// Infinity: no CCD.
   double ccd_motion_threshold = -1.0;
 
-  /// Whether bodies at rest on small patches meet Bullet's rolling friction, which keeps them from
+  /// Whether bodies at rest on small patches get Bullet's rolling friction, which keeps them from
   /// rocking. Not for btNNCGConstraintSolver, which applies it beyond its limits.
   bool rolling_at_rest = true;
 
-  /// Where to add up times, or none. Not for worlds that dispatch on several threads.
+  /// Where to add up times, or null. Not for worlds that dispatch on several threads.
   NarrowPhaseTimings* timings = nullptr;
 };
 

@@ -11,38 +11,38 @@ namespace voxshell::bullet {
 class IslandProblem;
 struct SolverPools;
 
-/// How long CoulombSolver works on an island in a step.
+/// How much work CoulombSolver spends on an island in a step.
 enum class SolverEffort {
-  /// As many sweeps as m_numIterations says.
+  /// Exactly m_numIterations sweeps.
   kFixed,
-  /// That many, and then Newton's method for all of the island at once until it is solved.
+  /// The same, and then Newton's method for the whole island until it is solved.
   kAsNeeded,
 };
 
-/// Bullet's sequential impulse solver with Coulomb's friction at every contact point.
+/// Bullet's sequential impulse solver with Coulomb friction at every contact point.
 ///
 /// The stock solver updates the friction of a point only while the point's normal impulse is
 /// positive, so a point that is unloaded in a later iteration keeps the friction of the earlier
-/// ones, and it bounds the friction along each of two directions alone. Here:
+/// ones. It also bounds the friction along each of two directions separately. In this solver:
 ///   - a point without normal impulse has no friction, and no rolling or spinning friction;
 ///   - the friction of a point is at most friction times its normal impulse, in whichever direction
 ///     (a circular cone), and opposes sliding;
 ///   - rolling and spinning friction grow with the normal impulse without an upper limit;
-///   - friction withstands torques of the same step (btRigidBody::applyTorque());
-///   - islands that iterations have not solved, as heavy bodies on light ones, are solved by
-///     Newton's method (docs/decisions/0034-loads.md).
+///   - friction resists torques of the same step (btRigidBody::applyTorque());
+///   - Newton's method solves islands that iterations have not solved, such as heavy bodies on
+///     light ones (docs/decisions/0034-loads.md).
 /// Set m_minimumSolverBatchSize of btContactSolverInfo to 1, so that Bullet does not merge islands.
-/// Works in place of btSequentialImpulseConstraintSolver with every solver mode of it, one friction
+/// Replaces btSequentialImpulseConstraintSolver with all of its solver modes, one friction
 /// direction included, in worlds without multibodies. docs/decisions/0031-coulomb-solver.md.
 class CoulombSolver : public btSequentialImpulseConstraintSolver {
  public:
   explicit CoulombSolver(SolverEffort effort = SolverEffort::kAsNeeded);
   ~CoulombSolver() override;
 
-  /// Lets a kinematic body's surface move while the body stays, as a conveyor's belt does.
+  /// Gives a kinematic body's surface a velocity while the body stays, as of a conveyor's belt.
   ///
-  /// @param velocity m/s, in the body's frame; friction takes along what touches it. Works with two
-  ///        fixed friction directions. 0 forgets the body: call that before the body is deleted.
+  /// @param velocity m/s, in the body's frame. Friction moves bodies that touch the surface. Needs
+  ///        two fixed friction directions. 0 removes the entry: call it before you delete the body.
   void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
 
  protected:

@@ -4,10 +4,11 @@
 
 namespace voxshell::bullet {
 
-/// A dynamics world of Bullet's that looks for pairs as far as forces take bodies within the step.
+/// A Bullet dynamics world that searches for pairs as far as forces take bodies within the step.
 ///
-/// Bullet itself looks as far as bodies get by the velocity from before the step. Gravity takes
-/// them g dt^2 farther, 0.2 mm at 200 Hz but 40 cm at 5 Hz, and CCD cannot stop what is not found.
+/// Bullet itself searches as far as bodies move with the velocity from before the step. Gravity
+/// moves them g dt^2 farther, 0.2 mm at 200 Hz but 40 cm at 5 Hz, and CCD cannot stop a body whose
+/// pair was not found.
 template <class World = btDiscreteDynamicsWorld>
 class ForceAwareWorld : public World {
  public:

@@ -9,33 +9,33 @@
 
 namespace voxshell::bullet {
 
-/// Where a rigid body's frame lies in its model's frame: Bullet wants a body's origin at its centre
+/// Pose of a rigid body's frame in its model's frame. Bullet requires a body's origin at its center
 /// of mass and its axes along the principal axes of inertia.
 struct BodyFrame {
   Pose model_from_body;
   Vec3 principal_inertia;  ///< kg m2, about the body's axes
 };
 
-/// The frame at the centre of mass along the principal axes, in ascending order of inertia.
+/// The frame at the center of mass along the principal axes, in ascending order of inertia.
 BodyFrame compute_principal_frame(const MassProperties& mass_properties);
 
-/// A model as a shape of stock Bullet: static or dynamic, shared between any number of bodies. It
-/// needs a world with voxshell::bullet::CollisionConfiguration.
+/// A model as a shape of stock Bullet: static or dynamic, shared by any number of bodies. The world
+/// needs voxshell::bullet::CollisionConfiguration.
 ///
-/// Two of Bullet's requests are refused with std::logic_error: scaling by anything but 1 (build the
-/// model from a scaled mesh), and serialisation (save_model() keeps the model).
+/// Two operations of Bullet throw std::logic_error: scaling by anything but 1 (build the model from
+/// a scaled mesh instead), and serialization (save_model() saves the model).
 ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// `body_from_model` places the model in the frame of the bodies that use the shape; the inverse
-  /// of BodyFrame::model_from_body for dynamic bodies.
+  /// `body_from_model` places the model in the frame of the bodies that use the shape. For dynamic
+  /// bodies, it is the inverse of BodyFrame::model_from_body.
   explicit ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model = {});
   ~ModelShape() override;
 
   const Model& model() const { return *model_; }
   const Pose& body_from_model() const { return body_from_model_; }
-  /// Of a ball around the mesh, in the model's frame, metres.
+  /// Center of a ball around the mesh, in the model's frame, meters.
   const Vec3& ball_centre() const { return centre_; }
   double ball_radius() const { return radius_; }
 
@@ -49,10 +49,10 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   int calculateSerializeBufferSize() const override;
   const char* serialize(void*, btSerializer*) const override;
 
-  /// The mesh's triangles that may touch a box of the body's frame: how Bullet's ray and sweep
-  /// tests, its debug drawing, and its algorithms for shapes that voxshell has none for, see a
-  /// model. The first call builds their tree. Callbacks of rays and sweeps see those that lie along
-  /// the way.
+  /// Passes on the mesh's triangles that may touch a box in the body's frame. Bullet's ray and
+  /// sweep tests, its debug drawing, and its algorithms for shapes without an algorithm of
+  /// voxshell's use it. The first call builds a tree of the triangles. Callbacks of rays and sweeps
+  /// get those that lie along their path.
   void processAllTriangles(btTriangleCallback * callback, const btVector3& lower,
                            const btVector3& upper) const override;
 

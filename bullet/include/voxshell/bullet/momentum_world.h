@@ -9,13 +9,13 @@
 
 namespace voxshell::bullet {
 
-/// A dynamics world of Bullet's in which bodies keep their angular momentum while they turn.
+/// A Bullet dynamics world in which bodies keep their angular momentum while they turn.
 ///
-/// Bullet keeps the angular velocity instead and adds the gyroscopic torque to it, by an implicit
-/// step that damps: a body that tumbles at 2 rad/s loses half of its energy in 30 s at 1 kHz. This
-/// world clears Bullet's gyroscopic flags of all bodies. Bodies that cannot turn about every axis
-/// (an inverse inertia or angular factor of 0), and those that turn by more than a whole turn in a
-/// step, turn as Bullet has it. docs/decisions/0032-angular-momentum-is-kept.md.
+/// Bullet keeps the angular velocity instead and adds the gyroscopic torque by an implicit step,
+/// which damps: a body that tumbles at 2 rad/s loses half of its energy in 30 s at 1 kHz. This
+/// world clears the gyroscopic flags of all bodies. Two kinds of bodies turn as in Bullet: those
+/// that cannot turn about every axis (an inverse inertia or angular factor of 0), and those that
+/// turn by more than a whole turn in a step. docs/decisions/0032-angular-momentum-is-kept.md.
 template <class World = btDiscreteDynamicsWorld>
 class MomentumWorld : public World {
  public:

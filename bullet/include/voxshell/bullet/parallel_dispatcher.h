@@ -6,11 +6,11 @@
 
 namespace voxshell::bullet {
 
-/// Bullet's dispatcher, which looks for the contacts of models on several threads: use it in place
-/// of btCollisionDispatcher, with a CollisionConfiguration. What is found goes into manifolds on
-/// the calling thread, in the order of Bullet's pairs, so that a world takes the same steps, bit
-/// for bit, on any number of threads. Pairs without a model, compounds and Bullet's triangle meshes
-/// are as before. With it, gCalculateCombinedRestitutionCallback is called on these threads.
+/// A dispatcher that searches for the contacts of models on several threads. Use it in place of
+/// btCollisionDispatcher, with a CollisionConfiguration. The calling thread puts the contacts into
+/// manifolds in the order of Bullet's pairs, so a world has the same bits on any number of threads.
+/// Pairs without a model, compounds and Bullet's triangle meshes are handled as before.
+/// gCalculateCombinedRestitutionCallback is called on these threads.
 class ParallelDispatcher : public btCollisionDispatcher {
  public:
   /// @param threads  How many at most, the calling one included; 0: one for each core.

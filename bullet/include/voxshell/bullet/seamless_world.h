@@ -6,7 +6,7 @@
 
 namespace voxshell::bullet {
 
-/// A dynamics world of Bullet's in which bodies slide over the seams of others that lie flush.
+/// A Bullet dynamics world in which bodies slide over the seams of flush bodies.
 template <class World = btDiscreteDynamicsWorld>
 class SeamlessWorld : public World {
  public:

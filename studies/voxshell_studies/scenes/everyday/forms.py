@@ -6,8 +6,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from voxshell.body_shapes import compute_mass_properties
-from voxshell.comparison_shapes import GImpact
+from voxshell.simulation.body_shapes import compute_mass_properties
+from voxshell.simulation.comparison_shapes import GImpact
 from voxshell_studies.scenes.bolt import make_bolt, make_nut
 from voxshell_studies.scenes.everyday.scene import Form, Piece, Vector, X, Z, shift, turn
 from voxshell_studies.scenes.geometry_bodies import make_body
@@ -15,8 +15,8 @@ from voxshell_studies.scenes.solids import as_mesh, import_manifold
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.mass_properties import MassProperties
-    from voxshell.meshes import Mesh
+    from voxshell.model.mass_properties import MassProperties
+    from voxshell.model.meshes import Mesh
 
 FINE = 192
 """Edges of a full turn of bodies that roll: a facet turns the normal by 1.9 degrees."""

@@ -218,12 +218,12 @@ SCENES = (
         EverydayScene(
             f"conveyor carries a {name}",
             DRIVEN,
-            "Friction accelerates it with mu g until it has the belt's speed; its slip is the way to stop in the "
+            "Friction accelerates it with mu g until it has the belt's speed; its slip is the stopping distance in the "
             "belt's frame.",
             lambda i, form=form: _conveyor(i, form()),
             1.5,
             (
-                Measure("way", "m", _carried, _true_carried, 0.02, relative=True),
+                Measure("distance", "m", _carried, _true_carried, 0.02, relative=True),
                 Measure("aside", "mm", _carried_aside, nothing, 2e-3, scale=1e3),
             ),
             engines=("voxshell", "bullet"),

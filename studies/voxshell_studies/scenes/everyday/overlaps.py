@@ -105,7 +105,7 @@ SCENES = (
     EverydayScene(
         "tori that overlap by half",
         OVERLAP,
-        "The shortest way out is along the line of centers, to a distance of twice the outer radius; bodies "
+        "The shortest separating translation is along the line of centers, to a distance of twice the outer radius; bodies "
         "that leave an overlap gain no speed from it.",
         _half_tori,
         2.0,
@@ -128,7 +128,7 @@ SCENES = (
         EverydayScene(
             f"cube half in the ground, {where}",
             OVERLAP,
-            "The shortest way out is up by half its side; a body that leaves an overlap gains no speed from it.",
+            "The shortest separating translation is up by half its side; a body that leaves an overlap gains no speed from it.",
             lambda i, ground=ground: _half_in(i, ground()),
             3.0,
             (

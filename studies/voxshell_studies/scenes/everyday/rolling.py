@@ -103,7 +103,7 @@ def _rolls(
         f"{ROLLS}, slope {degrees:g} degrees, inertia of the mesh's uniform solid.",
         stage,
         seconds,
-        (Measure("way", "m", downhill, rolled_way, bar, relative=True),),
+        (Measure("distance", "m", downhill, rolled_way, bar, relative=True),),
         shown=shown,
     )
 

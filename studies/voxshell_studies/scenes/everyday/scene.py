@@ -15,7 +15,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from voxshell.meshes import Mesh
+    from voxshell.model.meshes import Mesh
 
 Engine = Literal["voxshell", "bullet", "mujoco"]
 ENGINES: tuple[Engine, ...] = ("voxshell", "bullet", "mujoco")
@@ -225,7 +225,7 @@ class Measure:
         """How far off, as the bar is meant; infinite where there is no finite value.
 
         Example:
-            >>> Measure("way", "m", lambda _: 0.0, lambda _: 0.0, 0.05, relative=True).error(1.9, 2.0)
+            >>> Measure("distance", "m", lambda _: 0.0, lambda _: 0.0, 0.05, relative=True).error(1.9, 2.0)
             0.05
         """
         if not np.isfinite(value):

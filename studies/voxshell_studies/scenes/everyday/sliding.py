@@ -137,12 +137,12 @@ def _slides(
     return EverydayScene(
         name,
         SLIDE,
-        f"{COULOMB}: way of a = g (sin {degrees:g} deg - {mu:g} cos {degrees:g} deg) from rest.",
+        f"{COULOMB}: distance with a = g (sin {degrees:g} deg - {mu:g} cos {degrees:g} deg) from rest.",
         lambda i: on_ramp(
             form(), ground(), math.radians(degrees), i, friction=mu, at=-0.3, settle=settle
         ),
         0.8,
-        (Measure("way", "m", downhill, slid_way, 0.05, relative=True),),
+        (Measure("distance", "m", downhill, slid_way, 0.05, relative=True),),
         shown=shown,
     )
 
@@ -161,7 +161,7 @@ def _stops(
         f"{COULOMB}: a body pushed at 1 m/s stops after v2 / (2 mu g), mu {mu:g}.",
         lambda i: on_ramp(form(), ground(), 0.0, i, friction=mu, at=-0.1, speed=1.0, settle=settle),
         1.5,
-        (Measure("way to stop", "mm", downhill, stop_way, 0.05, relative=True, scale=1e3),),
+        (Measure("stopping distance", "mm", downhill, stop_way, 0.05, relative=True, scale=1e3),),
     )
 
 
@@ -351,7 +351,7 @@ SCENES = (
         0.6,
         (
             Measure("stays upright", "", _has_not_tipped, one, 0.0),
-            Measure("way", "m", downhill, slid_way, 0.05, relative=True),
+            Measure("distance", "m", downhill, slid_way, 0.05, relative=True),
         ),
     ),
     EverydayScene(

@@ -338,7 +338,7 @@ SCENES = (
         _rolling_coin,
         0.8,
         (
-            Measure("way", "m", _coin_way, _free_way, 0.05, relative=True),
+            Measure("distance", "m", _coin_way, _free_way, 0.05, relative=True),
             Measure("largest tilt", "degrees", _coin_tilt, nothing, 5.0),
         ),
         rates=(1000.0, 200.0, 60.0),

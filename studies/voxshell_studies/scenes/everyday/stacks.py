@@ -87,7 +87,10 @@ def _stacks(
         RESTS,
         stage,
         5.0 if heavy else 10.0,
-        (HEIGHTS, Measure("largest way aside", "mm", _worst_aside, nothing, 5e-4, scale=1e3)),
+        (
+            HEIGHTS,
+            Measure("largest sideways displacement", "mm", _worst_aside, nothing, 5e-4, scale=1e3),
+        ),
         most=10,
         shown=shown,
         heavy=heavy,
@@ -247,7 +250,7 @@ SCENES = (
         "friction holds the feet; here 0.33 and friction 0.7.",
         _arch,
         5.0,
-        (Measure("largest way of a stone", "mm", _sag, nothing, 5e-4, scale=1e3),),
+        (Measure("largest displacement of a stone", "mm", _sag, nothing, 5e-4, scale=1e3),),
         most=5,
         shown=True,
         heavy=True,
@@ -296,7 +299,13 @@ SCENES = (
         0.3,
         (
             Measure(
-                "way of the wedge", "mm", _wedge_way, _true_wedge, 0.05, relative=True, scale=1e3
+                "distance of the wedge",
+                "mm",
+                _wedge_way,
+                _true_wedge,
+                0.05,
+                relative=True,
+                scale=1e3,
             ),
         ),
     ),

@@ -70,8 +70,10 @@ def _prisms(sides: int) -> EverydayScene:
         lambda i: _prism(i, sides),
         0.8,
         (
-            Measure("way, above a round can's", "m", downhill, _smooth_way, 0.05, True, signed=1),
-            Measure("way, below a prism's", "m", downhill, _edged_way, 0.05, True, signed=-1),
+            Measure(
+                "distance, above a round can's", "m", downhill, _smooth_way, 0.05, True, signed=1
+            ),
+            Measure("distance, below a prism's", "m", downhill, _edged_way, 0.05, True, signed=-1),
         ),
         held_out=True,
     )

@@ -192,7 +192,7 @@ SCENES = (
         "What falls straight through a wider hole touches nothing: free fall, summed over Euler steps.",
         lambda i: _peg(i, 0.01, 0.005),
         0.2,
-        (Measure("way", "m", _fallen, _free_fall, 0.05, relative=True),),
+        (Measure("distance", "m", _fallen, _free_fall, 0.05, relative=True),),
         held_out=True,
     ),
     EverydayScene(
@@ -201,7 +201,7 @@ SCENES = (
         "A peg wider than a hole lies on its rim; it begins 1 mm over that.",
         lambda i: _peg(i, 0.0105, 0.001),
         1.0,
-        (Measure("way down", "mm", _fallen, _drop, 2e-4, scale=1e3),),
+        (Measure("distance down", "mm", _fallen, _drop, 2e-4, scale=1e3),),
         held_out=True,
     ),
     EverydayScene(

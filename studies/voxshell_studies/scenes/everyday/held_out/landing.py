@@ -171,7 +171,7 @@ SCENES = (
         _falling_rod,
         1.5,
         (
-            Measure("largest way aside", "mm", _aside, nothing, 2e-3, scale=1e3),
+            Measure("largest sideways displacement", "mm", _aside, nothing, 2e-3, scale=1e3),
             Measure("slope at the end", "degrees", _slope_of_axis, nothing, 0.2),
         ),
         most=10,
@@ -197,7 +197,7 @@ SCENES = (
     EverydayScene(
         "book begins 2 mm inside a table",
         LAND,
-        "The shortest way out is up; a body that leaves an overlap gains no speed from it.",
+        "The shortest separating translation is up; a body that leaves an overlap gains no speed from it.",
         _sunken_book,
         2.0,
         (
@@ -216,7 +216,7 @@ SCENES = (
         "Each one stands on the floor of the one below, 15 mm thick, with play at the walls; nothing moves.",
         _cups,
         1.5,
-        (Measure("largest way", "mm", worst_way, nothing, 5e-4, scale=1e3),),
+        (Measure("largest displacement", "mm", worst_way, nothing, 5e-4, scale=1e3),),
         most=5,
         held_out=True,
     ),

@@ -181,7 +181,7 @@ SCENES = (
         "The tooth pushes the pawl towards its hinge and down into the teeth: nothing moves beyond the play, 0.2 mm.",
         _ratchet,
         1.0,
-        (Measure("farthest way", "mm", _farthest_along, nothing, 1e-3, scale=1e3, signed=1),),
+        (Measure("farthest distance", "mm", _farthest_along, nothing, 1e-3, scale=1e3, signed=1),),
         most=5,
         held_out=True,
     ),
@@ -204,7 +204,7 @@ SCENES = (
         "Without friction: (F - m g tan a) / (M + m tan2 a), summed over Euler steps; 20 degrees.",
         _lifting_wedge,
         0.3,
-        (Measure("way of the wedge", "m", downhill, _true_thrust, 0.05, relative=True),),
+        (Measure("distance of the wedge", "m", downhill, _true_thrust, 0.05, relative=True),),
         held_out=True,
     ),
 )

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 PULL, GROOVE = "Pushed and pulled", "V-grooves"
 
-SLIDES = Measure("way", "m", downhill, slid_way, 0.05, relative=True)
-STOPS = Measure("way to stop", "mm", downhill, stop_way, 0.05, relative=True, scale=1e3)
+SLIDES = Measure("distance", "m", downhill, slid_way, 0.05, relative=True)
+STOPS = Measure("stopping distance", "mm", downhill, stop_way, 0.05, relative=True, scale=1e3)
 STAYS = Measure("creep", "mm", farthest, nothing, 1e-4, scale=1e3)
 
 
@@ -211,7 +211,7 @@ SCENES = (
     EverydayScene(
         "die of 5 mm and 1 g slides down 40 degrees at friction 0.6",
         PULL,
-        f"{COULOMB}: way of a = g (sin 40 deg - 0.6 cos 40 deg) from rest.",
+        f"{COULOMB}: distance with a = g (sin 40 deg - 0.6 cos 40 deg) from rest.",
         lambda i: on_ramp(
             forms.box(0.005, 0.005, 0.005),
             forms.slab(0.5),
@@ -228,7 +228,7 @@ SCENES = (
     EverydayScene(
         "brick slides off 3 degrees without friction",
         PULL,
-        "Without friction: way of a = g sin 3 deg from rest, summed over Euler steps.",
+        "Without friction: distance with a = g sin 3 deg from rest, summed over Euler steps.",
         lambda i: on_ramp(_brick(), forms.slab(2.0), math.radians(3.0), i, friction=0.0),
         0.8,
         (SLIDES,),
@@ -258,10 +258,10 @@ SCENES = (
     EverydayScene(
         "crate moves above the friction limit",
         PULL,
-        f"{COULOMB}: way of a = F / m - mu g, F = 1.3 mu m g, mu 0.4.",
+        f"{COULOMB}: distance with a = F / m - mu g, F = 1.3 mu m g, mu 0.4.",
         lambda i: _pulled(i, 1.3),
         1.0,
-        (Measure("way", "m", downhill, _pulled_way, 0.05, relative=True),),
+        (Measure("distance", "m", downhill, _pulled_way, 0.05, relative=True),),
         held_out=True,
     ),
     EverydayScene(
@@ -272,7 +272,7 @@ SCENES = (
         _pulled_across,
         0.6,
         (
-            Measure("way", "m", _diagonal_way, _true_diagonal, 0.05, relative=True),
+            Measure("distance", "m", _diagonal_way, _true_diagonal, 0.05, relative=True),
             Measure("direction", "degrees", _direction, _true_direction, 2.0),
         ),
         held_out=True,
@@ -285,7 +285,7 @@ SCENES = (
         0.4,
         (
             Measure(
-                "way of the board",
+                "distance of the board",
                 "m",
                 lambda t: _along(t, "board"),
                 _board_way,
@@ -293,7 +293,12 @@ SCENES = (
                 relative=True,
             ),
             Measure(
-                "way of the box", "m", lambda t: _along(t, "box"), _box_way, 0.05, relative=True
+                "distance of the box",
+                "m",
+                lambda t: _along(t, "box"),
+                _box_way,
+                0.05,
+                relative=True,
             ),
         ),
         held_out=True,
@@ -305,7 +310,7 @@ SCENES = (
         "(Farkas et al. 2003).",
         _whirl,
         1.2,
-        (Measure("way to stop", "mm", downhill, _whirl_way, 0.05, relative=True, scale=1e3),),
+        (Measure("stopping distance", "mm", downhill, _whirl_way, 0.05, relative=True, scale=1e3),),
         rates=(1000.0, 200.0, 60.0),
         needs=1.2,
         held_out=True,
@@ -316,7 +321,7 @@ SCENES = (
         "Walls at 45 degrees press 1 / sin 45 deg as hard: a = g (sin 40 deg - mu cos 40 deg / sin 45 deg), mu 0.3.",
         _block_in_groove,
         0.6,
-        (Measure("way", "m", downhill, _groove_way, 0.05, relative=True),),
+        (Measure("distance", "m", downhill, _groove_way, 0.05, relative=True),),
         held_out=True,
     ),
     EverydayScene(

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 RACE = "Races, rails and turntables"
 
-WAY = Measure("way", "m", downhill, rolled_way, 0.05, relative=True)
+WAY = Measure("distance", "m", downhill, rolled_way, 0.05, relative=True)
 
 
 def _any_way(placement: int) -> np.ndarray:
@@ -266,7 +266,7 @@ SCENES = (
         0.8,
         tuple(
             Measure(
-                f"way of the {name}",
+                f"distance of the {name}",
                 "m",
                 lambda t, name=name: _track_way(t, name),
                 lambda t, name=name: _racer_way(t, name),
@@ -304,7 +304,7 @@ SCENES = (
         (
             Measure("farthest uphill", "m", _highest, _true_highest, 0.05, relative=True),
             # Of the way up, 0.41 m.
-            Measure("way at the end", "mm", downhill, rolled_way, 0.02, scale=1e3),
+            Measure("distance at the end", "mm", downhill, rolled_way, 0.02, scale=1e3),
         ),
         needs=1.4,
         held_out=True,
@@ -331,7 +331,7 @@ SCENES = (
         1.0,
         (
             Measure("turn about the apex", "degrees", _cone_turn, _true_cone_turn, 0.1, True),
-            Measure("way of the apex", "mm", farthest, nothing, 5e-3, scale=1e3),
+            Measure("distance of the apex", "mm", farthest, nothing, 5e-3, scale=1e3),
         ),
         held_out=True,
     ),
@@ -341,7 +341,7 @@ SCENES = (
         "At v2 above g r it leaves the edge at once and lands v sqrt(2 h / g) away (Galileo), h 0.4 m.",
         _off_table,
         0.6,
-        (Measure("way from the edge", "m", _throw, _true_throw, 0.05, relative=True),),
+        (Measure("distance from the edge", "m", _throw, _true_throw, 0.05, relative=True),),
         held_out=True,
     ),
 )

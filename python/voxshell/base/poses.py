@@ -1,0 +1,133 @@
+"""Poses from positions, quaternions, angles and axes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.base.arguments import as_floats
+from voxshell.base.pose_forms import as_quaternion
+from voxshell.base.rotations import rotation_from_xyzw
+from voxshell.errors import PoseError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+def pose(
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    xyzw: ArrayLike | None = None,
+    wxyz: ArrayLike | None = None,
+    euler: ArrayLike | None = None,
+    axis_angle: tuple[ArrayLike, float] | None = None,
+) -> NDArray[np.float64]:
+    """Makes a pose of a position and at most one rotation.
+
+    Wherever voxshell takes a pose, it takes any of these, in metres:
+
+    - a (4, 4) matrix, such as this function returns;
+    - a position, (3,), without a rotation;
+    - (7,): a position, then a unit quaternion in the order x, y, z, w, which is that of Bullet and pybullet;
+    - a pair ``(position, quaternion)`` of these, as pybullet returns.
+
+    Functions that take many poses take (k, 4, 4), (k, 3), (k, 7), a pair of (k, 3) and (k, 4), or a list of
+    poses in any of the forms above. One pose stands for all.
+
+    A matrix whose rotation is orthonormal to 1e-6 keeps its bits. One that is off by up to 1e-3, as after
+    rounding to four decimals, is replaced by the nearest rotation; a quaternion whose length is off 1 by
+    up to 1e-3 is made unit length. Anything farther off, and any reflection, raises a :class:`PoseError`.
+
+    Args:
+        position: (3,), metres: where the frame's origin is.
+        xyzw: (4,), unit quaternion, the real part last, as in Bullet, SciPy and ROS.
+        wxyz: (4,), unit quaternion, the real part first, as in MuJoCo and trimesh.
+        euler: (3,), radians: roll, pitch and yaw, as the ``rpy`` of URDF. The frame turns about the fixed x
+            axis, then the fixed y axis, then the fixed z axis.
+        axis_angle: An axis, (3,), of any length but 0, and an angle, radians, counter-clockwise about it.
+
+    Returns:
+        (4, 4) float64, ``world_from_body``: a new array.
+
+    Raises:
+        PoseError: More than one rotation is given, a number is not finite, an array has another shape, a
+            quaternion is not of unit length, or an axis is zero.
+
+    Example:
+        A quarter turn about z, half a metre up:
+
+        >>> import math
+        >>> import voxshell as vx
+        >>> vx.pose((0, 0, 0.5), axis_angle=((0, 0, 1), math.pi / 2)).round(6) + 0.0
+        array([[ 0. , -1. ,  0. ,  0. ],
+               [ 1. ,  0. ,  0. ,  0. ],
+               [ 0. ,  0. ,  1. ,  0.5],
+               [ 0. ,  0. ,  0. ,  1. ]])
+        >>> half = math.sqrt(0.5)
+        >>> turned = vx.pose(euler=(0, 0, math.pi / 2))
+        >>> bool(abs(turned - vx.pose(xyzw=(0, 0, half, half))).max() < 1e-15)
+        True
+        >>> vx.pose(xyzw=(0, 0, 0, 1), wxyz=(1, 0, 0, 0))
+        Traceback (most recent call last):
+        voxshell.errors.PoseError: give at most one rotation, not xyzw and wxyz
+    """
+    rotations = {"xyzw": xyzw, "wxyz": wxyz, "euler": euler, "axis_angle": axis_angle}
+    given = [name for name, value in rotations.items() if value is not None]
+    if len(given) > 1:
+        raise PoseError(f"give at most one rotation, not {' and '.join(given)}")
+    matrix = np.eye(4)
+    matrix[:3, 3] = _as_finite(position, "position", 3)
+    if xyzw is not None:
+        x, y, z, w = as_quaternion(_as_finite(xyzw, "xyzw", 4), "xyzw")
+        matrix[:3, :3] = np.reshape(rotation_from_xyzw(x, y, z, w), (3, 3))
+    elif wxyz is not None:
+        w, x, y, z = as_quaternion(_as_finite(wxyz, "wxyz", 4), "wxyz", "w, x, y, z")
+        matrix[:3, :3] = np.reshape(rotation_from_xyzw(x, y, z, w), (3, 3))
+    elif euler is not None:
+        matrix[:3, :3] = _turn_by_euler(*_as_finite(euler, "euler", 3))
+    elif axis_angle is not None:
+        matrix[:3, :3] = _turn_about(axis_angle)
+    return matrix
+
+
+def _as_finite(value: Any, name: str, count: int) -> list[float]:
+    numbers: list[float] = as_floats(value, name, (count,), PoseError).tolist()
+    if not all(map(math.isfinite, numbers)):
+        raise PoseError(f"{name} must be finite, not {tuple(numbers)}")
+    return numbers
+
+
+def _turn_by_euler(roll: float, pitch: float, yaw: float) -> tuple[tuple[float, ...], ...]:
+    cr, cp, cy = math.cos(roll), math.cos(pitch), math.cos(yaw)
+    sr, sp, sy = math.sin(roll), math.sin(pitch), math.sin(yaw)
+    return (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+
+
+def _turn_about(axis_angle: Any) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(axis_angle, (tuple, list)) or len(axis_angle) != 2:
+        raise PoseError(
+            "axis_angle must be a pair ((x, y, z), radians); for a rotation vector v, pass (v, its length)"
+        )
+    x, y, z = _as_finite(axis_angle[0], "the axis of axis_angle", 3)
+    [angle] = _as_finite([axis_angle[1]], "the angle of axis_angle", 1)
+    largest = max(abs(x), abs(y), abs(z))
+    if largest == 0.0:
+        if angle == 0.0:
+            return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        raise PoseError("the axis of axis_angle must not be zero")
+    x, y, z = x / largest, y / largest, z / largest  # whose squares neither vanish nor overflow
+    length = math.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    c, s = math.cos(angle), math.sin(angle)
+    t = 1.0 - c
+    return (
+        (c + t * x * x, t * x * y - s * z, t * x * z + s * y),
+        (t * x * y + s * z, c + t * y * y, t * y * z - s * x),
+        (t * x * z - s * y, t * y * z + s * x, c + t * z * z),
+    )

@@ -1,0 +1,157 @@
+"""Signed distance fields."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.base.arguments import as_points
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell._core import Field as CoreField
+    from voxshell._core import GridField as CoreGridField
+    from voxshell._core import Model as CoreModel
+
+
+SERIALS = itertools.count()
+"""Tell bodies apart for as long as the program runs; ids may return."""
+
+
+class Field:
+    """A signed distance field: how far a point is from a surface, negative inside.
+
+    Models have a :class:`DistanceField`; :class:`Plane`, :class:`Box`, :class:`Sphere` and the other
+    analytic shapes are ones by formula. Immutable.
+    """
+
+    __slots__ = ("_core", "_judged", "_serial", "_shell_model")
+
+    def __init__(self, core: CoreField) -> None:
+        self._core = core
+        self._shell_model: CoreModel | None = None
+        self._serial = next(SERIALS)
+        self._judged: set[int] = set()
+
+    def sample(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Signed distances at points, evaluated in single precision as every query does.
+
+        Args:
+            points: (n, 3) float64, metres, body frame.
+
+        Returns:
+            (n,) float64, metres, negative inside.
+
+        Raises:
+            SettingsError: ``points`` has another shape, or numbers that are not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.Sphere(radius=0.5).sample([[0, 0, 2], [0, 0, 0]])
+            array([ 1.5, -0.5])
+        """
+        return self._core.sample(as_points(points, "points"))
+
+    def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Gradients of the distance at points: directions away from the surface's inside.
+
+        Args:
+            points: (n, 3) float64, metres, body frame.
+
+        Returns:
+            (n, 3) float64. Unit length for analytic shapes; of a model's field, the exact gradient
+            of :meth:`sample`, whose length is near 1 except close to the medial axis.
+
+        Raises:
+            SettingsError: ``points`` has another shape, or numbers that are not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.Box(half_extents=(1, 1, 1)).gradient([[0.9, 0, 0], [0, 0, 3]])
+            array([[1., 0., 0.],
+                   [0., 0., 1.]])
+        """
+        return self._core.gradient(as_points(points, "points"))
+
+
+class DistanceField(Field):
+    """The distance field of a model: true distances on a sparse regular grid, trilinear between.
+
+    The grid is fine near the surface and coarser far away. Beyond it, the surface is taken to be
+    where the nearest point of the grid sees it.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> box = trimesh.creation.box(extents=(0.2, 0.2, 0.1))
+        >>> field = vx.Model.from_mesh(box, voxel_size=0.01).field
+        >>> field
+        DistanceField(57 x 57 x 49 nodes, voxel size 0.01 m, 0.1 MB)
+        >>> field.sample([[0, 0, 0.07]]).round(6)
+        array([0.02])
+    """
+
+    __slots__ = ("_grid",)
+
+    def __init__(self, core: CoreField, grid: CoreGridField) -> None:
+        super().__init__(core)
+        self._grid = grid
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Nodes along x, y and z."""
+        x, y, z = self._grid.shape
+        return x, y, z
+
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a grid cell, metres."""
+        return self._grid.voxel_size
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """Position of the first node, (3,) float64, metres, body frame."""
+        return np.array(self._grid.origin)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the field, bytes."""
+        return self._grid.nbytes
+
+    @property
+    def interpolation_error(self) -> float:
+        """Near the surface :meth:`sample` is off the true distance by at most this, metres."""
+        return self._grid.interpolation_error
+
+    @property
+    def surface_error(self) -> float:
+        """Where the field and the mesh differ in what is inside, the surface is no farther than this, metres.
+
+        A proof: of models by tolerance cell by cell, when they are built; of uniform ones that of
+        :attr:`interpolation_error`.
+        """
+        return self._grid.surface_error
+
+    @property
+    def sign_method(self) -> str:
+        """How it was told what is inside: "closed" by the surface, "winding" by winding numbers."""
+        return self._grid.sign_method
+
+    @property
+    def sign_confidence(self) -> float:
+        """1 for a closed mesh; else the share of its area that clearly bounds an inside.
+
+        That is, on both of whose sides the winding number is not near a half: near 1 for a mesh
+        with a few holes, 0 for a sheet, at any voxel size. Below a half a mesh is refused.
+        """
+        return self._grid.sign_confidence
+
+    def __repr__(self) -> str:
+        x, y, z = self.shape
+        return (
+            f"DistanceField({x} x {y} x {z} nodes, voxel size {self.voxel_size:g} m, "
+            f"{self.nbytes / 1e6:.1f} MB)"
+        )

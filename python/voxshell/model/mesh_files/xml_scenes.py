@@ -1,0 +1,201 @@
+"""What 3MF and COLLADA files ask for: sizes in archives, faces, and parts that place others."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from collections import defaultdict
+from typing import TYPE_CHECKING
+from xml.parsers import expat
+
+import numpy as np
+
+from voxshell.errors import MeshError
+from voxshell.model.mesh_files.budget import check_corners, check_expansion, check_placed
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+
+_MOST_LEVELS = 200
+"""Of elements in each other; readers follow them by recursion."""
+
+_NO_INDEX = re.compile(r"-|\d{10}")
+"""Below 0 or beyond 32 bits: pycollada would count from the end, or cut it off."""
+
+_MOST_PLACED_3MF = 3500
+"""Objects; trimesh takes time that grows as their square: 1.5 s."""
+
+_MOST_PLACED_DAE = 12_000
+"""Nodes and geometries; trimesh takes 1.5 s."""
+
+
+def check_3mf(data: bytes) -> None:
+    """Checks what the archive expands to, and how often and deeply objects are placed.
+
+    Raises:
+        MeshError: It asks for too much.
+    """
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = archive.infolist()
+        # No reader goes beyond the sizes that an archive declares.
+        check_expansion(sum(member.file_size for member in members), len(data))
+        objects = _Objects()
+        for member in members:
+            if member.filename.lower().endswith(".model"):
+                objects.scan(archive.read(member))
+    check_placed(objects.children, objects.roots, objects.sizes, _MOST_PLACED_3MF)
+
+
+def check_dae(data: bytes) -> None:
+    """Checks corners of faces, and how often nodes place geometries.
+
+    Raises:
+        MeshError: It asks for too much.
+    """
+    nodes = _Nodes()
+    nodes.scan(data)
+    # COLLADA's transforms are multiplied one by one, which takes no time to speak of.
+    check_placed(nodes.children, nodes.roots, nodes.sizes, _MOST_PLACED_DAE)
+
+
+class _Scan:
+    """Goes through the elements of an XML text, of which nothing is kept."""
+
+    def __init__(self) -> None:
+        self.children: dict[Hashable, list[Hashable]] = defaultdict(list)
+        self.sizes: dict[Hashable, int] = defaultdict(int)
+        self.roots: list[Hashable] = []
+        self._levels = 0
+
+    def scan(self, text: bytes) -> None:
+        """Adds what a text places.
+
+        Raises:
+            MeshError: It asks for too much.
+            ExpatError: It is no XML.
+        """
+        parser = expat.ParserCreate(namespace_separator=" ")
+        parser.buffer_text = True
+
+        def start(name: str, attributes: dict[str, str]) -> None:
+            self._levels += 1
+            if self._levels > _MOST_LEVELS:
+                raise MeshError(
+                    f"its XML elements are nested more than {_MOST_LEVELS} deep; export the mesh again"
+                )
+            self.start(name.rpartition(" ")[2], attributes, parser.CurrentByteIndex)
+
+        def end(name: str) -> None:
+            self._levels -= 1
+            self.end(name.rpartition(" ")[2], parser.CurrentByteIndex)
+
+        def refuse_entity(*_: object) -> None:
+            raise MeshError("it declares XML entities, which no mesh needs; export the mesh again")
+
+        parser.StartElementHandler = start
+        parser.EndElementHandler = end
+        parser.CharacterDataHandler = self.text
+        parser.EntityDeclHandler = refuse_entity
+        parser.Parse(text, True)
+
+    def start(self, name: str, attributes: dict[str, str], at: int) -> None:
+        raise NotImplementedError
+
+    def end(self, name: str, at: int) -> None:
+        raise NotImplementedError
+
+    def text(self, text: str) -> None:
+        pass
+
+
+class _Objects(_Scan):
+    """The objects of a 3MF file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._object = ""
+        self._began = 0
+
+    def start(self, name: str, attributes: dict[str, str], at: int) -> None:
+        if name == "object":
+            self._object = attributes.get("id", "")
+        elif name == "mesh":
+            self._began = at
+        elif name == "component":
+            self.children[self._object].append(attributes.get("objectid", ""))
+        elif name == "item":
+            self.roots.append(attributes.get("objectid", ""))
+
+    def end(self, name: str, at: int) -> None:
+        if name == "mesh":
+            self.sizes[self._object] += at - self._began
+
+
+class _Nodes(_Scan):
+    """The nodes and geometries of a COLLADA file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._nodes: list[str] = []
+        self._count = 0
+        self._geometry = ""
+        self._began = 0
+        self._inside: list[str] = []
+        self._offsets = 1
+        self._numbers: list[str] = []
+        self._text_before = ""
+
+    def start(self, name: str, attributes: dict[str, str], at: int) -> None:
+        self._inside.append(name)
+        self._text_before = ""
+        target = attributes.get("url", "")[1:]
+        if name == "node":
+            self._count += 1
+            node = attributes.get("id") or f" {self._count}"
+            if self._nodes:
+                self.children["node", self._nodes[-1]].append(("node", node))
+            elif "visual_scene" in self._inside:
+                self.roots.append(("node", node))
+            self._nodes.append(node)
+        elif name == "instance_node" and self._nodes:
+            self.children["node", self._nodes[-1]].append(("node", target))
+        elif name == "instance_geometry" and self._nodes:
+            self.children["node", self._nodes[-1]].append(("geometry", target))
+        elif name == "geometry":
+            self._geometry, self._began = attributes.get("id", ""), at
+        elif name in ("polygons", "polylist"):
+            self._offsets = 1
+        elif name == "input":
+            self._offsets = max(self._offsets, 1 + int(attributes.get("offset", 0)))
+
+    def end(self, name: str, at: int) -> None:
+        self._inside.pop()
+        if name == "node":
+            self._nodes.pop()
+        elif name == "geometry":
+            self.sizes["geometry", self._geometry] = at - self._began
+        elif name in ("vcount", "p", "matrix") and self._numbers:
+            numbers = "".join(self._numbers)
+            self._numbers = []
+            if name == "matrix":
+                if len(numbers.split()) != 16:
+                    raise MeshError(
+                        f"a <matrix> has {len(numbers.split())} numbers, not 16; export the mesh again"
+                    )
+            elif name == "p":
+                check_corners(len(numbers.split()) // self._offsets)
+            else:
+                check_corners(int(np.array(numbers.split() or [0], dtype=np.int64).max()))
+
+    def text(self, text: str) -> None:
+        inside = self._inside[-1] if self._inside else ""
+        if inside == "p":
+            # Texts come in parts, which may end within a number.
+            if _NO_INDEX.search(self._text_before + text):
+                raise MeshError(
+                    "a face has an index below 0 or of ten digits; export the mesh again"
+                )
+            self._text_before = text[-9:]
+        if inside in ("vcount", "matrix") or (inside == "p" and "polygons" in self._inside):
+            self._numbers.append(text)

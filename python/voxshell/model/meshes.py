@@ -1,0 +1,202 @@
+"""What goes in as a mesh: files, trimesh objects, arrays."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import signal
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from voxshell.base.arguments import as_floats, describe
+from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
+from voxshell.model.mesh_files.reading import open_mesh_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import FrameType
+
+    import trimesh
+    from numpy.typing import ArrayLike, NDArray
+
+    MeshLike: TypeAlias = (
+        "trimesh.Trimesh | tuple[ArrayLike, ArrayLike] | str | os.PathLike[str] | Mesh"
+    )
+    """What :meth:`voxshell.Model.from_mesh` takes."""
+
+
+MODEL_SUFFIX = ".vxs"
+"""Of model files, which are no meshes."""
+
+
+class MeshWarning(UserWarning):
+    """A mesh has faults that were overcome; the message counts and locates them."""
+
+
+class Mesh(NamedTuple):
+    """A triangle mesh as arrays: ``vertices, faces = model.mesh``.
+
+    Attributes:
+        vertices: (n, 3) float64, metres.
+        faces: (m, 3) uint32, rows of ``vertices``, counter-clockwise seen from outside.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.uint32]
+
+
+def read_mesh(mesh: MeshLike) -> Mesh:
+    """The arrays of a mesh, checked: types, shapes, that numbers are finite and indices of a vertex.
+
+    Raises:
+        MeshError: A file cannot be read or holds no triangles; arrays have a wrong shape or type,
+            numbers that are not finite, or indices that are not of a vertex. It names the file.
+        MemoryLimitError: The system gives no more memory for a file.
+        InputTypeError: ``mesh`` is none of the kinds that are taken.
+    """
+    if isinstance(mesh, (str, os.PathLike)):
+        with naming_file(mesh):
+            return read_mesh(_load(os.fspath(mesh)))
+    if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
+        vertices, faces = mesh
+    elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        vertices, faces = mesh.vertices, mesh.faces  # pyright: ignore[reportAttributeAccessIssue]
+    else:
+        hint = "; pass scene.to_mesh()" if hasattr(mesh, "to_mesh") else ""
+        raise InputTypeError(
+            "mesh must be a trimesh.Trimesh, (vertices, faces) or a path, "
+            f"not {type(mesh).__name__}{hint}"
+        )
+    vertices = as_floats(vertices, "vertices", (None, 3), MeshError)
+    wrong = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(wrong):
+        raise MeshError(
+            f"{len(wrong)} of {len(vertices)} vertices of the mesh are not finite (first: vertex "
+            f"{wrong[0]}); remove them, or export the mesh again"
+        )
+    return Mesh(vertices, _as_faces(faces, len(vertices)))
+
+
+@contextmanager
+def naming_file(mesh: MeshLike) -> Iterator[None]:
+    """Puts the path in front of what is wrong with a mesh, where it is a file's."""
+    try:
+        yield
+    except MeshError as error:
+        if not isinstance(mesh, (str, os.PathLike)) or os.fspath(mesh) in str(error):
+            raise
+        raise MeshError(f"{os.fspath(mesh)}: {error}") from None
+
+
+def _load(path: str) -> trimesh.Trimesh:
+    """A mesh from a file; the bodies of a scene become one mesh."""
+    if path.lower().endswith(MODEL_SUFFIX) and os.path.isfile(path):
+        raise MeshError(
+            f"{path} is a model already: load it with voxshell.Model.load, or give the mesh that it "
+            "was made of"
+        )
+    try:
+        kind, data, neighbors = open_mesh_file(path)
+        with _keeping_interrupts(until_the_end=True):
+            import trimesh  # takes longer than all the rest of voxshell
+        # Materials might refer to anything, and make no difference to a mesh.
+        options = {"skip_materials": True} if kind in ("glb", "gltf", "obj", "ply") else {}
+        with _keeping_interrupts():
+            # Without process, vertices stay as they are in the file; the core merges equal ones.
+            mesh = trimesh.load(
+                io.BytesIO(data),
+                file_type=kind,
+                # All that trimesh asks of it is bytes by name.
+                resolver=neighbors if kind in ("glb", "gltf") else None,  # pyright: ignore[reportArgumentType]
+                force="mesh",
+                process=False,
+                **options,
+            )
+    except MeshError as error:
+        raise MeshError(f"cannot read mesh {path}: {error}") from None
+    except MemoryError as error:
+        raise MemoryLimitError(
+            f"cannot read mesh {path}: the system gives no more memory; simplify the mesh"
+        ) from error
+    except OSError as error:
+        raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
+    except Exception as error:  # of which readers of damaged files raise every kind
+        raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise MeshError(
+            f"cannot read mesh {path}: it holds no triangles, or is damaged; export it again"
+        )
+    return mesh
+
+
+def _explain(path: str, error: Exception) -> str:
+    """Why a file could not be read, and what to do."""
+    if isinstance(error, ImportError):
+        return f"its reader is not there: {error}"
+    # trimesh's reader of OBJ files takes indices for granted.
+    beyond = re.search(r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error))
+    if beyond and path.lower().endswith(".obj"):
+        return (
+            f"a face has the vertex {beyond[1]}, counted from 0, of {beyond[2]}; the file is "
+            "damaged: export it again"
+        )
+    kind = os.path.splitext(path)[1][1:].upper()
+    return f"it is damaged, or no {kind} file ({error}); export it again"
+
+
+@contextmanager
+def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
+    """Raises interrupts that the block swallows: trimesh takes any for a fault in what it reads.
+
+    Args:
+        until_the_end: Interrupts only then: what trimesh imports in C++ aborts at an exception.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if not in_main_thread or not callable(handler):
+        yield
+        return
+    interrupted = False
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
+        if not until_the_end:
+            handler(number, frame)
+            interrupted = False  # it did not raise, which nobody has to do again
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if interrupted:
+            handler(signal.SIGINT, None)
+
+
+def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
+    """Indices of vertices. Negative ones would count from the end, which no mesh file means."""
+    try:
+        faces = np.asarray(value)
+    except (TypeError, ValueError) as failure:
+        raise MeshError(f"faces must be (m, 3) integers: {failure}") from None
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        hint = "; split quadrilaterals into triangles" if faces.shape[1:] == (4,) else ""
+        raise MeshError(f"faces must be (m, 3) integers, not {describe(faces.shape)}{hint}")
+    if faces.dtype.kind not in "iuf":
+        raise MeshError(f"faces must be (m, 3) integers, not {faces.dtype}")
+    if faces.dtype.kind == "f" and not np.array_equal(faces, np.trunc(faces)):
+        raise MeshError("faces must be integers; some are fractions or NaN")
+    wrong = (faces < 0) | (faces >= vertex_count)
+    if wrong.any():
+        row, column = (int(i) for i in np.argwhere(wrong)[0])
+        raise MeshError(
+            f"{np.count_nonzero(wrong)} of {faces.size} face indices are not of the "
+            f"{vertex_count} vertices (first: {faces[row, column]} in face {row}, both counted from "
+            "0); remove those faces, or export the mesh again"
+        )
+    return np.ascontiguousarray(faces, dtype=np.uint32)

@@ -1,0 +1,86 @@
+"""Point shells of analytic shapes, for queries with models that are sparse where they are flat."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import trimesh
+
+from voxshell import _core
+from voxshell.model.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Sphere
+
+if TYPE_CHECKING:
+    from voxshell.model.field import Field
+
+_AROUND = 64  # faces around a round shape: its mesh is off by a thousandth of the radius
+_SUBDIVISIONS = 4  # of an icosahedron, for as many
+
+
+def find_shell(shape: Field) -> _core.Model | None:
+    """The model whose shell stands for a shape's surface; None of shapes without an end.
+
+    A shell by tolerance has few points where the mesh is flat, so a shape may lie between them.
+    With a shell of its own, the shape is found by its points in the model's field as well. It is
+    built once for each shape, from an inscribed mesh, and equal shapes share it.
+    """
+    if shape._shell_model is None:
+        if isinstance(shape, ConvexPolyhedron):
+            shape._shell_model = _build(*shape.mesh)
+        elif (sizes := _sizes_of(shape)) is not None:
+            shape._shell_model = _build_of_sizes(type(shape), *sizes)
+    return shape._shell_model
+
+
+def _sizes_of(shape: Field) -> tuple[float, ...] | None:
+    match shape:
+        case Box():
+            return tuple(float(extent) for extent in shape.half_extents)
+        case Sphere():
+            return (shape.radius,)
+        case Capsule() | Cylinder():
+            return (shape.radius, shape.length)
+        case Cone():
+            return (shape.radius, shape.height)
+        case _:
+            return None
+
+
+@lru_cache(maxsize=64)
+def _build_of_sizes(kind: type[Field], *sizes: float) -> _core.Model:
+    if kind is Box:
+        mesh = trimesh.creation.box(2.0 * np.asarray(sizes))
+        return _build(mesh.vertices, mesh.faces)
+    # Of radius 1 first: trimesh merges the corners of small ones.
+    radius = sizes[0]
+    length = sizes[-1] / radius
+    if kind is Sphere:
+        mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS)
+    elif kind is Capsule:
+        mesh = trimesh.creation.capsule(height=length, radius=1.0, count=[_AROUND, _AROUND])
+        mesh.apply_translation((0.0, 0.0, -mesh.bounds.mean(axis=0)[2]))
+    elif kind is Cylinder:
+        mesh = trimesh.creation.cylinder(1.0, length, sections=_AROUND)
+    else:
+        mesh = trimesh.creation.cone(1.0, length, sections=_AROUND)
+        mesh.apply_translation((0.0, 0.0, -0.5 * length))
+    return _build(radius * mesh.vertices, mesh.faces)
+
+
+def _build(vertices: np.ndarray, faces: np.ndarray) -> _core.Model:
+    return _core.Model.build(
+        np.ascontiguousarray(vertices, np.float64),
+        np.ascontiguousarray(faces, np.uint32),
+        tolerance=0.0,
+        voxel_size=0.0,
+        resolution=0,
+        point_spacing=0.0,
+        target_points=0,
+        padding=-1.0,
+        sign="closed",
+        open="solid",
+        sheet_thickness=0.0,
+        threads=0,
+        progress=None,
+    )

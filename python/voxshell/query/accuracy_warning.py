@@ -1,0 +1,102 @@
+"""Warns, once a pair, where queries may miss much of a body."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from voxshell import _core
+from voxshell.model.accuracy import AccuracyWarning
+from voxshell.query.contact_set import ROLES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from types import FrameType
+
+    from voxshell.model.field import Field
+    from voxshell.model.model import Model
+
+Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
+"""What the core wants of two bodies: the field and the model of each."""
+
+_OF_SIDE = 0.02  # of the smaller body's shortest side
+_OF_WALL = 0.25  # of the thinner wall, half of the way to its middle
+_PACKAGE = os.path.dirname(os.path.dirname(__file__))
+_MOST_REMEMBERED = 10_000
+
+
+class Missing(NamedTuple):
+    """What queries of two bodies may miss, and what it is too much of, metres."""
+
+    miss: float
+    length: float
+    of: str
+    shell: str
+
+    @property
+    def share(self) -> float:
+        """Of the length."""
+        return self.miss / self.length
+
+    def __str__(self) -> str:
+        by = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
+        return (
+            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.share:.3g} % of "
+            f"{self.of} of {self.length * 1e3:.3g} mm"
+        )
+
+
+_ADVICE = (
+    "build the models with a smaller tolerance= or voxel_size= (voxshell.contact_bounds reports the "
+    'effect), or name the shell, as in shell="both", to silence this warning'
+)
+
+
+def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
+    """Warns where the automatic role of two bodies may miss much of the smaller one.
+
+    Args:
+        a: A body.
+        b: Another.
+        parts: What the core wants of them: the field and the shell's model of each.
+    """
+    for body, other in ((a, b), (b, a)):
+        if len(body._judged) >= _MOST_REMEMBERED:
+            body._judged.clear()
+        body._judged.add(other._serial)
+    missing = measure(parts)
+    if missing is not None:
+        _warn(f"queries of {a!r} and {b!r} {missing}; {_ADVICE}")
+
+
+def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
+    """Warns of the worst of the pairs of models that may meet in a world."""
+    parts = ((a.field._core, a._core, b.field._core, b._core) for a, b in pairs)
+    found = [missing for missing in map(measure, parts) if missing is not None]
+    if not found:
+        return
+    worst = max(found, key=lambda missing: missing.share)
+    count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
+    _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
+
+
+def measure(parts: Parts) -> Missing | None:
+    """What the automatic role of two bodies may miss, if that is too much."""
+    role, miss, _, _, _, _, side, wall = _core.role(*parts, _core.Shells.AUTOMATIC)
+    if miss > _OF_WALL * wall:
+        return Missing(miss, wall, "the thinner wall", ROLES[role])
+    if miss > _OF_SIDE * side:
+        return Missing(miss, side, "the smaller body's shortest side", ROLES[role])
+    return None
+
+
+def _warn(text: str) -> None:
+    """Shown at the first line outside of the package."""
+    level = 1
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, AccuracyWarning, stacklevel=level)

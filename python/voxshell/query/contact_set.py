@@ -1,0 +1,220 @@
+"""The contacts of a pair."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell import _core
+from voxshell.base.arguments import as_integer
+from voxshell.base.notebook import make_table
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell._core import ContactSet
+
+ROLES: dict[_core.Role, Literal["a", "b", "both"]] = {
+    _core.Role.A: "a",
+    _core.Role.B: "b",
+    _core.Role.BOTH: "both",
+}
+"""Names for the core's roles: whose points are tested."""
+_NAMES = np.array(["a", "b"])
+
+
+def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
+    """Names for the core's numbers, read-only."""
+    names = _NAMES[shells]
+    names.flags.writeable = False
+    return names
+
+
+class Contacts:
+    """The contacts of two bodies a and b, as parallel arrays; from :func:`voxshell.contacts`.
+
+    Each contact is a point of one body's shell that lies inside the other body, or nearer to it
+    than the margin. Arrays are in the world frame, read-only, and stay valid on their own.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> contacts = vx.contacts(ball, vx.Plane(offset=-0.099))
+        >>> contacts
+        Contacts(5 of a's points, deepest 0.001 m)
+    """
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: ContactSet) -> None:
+        self._core = core
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    @property
+    def points_a(self) -> NDArray[np.float64]:
+        """Where a touches, (n, 3) float64, metres: on a's surface."""
+        return self._core.points_a
+
+    @property
+    def points_b(self) -> NDArray[np.float64]:
+        """Where b touches, (n, 3) float64, metres: on b's surface.
+
+        ``points_b - points_a == depths * normals``, but for rounding.
+        """
+        return self._core.points_b
+
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """Unit normals, (n, 3) float64: on b, pointing towards a. Moving a along them separates."""
+        return self._core.normals
+
+    @property
+    def depths(self) -> NDArray[np.float64]:
+        """Penetration depths, (n,) float64, metres: positive inside, above ``-margin``."""
+        return self._core.depths
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Which elements of their shell these are, (n,) int64: rows of ``model.shell.points``.
+
+        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number; those
+        of :attr:`ambiguous` contacts follow on the last.
+        """
+        return self._core.ids
+
+    @property
+    def segments(self) -> NDArray[np.int64]:
+        """The cluster of each element at the query's level, (n,) int64; 0 without a level.
+
+        Clusters of edge segments are numbered after those of points.
+        """
+        return self._core.segments
+
+    @property
+    def shell(self) -> Literal["a", "b", "both"]:
+        """Whose points were tested: "a", "b" or "both"."""
+        return ROLES[self._core.role]
+
+    @property
+    def shells(self) -> NDArray[np.str_]:
+        """Whose shell each point is of, (n,) of "a" and "b"; each shell counts its own ids."""
+        return name_shells(self._core.shells)
+
+    @property
+    def ambiguous(self) -> NDArray[np.bool_]:
+        """Whether depth and normal are ambiguous, (n,): another surface is about as near.
+
+        So they are in the middle of a wall, within 9 % of half its thickness; on the axis of a rod;
+        and between faces that meet at less than 60 degrees. Deep inside a model, they are also
+        ambiguous within a cell of the planes on which two faces are equally near, where depth and
+        normal lead to a place that is off the surface by more than a quarter voxel or 1.5 % of the
+        depth. What is ambiguous depends on the other body's shape at the contact's place alone, and
+        is looked up at each access.
+
+        So are contacts where no part of the surface is in contact, as one body lies wholly inside
+        the other, or in its very place. Such a contact is of a place deep inside its body, with that
+        place's depth; its normal is zero where none is better than another.
+
+        Example:
+            >>> import numpy as np
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> plate = vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.2, 0.001)))
+            >>> sunk = np.eye(4)
+            >>> sunk[2, 3] = 0.0205  # a cube's lower face lies in the middle of the plate
+            >>> cube = vx.Model.from_mesh(trimesh.creation.box(extents=(0.041, 0.041, 0.041)))
+            >>> contacts = vx.contacts(cube, plate, sunk, shell="a")
+            >>> bool(contacts.ambiguous[contacts.depths > 0.00049].all())
+            True
+        """
+        ambiguous = self._core.find_ambiguous()
+        ambiguous.flags.writeable = False
+        return ambiguous
+
+    @property
+    def exact(self) -> bool:
+        """True if nothing can have been missed, as it always is without a budget.
+
+        (``max_points`` leaves contacts out, but misses none.)
+        """
+        return self._core.exact
+
+    @property
+    def depth_bound(self) -> float:
+        """Metres: no contact that was missed is deeper. Minus infinity where this is exact."""
+        return self._core.depth_bound
+
+    def manifold(self, max_points: int = 4) -> Contacts:
+        """A few contacts that stand for all: the deepest, then those that span the largest area.
+
+        Args:
+            max_points: From 1 to 4. Points that would add no area are left out.
+
+        Returns:
+            The contacts chosen, in the order chosen; the deepest is first.
+
+        Raises:
+            SettingsError: ``max_points`` is out of range.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+            >>> contacts = vx.contacts(box, vx.Plane(offset=-0.499))
+            >>> len(contacts), len(contacts.manifold())
+            (441, 4)
+        """
+        return Contacts(self._core.manifold(as_integer(max_points, "max_points", 1, 4)))
+
+    def deepest_per_segment(self) -> Contacts:
+        """The deepest contact of each segment at the query's level.
+
+        Returns:
+            One contact a segment that has any, ascending by id; of both shells, a's segments
+            before b's. Of equally deep ones, the smaller id.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> box = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
+            >>> contacts = vx.contacts(box, vx.Plane(offset=-0.499), level=3)
+            >>> deepest = contacts.deepest_per_segment()
+            >>> len(deepest) == len(set(contacts.segments.tolist())) > 1
+            True
+        """
+        return Contacts(self._core.deepest_per_segment())
+
+    def _repr_html_(self) -> str:
+        """A table of facts, for notebooks."""
+        facts = {"contacts": self._count_by_shell()}
+        if len(self) > 0:
+            deepest = int(np.argmax(self.depths))
+            place = ", ".join(f"{x:.6g}" for x in self.points_b[deepest])
+            normal = ", ".join(f"{x:.3g}" for x in self.normals[deepest])
+            facts |= {
+                "depth": f"{1e3 * self.depths.min():.4g} to {1e3 * self.depths.max():.4g} mm",
+                "deepest at": f"({place}) m, world frame",
+                "normal there": f"({normal}), from b to a",
+            }
+        facts["complete"] = (
+            "yes"
+            if self.exact
+            else f"no: none missed is deeper than {1e3 * self.depth_bound:.4g} mm"
+        )
+        return make_table("Contacts", facts)
+
+    def _count_by_shell(self) -> str:
+        if self.shell == "both":
+            of_b = np.count_nonzero(self._core.shells)
+            return f"{len(self) - of_b} of a's and {of_b} of b's points"
+        return f"{len(self)} of {self.shell}'s points"
+
+    def __repr__(self) -> str:
+        text = self._count_by_shell()
+        if len(self) > 0:
+            text += f", deepest {self.depths.max():.3g} m"
+        return f"Contacts({text})" if self.exact else f"Contacts({text}, perhaps not all)"

@@ -1,0 +1,116 @@
+"""Checks of what queries are asked about: two bodies, whose points to test, how near counts."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from voxshell import _core
+from voxshell.base.arguments import as_integer, as_real
+from voxshell.errors import InputTypeError, SettingsError
+from voxshell.model.field import Field
+from voxshell.model.model import Model
+from voxshell.query.accuracy_warning import Parts, judge
+from voxshell.query.scratch import QueryScratch
+
+Collidable: TypeAlias = Model | Field
+"""What queries take: a model, or a field without a shell such as a plane, box or sphere."""
+
+Shell: TypeAlias = Literal["auto", "fewest", "a", "b", "both"]
+"""Whose points are tested against the other's field."""
+
+SHELLS = {
+    "auto": _core.Shells.AUTOMATIC,
+    "fewest": _core.Shells.FEWEST,
+    "a": _core.Shells.A,
+    "b": _core.Shells.B,
+    "both": _core.Shells.BOTH,
+}
+_OF_BOTH = ("auto", "both")  # choices that ask an analytic shape, too
+_MOST = 2**63 - 1
+_SINGLE_MAX = float(np.finfo(np.float32).max)
+
+
+def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]:
+    """The field and the model, if it is one, that the core wants of a body."""
+    if isinstance(body, Model):
+        return body._field._core, body._core
+    if isinstance(body, Field):
+        return body._core, None
+    *others, last = ("Model", *(kind.__name__ for kind in Field.__subclasses__()))
+    raise InputTypeError(
+        f"{name} must be a {', '.join(others)} or {last}, not {type(body).__name__}"
+    )
+
+
+def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:
+    """What the core wants of two bodies; warns of a pair whose automatic role may miss much."""
+    bodies = parts_of_pair(a, b, shell)
+    if shell == "auto" and b._serial not in a._judged and (bodies[1] or bodies[3]):
+        judge(a, b, bodies)
+    return bodies, as_shells(shell)
+
+
+def parts_of_pair(a: Any, b: Any, shell: Any) -> Parts:
+    """The fields and the models whose shells may be asked: analytic shapes may have one, too."""
+    field_a, model_a = parts(a, "a")
+    field_b, model_b = parts(b, "b")
+    if shell in _OF_BOTH:
+        if isinstance(b, Model) and b._is_sparse and isinstance(a, Field):
+            model_a = _find_shell(a)
+        elif isinstance(a, Model) and a._is_sparse and isinstance(b, Field):
+            model_b = _find_shell(b)
+    return field_a, model_a, field_b, model_b
+
+
+def _find_shell(shape: Field) -> _core.Model | None:
+    if shape._shell_model is not None:
+        return shape._shell_model
+    from voxshell.model.shape_shells import find_shell  # trimesh takes long to import
+
+    return find_shell(shape)
+
+
+def as_shells(shell: Any) -> _core.Shells:
+    """What the core calls a choice of shells."""
+    if isinstance(shell, str) and shell in SHELLS:
+        return SHELLS[shell]
+    *others, last = (repr(choice) for choice in SHELLS)
+    raise SettingsError(f"shell must be {', '.join(others)} or {last}, not {shell!r}")
+
+
+def as_margin(value: Any, name: str = "margin") -> float:
+    """Metres, as the core takes them."""
+    if type(value) is float and -_SINGLE_MAX <= value <= _SINGLE_MAX:
+        return value
+    margin = as_real(value, name)
+    if abs(margin) > _SINGLE_MAX:
+        raise SettingsError(f"{name} must fit single precision, not {margin:g} m")
+    return margin
+
+
+def as_level(level: Any) -> int:
+    """A level of the tree; without one, the first."""
+    if level is None:
+        return 1
+    return as_integer(level, "level", 1, _core.PointSphereTree.deepest_level)
+
+
+def as_max_points(max_points: Any) -> int | None:
+    """A number of contacts, or None: all."""
+    return None if max_points is None else as_integer(max_points, "max_points", 0, _MOST)
+
+
+def as_budget(budget: Any) -> int | None:
+    """A number of nodes, or None: as many as it takes."""
+    return None if budget is None else as_integer(budget, "budget", 1, _MOST)
+
+
+def as_scratch(scratch: Any) -> _core.QueryScratch | None:
+    """The core's part of a scratch, or None."""
+    if scratch is None:
+        return None
+    if not isinstance(scratch, QueryScratch):
+        raise InputTypeError(f"scratch must be a QueryScratch, not {type(scratch).__name__}")
+    return scratch._core

@@ -1,0 +1,358 @@
+"""How far two bodies can move until they touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell import _core
+from voxshell.base.arguments import as_floats, as_length, as_threads
+from voxshell.base.pose_forms import as_pose, as_pose_arrays, mend_poses
+from voxshell.errors import PoseError, SettingsError
+from voxshell.query.pairs import Collidable, Shell, as_margin, as_pair, as_scratch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, Literal
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell.query.scratch import QueryScratch
+
+
+_FARTHEST_FRACTION = 1e4
+"""Of motions that go on beyond their ends."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sweep:
+    """How far two bodies move until they touch; from :func:`voxshell.sweep`.
+
+    Attributes:
+        fraction: Of the motion, 0 to 1. At no fraction before it do the bodies touch. 1 where they
+            touch nowhere.
+        touches: Whether they touch there, or come within the tolerance of it.
+        distance: Metres, how near they are at that fraction. Infinite where they touch nowhere:
+            then the three arrays that follow hold NaN.
+        point_a: Where they touch on a, (3,) float64, metres, world frame, at that fraction.
+        point_b: On b, likewise.
+        normal: Unit normal, (3,) float64, world frame: on b, pointing towards a.
+        shell: Whose shell one of the points is of; None where they touch nowhere.
+        a_pose: ``world_from_a`` at that fraction, (4, 4) float64.
+        b_pose: ``world_from_b``, likewise.
+    """
+
+    fraction: float
+    touches: bool
+    distance: float
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    shell: Literal["a", "b"] | None
+    a_pose: NDArray[np.float64]
+    b_pose: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SweepBatch:
+    """How far two bodies move until they touch, in k motions; from :func:`voxshell.sweep_batch`.
+
+    Attributes:
+        fractions: (k,) float64, as :attr:`Sweep.fraction`.
+        touches: (k,) bool.
+        distances: (k,) float64, metres.
+        points_a: (k, 3) float64, metres, world frame.
+        points_b: (k, 3) float64, likewise.
+        normals: (k, 3) float64.
+        shells: (k,) str: "a", "b", or "" where they touch nowhere.
+        a_poses: (k, 4, 4) float64, ``world_from_a`` at these fractions.
+        b_poses: (k, 4, 4) float64, likewise.
+    """
+
+    fractions: NDArray[np.float64]
+    touches: NDArray[np.bool_]
+    distances: NDArray[np.float64]
+    points_a: NDArray[np.float64]
+    points_b: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    shells: NDArray[np.str_]
+    a_poses: NDArray[np.float64]
+    b_poses: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.fractions)
+
+    def __repr__(self) -> str:
+        return f"SweepBatch({len(self)} motions, {np.count_nonzero(self.touches)} of them touch)"
+
+
+def sweep(
+    a: Collidable,
+    b: Collidable,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
+    *,
+    a_end: ArrayLike | None = None,
+    b_end: ArrayLike | None = None,
+    shell: Shell = "auto",
+    margin: float = 0.0,
+    tolerance: float | None = None,
+    scratch: QueryScratch | None = None,
+) -> Sweep:
+    """Finds how far two bodies can move until they touch: continuous collision detection.
+
+    Each body moves from its pose to its end: the origin of its frame at a constant velocity, turning
+    about it at a constant angular velocity the shorter way, by up to half a turn
+    (:func:`interpolate_pose`). Both may move at once.
+
+    What touches is what :func:`contacts` finds. At no fraction before the one returned does it find
+    anything, however thin bodies are and however far they move: a time is passed over only where
+    the fields' own lower bounds leave no room for a contact within it (conservative advancement:
+    Mirtich 1996). What it can miss of the meshes themselves is what :func:`contact_bounds` tells.
+
+    The time grows with how long bodies move near each other: a motion that clears everything by
+    its own length takes a few queries, one along a wall some hundred.
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_pose: ``world_from_a`` where the motion begins, (4, 4) or as :func:`pose` lists. None: the
+            identity.
+        b_pose: ``world_from_b``, likewise.
+        a_end: ``world_from_a`` where the motion ends, likewise. None: a stays where it is.
+        b_end: ``world_from_b``, likewise. None: b stays where it is.
+        shell: As for :func:`contacts`.
+        margin: As for :func:`contacts`: above 0, bodies that come that near touch; below 0 they may
+            overlap by so much. Where it reaches beyond the grid of a model's field (by default 16
+            voxels around it), bodies stop too early, by up to as much as the grid reaches: build models
+            with ``padding`` of at least the margin.
+        tolerance: Metres, above 0: bodies that come within this of touching may count as touching; so may
+            those within the tolerance of the models, where their fields are not continuous. Smaller ones
+            take longer. None: that of both models together, for uniform ones a tenth of their
+            voxels, or, if that is more, a thousandth of the shortest side of the smaller body.
+        scratch: Saves a series of queries from allocating memory; see :class:`QueryScratch`.
+
+    Returns:
+        The fraction, the poses there, and where the bodies are nearest then.
+
+    Raises:
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
+        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
+            is not finite; ``tolerance`` is not above 0.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+
+    Example:
+        A ball of radius 0.1 m falls by 2 m, from 1 m above the ground:
+
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> start, end = np.eye(4), np.eye(4)
+        >>> start[2, 3], end[2, 3] = 1.0, -1.0
+        >>> fall = vx.sweep(ball, vx.Plane(), start, a_end=end, tolerance=1e-4)
+        >>> fall.touches, round(fall.fraction, 3), round(float(fall.a_pose[2, 3]), 3)
+        (True, 0.45, 0.1)
+        >>> fall.normal
+        array([0., 0., 1.])
+
+        A plate of 1 mm, turned by a quarter and moved by a metre, hits the ball that it began beside:
+
+        >>> plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.001)))
+        >>> start = trimesh.transformations.translation_matrix((-0.5, 0, 0))
+        >>> end = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
+        >>> end[0, 3] = 0.5
+        >>> vx.collide(plate, ball, start), vx.collide(plate, ball, end)
+        (False, False)
+        >>> vx.sweep(plate, ball, start, a_end=end).touches
+        True
+    """
+    bodies, shells = as_pair(a, b, shell)
+    try:
+        found = _core.sweep(
+            *bodies,
+            as_pose(a_pose, "a_pose"),
+            as_pose(a_end, "a_end"),
+            as_pose(b_pose, "b_pose"),
+            as_pose(b_end, "b_end"),
+            shells,
+            as_margin(margin),
+            _as_tolerance(tolerance),
+            as_scratch(scratch),
+        )
+    except PoseError as error:
+        return sweep(
+            a,
+            b,
+            **mend_poses(error, a_pose=a_pose, a_end=a_end, b_pose=b_pose, b_end=b_end),
+            shell=shell,
+            margin=margin,
+            tolerance=tolerance,
+            scratch=scratch,
+        )
+    fractions, distances, points_a, points_b, normals, of_shells, a_poses, b_poses = found
+    whose: Literal["a", "b"] | None = None
+    if of_shells[0] >= 0:
+        whose = "a" if of_shells[0] == 0 else "b"
+    return Sweep(
+        fraction=float(fractions[0]),
+        touches=whose is not None,
+        distance=float(distances[0]),
+        point_a=points_a[0],
+        point_b=points_b[0],
+        normal=normals[0],
+        shell=whose,
+        a_pose=a_poses[0],
+        b_pose=b_poses[0],
+    )
+
+
+def sweep_batch(
+    a: Collidable,
+    b: Collidable,
+    a_poses: ArrayLike | None = None,
+    b_poses: ArrayLike | None = None,
+    *,
+    a_ends: ArrayLike | None = None,
+    b_ends: ArrayLike | None = None,
+    shell: Shell = "auto",
+    margin: float = 0.0,
+    tolerance: float | None = None,
+    threads: int | None = None,
+    progress: Callable[[str, float], object] | None = None,
+) -> SweepBatch:
+    """Finds how far two bodies can move in each of many motions: :func:`sweep` for all of them.
+
+    For a path of k + 1 poses, its k parts are ``sweep_batch(a, b, path[:-1], a_ends=path[1:])``.
+    Other Python threads run meanwhile. Ctrl-C stops it.
+
+    Args:
+        a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
+        b: Likewise. At least one of the two must be a model.
+        a_poses: ``world_from_a`` where the motions begin: (k, 4, 4), (k, 3) or (k, 7) float64, or another
+            form that :func:`pose` lists; or one pose for all. None: the identity.
+        b_poses: ``world_from_b``, likewise.
+        a_ends: ``world_from_a`` where the motions end, likewise. None: a stays.
+        b_ends: ``world_from_b``, likewise. None: b stays.
+        shell: As for :func:`contacts`.
+        margin: As for :func:`sweep`.
+        tolerance: As for :func:`sweep`.
+        threads: How many to use, up to 1024; one a core by default. The result is the same.
+        progress: As for :func:`contacts_batch`.
+
+    Returns:
+        What :func:`sweep` tells of each motion, in order.
+
+    Raises:
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+            message says which.
+        SettingsError: As for :func:`sweep`; or the numbers of poses differ.
+        InputTypeError: ``a`` or ``b`` is not a body.
+
+    Example:
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), voxel_size=0.01)
+        >>> path = np.tile(np.eye(4), (4, 1, 1))
+        >>> path[:, 2, 3] = (0.4, 0.3, 0.2, 0.0)
+        >>> parts = vx.sweep_batch(ball, vx.Plane(), path[:-1], a_ends=path[1:])
+        >>> parts
+        SweepBatch(3 motions, 1 of them touch)
+        >>> parts.fractions.round(2)
+        array([1. , 1. , 0.5])
+    """
+    bodies, shells = as_pair(a, b, shell)
+    count, (starts_a, ends_a, starts_b, ends_b) = as_pose_arrays(
+        a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends
+    )
+    try:
+        found = _core.sweep_batch(
+            *bodies,
+            count,
+            starts_a,
+            ends_a,
+            starts_b,
+            ends_b,
+            shells,
+            as_margin(margin),
+            _as_tolerance(tolerance),
+            as_threads(threads),
+            progress,
+        )
+    except PoseError as error:
+        return sweep_batch(
+            a,
+            b,
+            **mend_poses(error, a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends),
+            shell=shell,
+            margin=margin,
+            tolerance=tolerance,
+            threads=threads,
+            progress=progress,
+        )
+    fractions, distances, points_a, points_b, normals, of_shells, poses_a, poses_b = found
+    return SweepBatch(
+        fractions=fractions,
+        touches=of_shells >= 0,
+        distances=distances,
+        points_a=points_a,
+        points_b=points_b,
+        normals=normals,
+        shells=np.array(["a", "b", ""])[of_shells],
+        a_poses=poses_a,
+        b_poses=poses_b,
+    )
+
+
+def interpolate_pose(
+    start: ArrayLike | None, end: ArrayLike | None, fractions: ArrayLike
+) -> NDArray[np.float64]:
+    """Finds the poses on the way from one pose to another, as :func:`sweep` takes it.
+
+    The origin of the frame moves at a constant velocity, and the body turns about it at a constant
+    angular velocity, the shorter way. Of exactly half a turn either way is as short: it is the one
+    about the axis whose first component that is not zero is positive.
+
+    Args:
+        start: ``world_from_body`` at fraction 0, (4, 4) or as :func:`pose` lists. None: the identity.
+        end: The pose at fraction 1, likewise.
+        fractions: (k,) float64; or one number. Beyond 0 and 1 the motion goes on.
+
+    Returns:
+        (k, 4, 4) float64; (4, 4) for one number.
+
+    Raises:
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
+        SettingsError: A fraction is not finite, or beyond 10,000.
+
+    Example:
+        >>> import numpy as np
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> end = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 0, 1))
+        >>> end[0, 3] = 2.0
+        >>> vx.interpolate_pose(None, end, 0.5).round(3)
+        array([[ 0.707, -0.707,  0.   ,  1.   ],
+               [ 0.707,  0.707,  0.   ,  0.   ],
+               [ 0.   ,  0.   ,  1.   ,  0.   ],
+               [ 0.   ,  0.   ,  0.   ,  1.   ]])
+    """
+    try:
+        is_one = np.ndim(fractions) == 0
+    except ValueError as failure:  # rows of different lengths
+        raise SettingsError(f"fractions must be (n,) numbers: {failure}") from None
+    at = as_floats(np.atleast_1d(np.asarray(fractions)), "fractions", (None,))
+    if not (np.abs(at) <= _FARTHEST_FRACTION).all():
+        raise SettingsError(f"fractions must be within {_FARTHEST_FRACTION:g} of 0")
+    try:
+        poses = _core.interpolate(as_pose(start, "start"), as_pose(end, "end"), at)
+    except PoseError as error:
+        return interpolate_pose(**mend_poses(error, start=start, end=end), fractions=fractions)
+    return poses[0] if is_one else poses
+
+
+def _as_tolerance(value: Any) -> float | None:
+    return None if value is None else as_length(value, "tolerance")

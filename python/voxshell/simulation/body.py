@@ -1,0 +1,330 @@
+"""Bodies of a world: where they are, what they weigh, what pushes them."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.base.arguments import as_vector
+from voxshell.base.pose_forms import as_pose, as_rigid_pose
+from voxshell.base.poses import pose as make_pose
+from voxshell.base.rotations import xyzw_from_rotation
+from voxshell.errors import PoseError, SettingsError
+from voxshell.simulation.body_properties import BodyProperties, read_only
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell import _bullet
+    from voxshell.model.mass_properties import MassProperties
+    from voxshell.simulation.body_shapes import Shape
+    from voxshell.simulation.motion import Motion
+
+
+class Body(BodyProperties):
+    """A body of a :class:`World`; made by :meth:`World.add`.
+
+    Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
+    business. Vectors are in the world frame. All that is set wakes the body. Arrays that a body returns are
+    read-only copies: set the property, or change a copy of it.
+
+    Attributes:
+        name: For people.
+
+    Raises:
+        SettingsError: Anything is asked of a body that has been removed from its world.
+
+    Example:
+        >>> import voxshell as vx
+        >>> world = vx.World(gravity=(0, 0, 0))
+        >>> ball = world.add(vx.Sphere(0.1), mass=2.0)
+        >>> ball.apply_impulse((1.0, 0.0, 0.0))
+        >>> ball.linear_velocity
+        array([0.5, 0. , 0. ])
+    """
+
+    __slots__ = ("_center", "_inertia", "_mass", "_shape")
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        number: int,
+        name: str,
+        shape: Shape,
+        mass: float,
+        motion: Motion,
+        moves_surfaces: bool,
+        matter: MassProperties,
+    ) -> None:
+        super().__init__(simulation, number, name, motion, moves_surfaces)
+        self._center = matter.center_of_mass
+        self._inertia = matter.inertia
+        self._shape: Shape = shape
+        self._mass = mass
+
+    @property
+    def shape(self) -> Shape:
+        """What it is made of; may be shared with other bodies."""
+        return self._shape
+
+    @property
+    def mass(self) -> float:
+        """Kilograms; 0 for static and kinematic bodies."""
+        return self._mass
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """``world_from_body``, (4, 4) float64, metres, read-only; settable to any form that :func:`pose` lists.
+
+        A dynamic body that is given a pose is there at once, whatever lies between. A kinematic one
+        moves there within the next step, and takes along what lies on it.
+
+        Raises:
+            PoseError: It is set to what is in no form that :func:`pose` lists, is not rigid, or is not
+                finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.1))
+            >>> body.pose = (0, 0, 1)
+            >>> body.pose[2, 3] = 2.0
+            Traceback (most recent call last):
+            ValueError: assignment destination is read-only
+        """
+        return read_only(self._simulation.pose(self.number))
+
+    @pose.setter
+    def pose(self, value: ArrayLike) -> None:
+        pose = as_pose(value, "pose")
+        if pose is not None:
+            # Bullet's side checks what most callers hand over, 5 us sooner.
+            with suppress(PoseError):
+                self._simulation.set_pose(self.number, pose)
+                return
+        self._simulation.set_pose(self.number, as_rigid_pose(value, "pose"))
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """The origin of the body, (3,) float64, metres, world frame, read-only; setting it keeps the orientation.
+
+        Setting it moves the body as setting :attr:`pose` does. The center of mass may lie elsewhere.
+
+        Raises:
+            SettingsError: It is set to anything but three finite numbers.
+            PoseError: It is set to a place too far from the world's origin.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.1))
+            >>> body.position = (0, 0, 1)
+            >>> body.position
+            array([0., 0., 1.])
+        """
+        return read_only(self._simulation.pose(self.number)[:3, 3].copy())
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        pose = self._simulation.pose(self.number).copy()
+        pose[:3, 3] = as_vector(value, "position")
+        self.pose = pose
+
+    @property
+    def orientation_xyzw(self) -> NDArray[np.float64]:
+        """The unit quaternion x, y, z, w of ``world_from_body``, (4,) float64, read-only; w is at least 0.
+
+        Setting it turns the body about its origin, as setting :attr:`pose` does.
+
+        Raises:
+            PoseError: It is set to anything but four finite numbers, or its length is off 1 by more than
+                1e-3.
+
+        Example:
+            >>> import math
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Box((1, 1, 1)))
+            >>> body.orientation_xyzw = (0, 0, math.sqrt(0.5), math.sqrt(0.5))
+            >>> body.orientation_xyzw.round(6)
+            array([0.      , 0.      , 0.707107, 0.707107])
+        """
+        return read_only(xyzw_from_rotation(self._simulation.pose(self.number)[:3, :3]))
+
+    @orientation_xyzw.setter
+    def orientation_xyzw(self, value: ArrayLike) -> None:
+        position = self._simulation.pose(self.number)[:3, 3]
+        self.pose = make_pose(position, xyzw=value)
+
+    @property
+    def linear_velocity(self) -> NDArray[np.float64]:
+        """Velocity of the center of mass, (3,) float64, m/s, world frame, read-only; settable.
+
+        Of kinematic bodies, whose origin takes the place of a centre of mass, that of the last step.
+
+        Raises:
+            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+        """
+        return read_only(np.array(self._simulation.linear_velocity(self.number)))
+
+    @linear_velocity.setter
+    def linear_velocity(self, value: ArrayLike) -> None:
+        velocity = as_vector(value, "linear_velocity")
+        self._moved_by_forces("linear_velocity").set_linear_velocity(self.number, velocity)
+
+    @property
+    def angular_velocity(self) -> NDArray[np.float64]:
+        """Angular velocity, (3,) float64, rad/s, world frame, read-only; settable.
+
+        Raises:
+            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+        """
+        return read_only(np.array(self._simulation.angular_velocity(self.number)))
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        velocity = as_vector(value, "angular_velocity")
+        self._moved_by_forces("angular_velocity").set_angular_velocity(self.number, velocity)
+
+    def velocity_at(self, point: ArrayLike) -> NDArray[np.float64]:
+        """Returns the velocity of the place of the body that is at a point now.
+
+        Args:
+            point: (3,), metres, world frame; it may lie outside the body.
+
+        Returns:
+            (3,) float64, m/s, world frame, read-only. A kinematic body has the velocity of its last step.
+
+        Raises:
+            SettingsError: ``point`` is not three finite numbers.
+
+        Example:
+            >>> import voxshell as vx
+            >>> wheel = vx.World().add(vx.Cylinder(0.5, 0.1))
+            >>> wheel.angular_velocity = (0, 0, 2.0)
+            >>> wheel.velocity_at((0.5, 0, 0)).round(9) + 0.0
+            array([0., 1., 0.])
+        """
+        place = as_vector(point, "point")
+        pose = self._simulation.pose(self.number)
+        center = pose[:3, :3] @ self._center + pose[:3, 3]
+        turning = np.cross(self._simulation.angular_velocity(self.number), place - center)
+        return read_only(np.array(self._simulation.linear_velocity(self.number)) + turning)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of a box along the world's axes that holds it, (2, 3), metres.
+
+        Up to some millimetres larger than the body. Those of a plane have no end: 1e18.
+
+        Example:
+            >>> import voxshell as vx
+            >>> body = vx.World().add(vx.Sphere(0.25), pose=np.diag([1.0, 1.0, 1.0, 1.0]))
+            >>> body.bounds.tolist()
+            [[-0.25, -0.25, -0.25], [0.25, 0.25, 0.25]]
+        """
+        return read_only(np.array(self._simulation.bounds(self.number)))
+
+    @property
+    def sleeping(self) -> bool:
+        """Whether Bullet has put the body to sleep."""
+        return self._simulation.is_asleep(self.number)
+
+    def wake(self) -> None:
+        """Wakes a sleeping body, as what touches it does."""
+        self._simulation.wake(self.number)
+
+    def apply_force(self, force: ArrayLike, *, at: ArrayLike | None = None) -> None:
+        """Pushes the body during the next step; call it before every step for a lasting force.
+
+        Args:
+            force: (3,), newtons, world frame.
+            at: (3,), metres, world frame: the point that it acts on; the centre of mass by default.
+
+        Raises:
+            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
+
+        Example:
+            A force that carries the weight:
+
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1), mass=2.0)
+            >>> lift = lambda world: ball.apply_force((0, 0, 2.0 * 9.81))
+            >>> world.step(100, before=lift)
+            >>> bool(abs(ball.pose[2, 3]) < 1e-9)
+            True
+        """
+        self._moved_by_forces("a force").apply_force(
+            self.number, as_vector(force, "force"), _as_place(at)
+        )
+
+    def apply_torque(self, torque: ArrayLike) -> None:
+        """Turns the body during the next step.
+
+        Args:
+            torque: (3,), newton metres, world frame.
+
+        Raises:
+            SettingsError: The body is not dynamic, or ``torque`` is not three finite numbers.
+        """
+        self._moved_by_forces("a torque").apply_torque(self.number, as_vector(torque, "torque"))
+
+    def apply_impulse(
+        self,
+        impulse: ArrayLike,
+        *,
+        at: ArrayLike | None = None,
+    ) -> None:
+        """Changes the velocities at once, as a blow does.
+
+        Args:
+            impulse: (3,), newton seconds, world frame.
+            at: (3,), meters, world frame: the point that is hit; the center of mass by default.
+
+        Raises:
+            SettingsError: The body is not dynamic, or an argument is not three finite numbers.
+
+        Example:
+            >>> import voxshell as vx
+            >>> ball = vx.World(gravity=(0, 0, 0)).add(vx.Sphere(0.1), mass=2.0)
+            >>> ball.apply_impulse((1.0, 0, 0), at=(0, 0, 0.1))
+            >>> ball.linear_velocity, ball.angular_velocity.round(6)
+            (array([0.5, 0. , 0. ]), array([ 0. , 12.5,  0. ]))
+        """
+        self._moved_by_forces("an impulse").apply_impulse(
+            self.number, as_vector(impulse, "impulse"), _as_place(at)
+        )
+
+    def apply_torque_impulse(self, impulse: ArrayLike) -> None:
+        """Changes the angular velocity at once.
+
+        Args:
+            impulse: (3,), newton metre seconds, world frame.
+
+        Raises:
+            SettingsError: The body is not dynamic, or ``impulse`` is not three finite numbers.
+        """
+        self._moved_by_forces("an impulse").apply_torque_impulse(
+            self.number, as_vector(impulse, "impulse")
+        )
+
+    def _moved_by_forces(self, what: str) -> _bullet.Simulation:
+        if self.motion == "static":
+            raise SettingsError(f"body {self.name!r} is static: {what} cannot move it")
+        if self.motion == "kinematic":
+            raise SettingsError(
+                f"body {self.name!r} is kinematic: set its pose before each step, not {what}"
+            )
+        return self._simulation
+
+    def __repr__(self) -> str:
+        what = f"Body({self.number}, {self.name!r}, {self.shape!r}, "
+        matter = f"mass={self.mass:g} kg" if self.motion == "dynamic" else self.motion
+        if self.removed:
+            return f"{what}{matter}, removed)"
+        x, y, z = (self._simulation.pose(self.number)[:3, 3] + 0.0).tolist()
+        return f"{what}{matter}, position=({x:.4g}, {y:.4g}, {z:.4g}) m)"
+
+
+def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
+    return None if at is None else as_vector(at, "at")

@@ -1,0 +1,226 @@
+"""What bodies are made of: each shape as Bullet takes it, as triangles, and as matter."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+
+from voxshell import _bullet
+from voxshell.base.arguments import as_floats, as_positive
+from voxshell.errors import InputTypeError, SettingsError
+from voxshell.model.mass_properties import MassProperties
+from voxshell.model.meshes import MODEL_SUFFIX, Mesh
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
+from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
+from voxshell.simulation.compound import Compound
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.model.meshes import MeshLike
+
+Shape: TypeAlias = (
+    Model
+    | Plane
+    | Box
+    | Sphere
+    | Capsule
+    | Cylinder
+    | Cone
+    | GImpact
+    | ConvexDecomposition
+    | Compound
+)
+"""What a body can be made of."""
+
+Inertia: TypeAlias = Literal["solid", "surface"] | MassProperties
+"""How a body's matter is spread: the uniform solid, a thin skin on the surface, or as given."""
+
+PartGeometry: TypeAlias = (
+    _bullet.ModelGeometry
+    | _bullet.PlaneGeometry
+    | _bullet.BoxGeometry
+    | _bullet.SphereGeometry
+    | _bullet.CapsuleGeometry
+    | _bullet.CylinderGeometry
+    | _bullet.ConeGeometry
+    | _bullet.GImpactGeometry
+    | _bullet.HullsGeometry
+)
+"""The same for the bindings, but for compounds."""
+
+PLANE_EXTENT = 2.0
+"""Edge of the square that stands for a plane in pictures, metres."""
+
+_PLANE_THICKNESS = 0.01
+_ROUND_SECTIONS = 96
+
+
+def as_shape(shape: Shape | MeshLike) -> Shape:
+    """The shape itself; of a mesh or a path, its model at default settings.
+
+    Raises:
+        MeshError: A mesh cannot be read or made into a model.
+        ModelFileError: A model file is damaged or of another version.
+        FileAccessError: A model file cannot be read.
+    """
+    given: Any = shape
+    if isinstance(given, (str, os.PathLike)):
+        is_model = os.fsdecode(given).lower().endswith(MODEL_SUFFIX)
+        return Model.load(given) if is_model else Model.from_mesh(given)
+    # By name: importing trimesh takes longer than all the rest of voxshell.
+    if any(kind.__name__ == "Trimesh" for kind in type(given).__mro__):
+        return Model.from_mesh(given)
+    return given
+
+
+def make_geometry(shape: Shape) -> PartGeometry | _bullet.CompoundGeometry:
+    """The shape as the bindings take it.
+
+    Raises:
+        InputTypeError: It is none of the kinds that can be simulated.
+    """
+    if isinstance(shape, Compound):
+        return _bullet.CompoundGeometry([(_make_part(part), pose) for part, pose in shape.parts])
+    return _make_part(shape)
+
+
+def _make_part(shape: Shape) -> PartGeometry:
+    match shape:
+        case Model():
+            return _bullet.ModelGeometry(shape._core)
+        case Plane():
+            return _bullet.PlaneGeometry(shape.normal.tolist(), shape.offset)
+        case Box():
+            return _bullet.BoxGeometry(shape.half_extents.tolist())
+        case Sphere():
+            return _bullet.SphereGeometry(shape.radius)
+        case Capsule():
+            return _bullet.CapsuleGeometry(shape.radius, shape.length)
+        case Cylinder():
+            return _bullet.CylinderGeometry(shape.radius, shape.length)
+        case Cone():
+            return _bullet.ConeGeometry(shape.radius, shape.height)
+        case GImpact():
+            return _bullet.GImpactGeometry(*shape.mesh, shape.margin)
+        case ConvexDecomposition():
+            return _bullet.HullsGeometry(shape.hulls, shape.margin)
+    raise InputTypeError(
+        "a body is made of a Model, Plane, Box, Sphere, Capsule, Cylinder, Cone, Compound, GImpact, "
+        f"ConvexHull or ConvexDecomposition, not {type(shape).__name__}"
+    )
+
+
+def mesh_of(shape: Shape) -> Mesh:
+    """The surface of a shape in its body frame. A plane becomes a square plate below its surface."""
+    from trimesh import creation
+    from trimesh.geometry import align_vectors
+
+    match shape:
+        case Box():
+            mesh = creation.box(extents=2.0 * shape.half_extents)
+        case Sphere():
+            mesh = creation.icosphere(subdivisions=4, radius=shape.radius)
+        case Capsule():
+            sections = (_ROUND_SECTIONS, _ROUND_SECTIONS)
+            # Of radius 1 first: trimesh merges the corners of small ones.
+            mesh = creation.capsule(height=shape.length / shape.radius, radius=1.0, count=sections)
+            mesh.apply_translation(-mesh.bounds.mean(axis=0))
+            mesh.apply_scale(shape.radius)
+        case Cylinder():
+            mesh = creation.cylinder(
+                radius=shape.radius, height=shape.length, sections=_ROUND_SECTIONS
+            )
+        case Cone():
+            mesh = creation.cone(radius=shape.radius, height=shape.height, sections=_ROUND_SECTIONS)
+            mesh.apply_translation((0.0, 0.0, -shape.height / 2.0))
+        case Compound():
+            return _join([(mesh_of(part), pose) for part, pose in shape.parts])
+        case Plane():
+            mesh = creation.box(extents=(PLANE_EXTENT, PLANE_EXTENT, _PLANE_THICKNESS))
+            mesh.apply_translation((0.0, 0.0, shape.offset - _PLANE_THICKNESS / 2.0))
+            mesh.apply_transform(align_vectors((0.0, 0.0, 1.0), shape.normal))
+        case _:
+            return shape.mesh
+    return Mesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32))
+
+
+def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> MassProperties:
+    """Of a body of the given mass, kilograms; of a static one (mass 0) they are all zero.
+
+    Raises:
+        InputTypeError: ``inertia`` is of another type.
+        SettingsError: ``inertia`` is another word, or is not physical.
+    """
+    if isinstance(inertia, MassProperties):
+        if mass == 0.0:
+            return _nothing()
+        ratio = mass / as_positive(inertia.mass, "inertia.mass")
+        tensor = as_floats(inertia.inertia, "inertia.inertia", (3, 3))
+        center = as_floats(inertia.center_of_mass, "inertia.center_of_mass", (3,))
+        if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor).min() > 0.0):
+            raise SettingsError("inertia.inertia must be finite, symmetric and positive definite")
+        return MassProperties(mass, center, tensor * ratio)
+    if not isinstance(inertia, str):
+        raise InputTypeError(
+            "inertia must be 'solid', 'surface' or a MassProperties, which holds mass, centre of mass "
+            f"and tensor, not {type(inertia).__name__}"
+        )
+    if inertia not in ("solid", "surface"):
+        raise SettingsError(
+            f"inertia must be 'solid', 'surface' or a MassProperties, not {inertia!r}"
+        )
+    if mass == 0.0:
+        return _nothing()
+    match shape:
+        case Model():
+            return shape.mass_properties(mass, inertia)
+        case Sphere():
+            factor = 2.0 / 5.0 if inertia == "solid" else 2.0 / 3.0
+            return MassProperties(mass, np.zeros(3), np.eye(3) * factor * mass * shape.radius**2)
+        case Compound():
+            return _combine(shape, mass, inertia)
+        case _:
+            center, tensor = _bullet.mesh_mass_properties(*mesh_of(shape), inertia)
+            return MassProperties(mass, np.array(center), mass * np.array(tensor))
+
+
+def _combine(shape: Compound, mass: float, kind: Literal["solid", "surface"]) -> MassProperties:
+    """Of parts of one density, or of one weight of skin."""
+    from trimesh import Trimesh
+
+    sizes = []
+    for part, _ in shape.parts:
+        mesh = mesh_of(part)
+        body = Trimesh(mesh.vertices, mesh.faces, process=False)
+        sizes.append(abs(float(body.volume if kind == "solid" else body.area)))
+    shares = np.array(sizes) / sum(sizes)
+    matters = [compute_mass_properties(part, 1.0, kind) for part, _ in shape.parts]
+    centers = np.array(
+        [
+            pose[:3, :3] @ matter.center_of_mass + pose[:3, 3]
+            for matter, (_, pose) in zip(matters, shape.parts, strict=True)
+        ]
+    )
+    center = shares @ centers
+    tensor = np.zeros((3, 3))
+    for share, matter, place, (_, pose) in zip(
+        shares, matters, centers - center, shape.parts, strict=True
+    ):
+        turned = pose[:3, :3] @ matter.inertia @ pose[:3, :3].T
+        tensor += share * (turned + place @ place * np.eye(3) - np.outer(place, place))
+    return MassProperties(mass, center, mass * tensor)
+
+
+def _join(placed: list[tuple[Mesh, NDArray[np.float64]]]) -> Mesh:
+    vertices = [mesh.vertices @ pose[:3, :3].T + pose[:3, 3] for mesh, pose in placed]
+    starts = np.cumsum([0, *(len(part) for part in vertices[:-1])])
+    faces = [mesh.faces + np.uint32(start) for (mesh, _), start in zip(placed, starts, strict=True)]
+    return Mesh(np.concatenate(vertices), np.concatenate(faces).astype(np.uint32))
+
+
+def _nothing() -> MassProperties:
+    return MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))

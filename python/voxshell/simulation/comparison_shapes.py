@@ -1,0 +1,149 @@
+"""Bullet's own ways with a mesh, to compare models with: they collide in a World only."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.base.arguments import as_floats, as_not_negative
+from voxshell.errors import MeshError, SettingsError
+from voxshell.model.meshes import Mesh, read_mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell.model.meshes import MeshLike
+
+MARGIN = 0.001
+"""Bullet's collision margin of these shapes, metres: small enough for bodies of a decimetre."""
+
+
+class GImpact:
+    """A mesh that collides triangle by triangle, by Bullet's GImpact.
+
+    Args:
+        mesh: As for :meth:`voxshell.Model.from_mesh`; it may be open.
+        margin: Bullet's collision margin, metres.
+
+    Raises:
+        MeshError: The mesh cannot be read.
+        SettingsError: ``margin`` is below 0.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> vx.GImpact(trimesh.creation.box())
+        GImpact(12 triangles)
+    """
+
+    __slots__ = ("margin", "mesh")
+
+    def __init__(self, mesh: MeshLike, *, margin: float = MARGIN) -> None:
+        self.mesh: Mesh = read_mesh(mesh)
+        if len(self.mesh.faces) == 0:
+            raise MeshError("mesh has no triangles")
+        self.margin: float = as_not_negative(margin, "margin")
+
+    def __repr__(self) -> str:
+        return f"GImpact({len(self.mesh.faces)} triangles)"
+
+
+class ConvexDecomposition:
+    """Convex hulls that together stand for a body, as a compound shape of Bullet.
+
+    Args:
+        hulls: The points of each hull, (n, 3), metres, body frame; at least one hull.
+        margin: Bullet's collision margin, metres; hulls keep this distance from what they touch.
+
+    Raises:
+        MeshError: The points of a hull do not enclose a volume.
+        SettingsError: There is no hull, or ``margin`` is below 0.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> left = trimesh.creation.box(bounds=[(0, 0, 0), (1, 1, 1)])
+        >>> right = trimesh.creation.box(bounds=[(1, 0, 0), (2, 1, 3)])
+        >>> vx.ConvexDecomposition([left.vertices, right.vertices])
+        ConvexDecomposition(2 hulls, 16 points)
+    """
+
+    __slots__ = ("hulls", "margin", "mesh")
+
+    def __init__(self, hulls: Iterable[ArrayLike], *, margin: float = MARGIN) -> None:
+        self.hulls: list[NDArray[np.float64]] = [
+            _as_hull(points, f"hulls[{index}]") for index, points in enumerate(hulls)
+        ]
+        if not self.hulls:
+            raise SettingsError("give at least one hull")
+        self.margin: float = as_not_negative(margin, "margin")
+        self.mesh: Mesh = _triangulate(self.hulls)
+
+    def __repr__(self) -> str:
+        points = sum(len(hull) for hull in self.hulls)
+        return f"ConvexDecomposition({len(self.hulls)} hulls, {points} points)"
+
+
+class ConvexHull(ConvexDecomposition):
+    """The convex hull of a set of points.
+
+    Args:
+        points: (n, 3), metres, body frame; those inside the hull cost time and do no good.
+        margin: Bullet's collision margin, metres.
+
+    Raises:
+        MeshError: The points do not enclose a volume.
+        SettingsError: ``margin`` is below 0.
+
+    Example:
+        >>> import trimesh
+        >>> import voxshell as vx
+        >>> vx.ConvexHull(trimesh.creation.box().vertices)
+        ConvexHull(8 points)
+    """
+
+    __slots__ = ()
+
+    def __init__(self, points: ArrayLike, *, margin: float = MARGIN) -> None:
+        super().__init__([points], margin=margin)
+
+    @classmethod
+    def sampled(cls, points: ArrayLike, *, margin: float = MARGIN) -> ConvexHull:
+        """The hull of the farthest points in the 42 directions of Bullet's btShapeHull.
+
+        What games use, and what the thesis (section 5.3) calls its convex hull of 42 vertices.
+
+        Example:
+            >>> import trimesh
+            >>> import voxshell as vx
+            >>> len(vx.ConvexHull.sampled(trimesh.creation.icosphere(4).vertices).hulls[0])
+            42
+        """
+        from voxshell._bullet import sample_hull
+
+        return cls(sample_hull(_as_hull(points, "points")), margin=margin)
+
+    def __repr__(self) -> str:
+        return f"ConvexHull({len(self.hulls[0])} points)"
+
+
+def _as_hull(points: ArrayLike, name: str) -> NDArray[np.float64]:
+    hull = as_floats(points, name, (None, 3), MeshError)
+    if len(hull) < 4:
+        raise MeshError(f"{name} has {len(hull)} points; a hull needs at least 4")
+    if not np.isfinite(hull).all():
+        raise MeshError(f"{name} has {int((~np.isfinite(hull)).sum())} numbers that are not finite")
+    return hull
+
+
+def _triangulate(hulls: list[NDArray[np.float64]]) -> Mesh:
+    from voxshell._bullet import triangulate_hulls
+
+    for index, points in enumerate(hulls):
+        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        if spread[2] <= 1e-9 * spread[0]:
+            raise MeshError(f"the points of hull {index} lie in a plane and enclose no volume")
+    return Mesh(*triangulate_hulls(hulls))

@@ -1,0 +1,147 @@
+"""Kinds of joints: what each leaves free, and within which limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
+
+import numpy as np
+
+from voxshell import _bullet
+from voxshell.base.arguments import as_floats, as_not_negative, as_vector
+from voxshell.errors import SettingsError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class FixedJoint:
+    """Holds two bodies as if they were one.
+
+    Example:
+        >>> import numpy as np
+        >>> import voxshell as vx
+        >>> world = vx.World()
+        >>> shelf = world.add(vx.Box((0.2, 0.1, 0.01)))
+        >>> nails = world.add_joint(vx.FixedJoint(), None, shelf)
+        >>> world.step(100)
+        >>> bool(np.abs(shelf.pose - np.eye(4)).max() < 1e-3)
+        True
+    """
+
+    _kind: ClassVar = _bullet.JointKind.FIXED
+
+
+@dataclass(frozen=True)
+class PointJoint:
+    """Holds a point of two bodies together, about which they turn freely: a ball and its socket.
+
+    Example:
+        A lamp on a cord of half a metre:
+
+        >>> import numpy as np
+        >>> import voxshell as vx
+        >>> world = vx.World()
+        >>> lamp = world.add(vx.Sphere(0.05))
+        >>> hook = np.eye(4)
+        >>> hook[0, 3] = 0.5
+        >>> cord = world.add_joint(vx.PointJoint(), None, lamp, world_from_joint=hook)
+        >>> world.step(100)
+        >>> bool(abs(np.linalg.norm(lamp.pose[:3, 3] - hook[:3, 3]) - 0.5) < 1e-3)
+        True
+    """
+
+    _kind: ClassVar = _bullet.JointKind.POINT
+
+
+@dataclass(frozen=True)
+class HingeJoint:
+    """Lets the child turn about an axis.
+
+    Args:
+        axis: (3,), joint frame; any length but 0.
+        limits: Lowest and highest angle, radians, of any number of turns; None: none.
+        friction: Torque that it withstands while no motor drives it, newton metres.
+        damping: Torque against its motion, newton metres per rad/s.
+
+    Raises:
+        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
+            not finite.
+
+    Example:
+        >>> import math
+        >>> import voxshell as vx
+        >>> world = vx.World(gravity=(0, 0, 0))
+        >>> wheel = world.add(vx.Cylinder(radius=0.2, length=0.05))
+        >>> axle = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, wheel)
+        >>> axle.set_target_position(6 * math.pi, max_force=10.0, max_speed=20.0)
+        >>> world.step(400)
+        >>> round(axle.position / math.pi, 3)
+        6.0
+    """
+
+    axis: ArrayLike = (0.0, 0.0, 1.0)
+    limits: tuple[float, float] | None = None
+    friction: float = 0.0
+    damping: float = 0.0
+
+    _kind: ClassVar = _bullet.JointKind.HINGE
+
+    def __post_init__(self) -> None:
+        _check_axis(self)
+
+
+@dataclass(frozen=True)
+class SliderJoint:
+    """Lets the child slide along an axis, without turning.
+
+    Args:
+        axis: (3,), joint frame; any length but 0.
+        limits: Lowest and highest position, metres; None: none.
+        friction: Force that it withstands while no motor drives it, newtons.
+        damping: Force against its motion, newtons per m/s.
+
+    Raises:
+        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
+            not finite.
+
+    Example:
+        >>> import voxshell as vx
+        >>> world = vx.World()
+        >>> lift = world.add(vx.Box((0.2, 0.2, 0.02)))
+        >>> rail = world.add_joint(vx.SliderJoint(axis=(0, 0, 1), limits=(0, 0.5)), None, lift)
+        >>> rail.set_target_velocity(1.0, max_force=100.0)
+        >>> world.step(200)
+        >>> round(rail.position, 2)
+        0.5
+    """
+
+    axis: ArrayLike = (0.0, 0.0, 1.0)
+    limits: tuple[float, float] | None = None
+    friction: float = 0.0
+    damping: float = 0.0
+
+    _kind: ClassVar = _bullet.JointKind.SLIDER
+
+    def __post_init__(self) -> None:
+        _check_axis(self)
+
+
+JointKind: TypeAlias = FixedJoint | HingeJoint | SliderJoint | PointJoint
+"""What a joint leaves free."""
+
+
+def _check_axis(joint: HingeJoint | SliderJoint) -> None:
+    if not np.any(as_vector(joint.axis, "axis")):
+        raise SettingsError("axis must not be zero")
+    if joint.limits is not None:
+        lower, upper = as_floats(joint.limits, "limits", (2,)).tolist()
+        if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
+            raise SettingsError(
+                f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
+                "pass None for none"
+            )
+    for name in ("friction", "damping"):
+        as_not_negative(getattr(joint, name), name)

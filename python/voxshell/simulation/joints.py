@@ -1,0 +1,234 @@
+"""Joints: what holds two bodies of a world together, and what drives them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell import _bullet
+from voxshell.base.arguments import as_positive, as_real
+from voxshell.errors import SettingsError
+from voxshell.simulation.joint_kinds import HingeJoint, JointKind, SliderJoint
+from voxshell.simulation.part import WorldPart
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.simulation.body import Body
+
+
+@dataclass(frozen=True, eq=False)
+class Reaction:
+    """What a joint did to its child during the last step, motor, friction and limits included.
+
+    Attributes:
+        force: (3,) float64, newtons, world frame.
+        torque: (3,) float64, newton metres, world frame, about the joint's origin.
+    """
+
+    force: NDArray[np.float64]
+    torque: NDArray[np.float64]
+
+
+class Joint(WorldPart):
+    """A joint of a :class:`World`; made by :meth:`World.add_joint`.
+
+    Position and velocity are of the child, seen from the parent, about or along the axis: radians and
+    rad/s of a hinge, whole turns counted; metres and m/s of a slider. A motor exerts ``max_force`` at
+    most: newtons, or newton metres of a hinge. A joint without one moves freely but for its friction.
+
+    Attributes:
+        name: For people.
+
+    Raises:
+        SettingsError: Anything is asked of a joint that has been removed, or a position, velocity or
+            motor of one that has no axis.
+    """
+
+    __slots__ = ("_child", "_kind", "_number", "_parent")
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        number: int,
+        name: str,
+        kind: JointKind,
+        parent: Body | None,
+        child: Body,
+    ) -> None:
+        super().__init__(simulation, name)
+        self._number = number
+        self._kind: JointKind = kind
+        self._parent = parent
+        self._child = child
+
+    @property
+    def kind(self) -> JointKind:
+        """What it leaves free, as it was given."""
+        return self._kind
+
+    @property
+    def parent(self) -> Body | None:
+        """A body, or None for the world."""
+        return self._parent
+
+    @property
+    def child(self) -> Body:
+        """The other body."""
+        return self._child
+
+    @property
+    def position(self) -> float:
+        """Radians, turns counted, or metres; 0 where the frames of the two bodies coincide."""
+        return self._along_axis().read_joint(self._number).position
+
+    @property
+    def velocity(self) -> float:
+        """Rad/s or m/s."""
+        return self._along_axis().read_joint(self._number).velocity
+
+    @property
+    def reaction(self) -> Reaction:
+        """Force and torque on the child during the last step.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> lamp = world.add(vx.Sphere(0.05), mass=2.0)
+            >>> nail = world.add_joint(vx.FixedJoint(), None, lamp)
+            >>> world.step(100)
+            >>> round(float(nail.reaction.force[2]), 2)  # newtons
+            19.62
+        """
+        force, torque = self._simulation.joint_reaction(self._number)
+        return Reaction(np.array(force), np.array(torque))
+
+    def set_target_velocity(self, velocity: float, *, max_force: float) -> None:
+        """Drives the joint at a velocity.
+
+        Args:
+            velocity: Rad/s or m/s; 0 brakes.
+            max_force: Newton metres or newtons, above 0.
+
+        Raises:
+            SettingsError: A number is out of range, or the joint has no axis.
+        """
+        self._drive(
+            _bullet.Motor(
+                _bullet.MotorMode.VELOCITY,
+                as_real(velocity, "velocity"),
+                as_positive(max_force, "max_force"),
+                0.0,
+            )
+        )
+
+    def set_target_position(
+        self, position: float, *, max_force: float, max_speed: float = math.inf
+    ) -> None:
+        """Drives the joint to a position and holds it there.
+
+        It closes a fifth of the distance in each step, no faster than ``max_speed``.
+
+        Args:
+            position: Radians, of any number of turns, or metres; must lie within the limits.
+            max_force: Newton metres or newtons, above 0.
+            max_speed: Rad/s or m/s, above 0.
+
+        Raises:
+            SettingsError: A number is out of range, or the joint has no axis.
+        """
+        target = as_real(position, "position")
+        self._along_axis()
+        limits = getattr(self.kind, "limits", None)
+        if limits is not None and not limits[0] <= target <= limits[1]:
+            raise SettingsError(
+                f"position must be within the limits of joint {self.name!r}, {limits[0]:g} to "
+                f"{limits[1]:g}, not {target:g}"
+            )
+        self._drive(
+            _bullet.Motor(
+                _bullet.MotorMode.POSITION,
+                target,
+                as_positive(max_force, "max_force"),
+                _as_speed(max_speed),
+            )
+        )
+
+    def follow(
+        self,
+        leader: Joint,
+        *,
+        multiplier: float = 1.0,
+        offset: float = 0.0,
+        max_force: float,
+        max_speed: float = math.inf,
+    ) -> None:
+        """Drives the joint to ``multiplier * leader.position + offset``, wherever the leader is.
+
+        The leader does not feel it: what blocks this joint does not stop the other.
+
+        Args:
+            leader: Of the same world.
+            multiplier: Any number.
+            offset: Radians or metres.
+            max_force: Newton metres or newtons, above 0.
+            max_speed: Rad/s or m/s, above 0.
+
+        Raises:
+            SettingsError: The leader is this joint, of another world or has no axis, or a number is out
+                of range.
+
+        Example:
+            Two fingers that close together:
+
+            >>> import voxshell as vx
+            >>> world = vx.World(gravity=(0, 0, 0))
+            >>> left, right = (world.add(vx.Box((0.01, 0.01, 0.05)), group=0) for _ in range(2))
+            >>> slide = vx.SliderJoint(axis=(1, 0, 0))
+            >>> first, second = (world.add_joint(slide, None, it) for it in (left, right))
+            >>> second.follow(first, multiplier=-1.0, max_force=50.0)
+            >>> first.set_target_position(0.03, max_force=50.0)
+            >>> world.step(100)
+            >>> round(first.position, 4), round(second.position, 4)
+            (0.03, -0.03)
+        """
+        if leader is self:
+            raise SettingsError(f"joint {self.name!r} cannot follow itself")
+        if leader._along_axis() is not self._along_axis():
+            raise SettingsError(f"joint {leader.name!r} is of another world")
+        self._drive(
+            _bullet.Motor(
+                _bullet.MotorMode.FOLLOW,
+                as_real(offset, "offset"),
+                as_positive(max_force, "max_force"),
+                _as_speed(max_speed),
+                leader._number,
+                as_real(multiplier, "multiplier"),
+            )
+        )
+
+    def release(self) -> None:
+        """Turns the motor off."""
+        self._drive(_bullet.Motor(_bullet.MotorMode.NONE, 0.0, 0.0, 0.0))
+
+    def _drive(self, motor: _bullet.Motor) -> None:
+        self._along_axis().set_motor(self._number, motor)
+
+    def _along_axis(self) -> _bullet.Simulation:
+        if not isinstance(self.kind, (HingeJoint, SliderJoint)):
+            raise SettingsError(
+                f"joint {self.name!r}, a {type(self.kind).__name__}, has no axis: only hinges and "
+                "sliders have positions, velocities and motors"
+            )
+        return self._simulation
+
+    def __repr__(self) -> str:
+        parent = "the world" if self.parent is None else repr(self.parent.name)
+        return f"Joint({self.name!r}, {self.kind!r}, {parent} to {self.child.name!r})"
+
+
+def _as_speed(value: float) -> float:
+    return math.inf if value == math.inf else as_positive(value, "max_speed")

@@ -1,0 +1,105 @@
+"""What a live view shows of a world between two steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.errors import SettingsError
+from voxshell.simulation.tables import as_contacts
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from voxshell import _bullet
+    from voxshell.simulation.body import Body
+
+
+@dataclass(frozen=True, eq=False)
+class LiveFrame:
+    """Bodies, contacts and energies of a world between two steps.
+
+    Args:
+        time: Simulated seconds.
+        bodies: In the order of the arrays.
+        poses: (n, 4, 4) ``world_from_body``, meters.
+        points: (k, 3) meters, world frame: contacts, on body b's surface.
+        normals: (k, 3) unit, world frame, towards body a.
+        depths: (k,) meters, positive where bodies overlap.
+        forces: (k, 3) newtons, world frame: the normal force of each contact in the last step, on body a, or on
+            body b where a is not dynamic.
+        kinetic: Joules, of all dynamic bodies.
+        potential: Joules, the same in gravity, from the world's origin.
+    """
+
+    time: float
+    bodies: tuple[Body, ...]
+    poses: NDArray[np.float64]
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    depths: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    kinetic: float
+    potential: float
+
+
+def take_frame(
+    simulation: _bullet.Simulation,
+    bodies: Sequence[Body],
+    gravity: NDArray[np.float64],
+    time_step: float,
+) -> LiveFrame | None:
+    """Reads a world; None where another thread has just removed a body.
+
+    Args:
+        simulation: The world's.
+        bodies: The world's.
+        gravity: (3,) m/s2, world frame.
+        time_step: Seconds.
+    """
+    present = tuple(body for body in bodies if not body.removed)
+    try:
+        poses = np.array([simulation.pose(body.number) for body in present]).reshape(-1, 4, 4)
+        kinetic, potential = _compute_energies(present, poses, gravity)
+    except SettingsError:
+        return None
+    contacts = as_contacts(simulation.contacts())
+    dynamic = np.array([body.number for body in present if body.motion == "dynamic"])
+    sign = np.where(np.isin(contacts["body_a"], dynamic), 1.0, -1.0)
+    forces = (sign * contacts["impulse"] / time_step)[:, None] * contacts["normal"]
+    return LiveFrame(
+        simulation.step_count() * time_step,
+        present,
+        poses,
+        contacts["point_b"],
+        contacts["normal"],
+        contacts["depth"],
+        forces,
+        kinetic,
+        potential,
+    )
+
+
+def _compute_energies(
+    bodies: Sequence[Body], poses: NDArray[np.float64], gravity: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Kinetic and potential energy of the dynamic bodies, joules."""
+    chosen = [index for index, body in enumerate(bodies) if body.motion == "dynamic"]
+    if not chosen:
+        return 0.0, 0.0
+    moving = [bodies[index] for index in chosen]
+    masses = np.array([body.mass for body in moving])
+    turns = poses[chosen, :3, :3]
+    centers = np.einsum("nij,nj->ni", turns, np.array([body._center for body in moving]))
+    centers += poses[chosen, :3, 3]
+    inertias = np.array([body._inertia for body in moving])
+    velocities = np.array([body.linear_velocity for body in moving])
+    spins = np.array([body.angular_velocity for body in moving])
+    spins_body = np.einsum("nji,nj->ni", turns, spins)
+    turning = np.einsum("ni,nij,nj->", spins_body, inertias, spins_body)
+    kinetic = 0.5 * (masses @ (velocities**2).sum(axis=1) + turning)
+    return float(kinetic), float(-masses @ (centers @ gravity))

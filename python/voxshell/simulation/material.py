@@ -1,0 +1,59 @@
+"""Materials: how bodies rub against what they touch, and rebound from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from voxshell.base.arguments import as_not_negative, as_share
+from voxshell.errors import InputTypeError
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a body rubs against what it touches, and rebounds from it; many bodies may share one.
+
+    Args:
+        friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
+        restitution: 0 to 1; Bullet multiplies those of the two bodies.
+        rolling_friction: Lever of the torque that resists rolling, meters; see
+            :attr:`Body.rolling_friction`.
+        spinning_friction: The same for spinning about the contact's normal; Bullet applies it only
+            beside rolling friction.
+
+    Raises:
+        SettingsError: A number is out of range.
+
+    Example:
+        >>> import voxshell as vx
+        >>> rubber = vx.Material(friction=1.0, restitution=0.6)
+        >>> world = vx.World()
+        >>> ball = world.add(vx.Sphere(0.1), material=rubber)
+        >>> dull = world.add(vx.Sphere(0.1), material=rubber, restitution=0.1)
+        >>> ball.material == rubber
+        True
+        >>> dull.material
+        Material(friction=1.0, restitution=0.1, rolling_friction=0.0, spinning_friction=0.0)
+    """
+
+    friction: float = 0.5
+    restitution: float = 0.0
+    rolling_friction: float = 0.0
+    spinning_friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("friction", "rolling_friction", "spinning_friction"):
+            object.__setattr__(self, name, as_not_negative(getattr(self, name), name))
+        object.__setattr__(self, "restitution", as_share(self.restitution, "restitution"))
+
+
+def as_material(material: Material, **given: float | None) -> Material:
+    """A material in which those properties that are given are replaced.
+
+    Raises:
+        InputTypeError: ``material`` is of another type.
+        SettingsError: A number is out of range.
+    """
+    if not isinstance(material, Material):
+        raise InputTypeError(f"material must be a Material, not {type(material).__name__}")
+    changes = {name: value for name, value in given.items() if value is not None}
+    return replace(material, **changes) if changes else material

@@ -1,0 +1,48 @@
+"""Who moves a body: forces, nobody or the user; and what each kind of body may have."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from voxshell import _bullet
+from voxshell.base.arguments import as_not_negative
+from voxshell.errors import SettingsError
+
+Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
+"""Who moves a body: forces, nobody, or the user, pose by pose."""
+
+MOTIONS: dict[Motion, _bullet.Motion] = {
+    "dynamic": _bullet.Motion.DYNAMIC,
+    "static": _bullet.Motion.STATIC,
+    "kinematic": _bullet.Motion.KINEMATIC,
+}
+
+
+def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
+    """Kilograms, 0 of what forces do not move, and who moves a body; by its mass, if nobody says."""
+    kilograms = as_not_negative(mass, "mass")
+    if motion is None:
+        motion = "dynamic" if kilograms > 0.0 else "static"
+    elif motion not in MOTIONS:
+        raise SettingsError(
+            f"motion must be one of {', '.join(map(repr, MOTIONS))}, not {motion!r}"
+        )
+    elif motion == "dynamic" and kilograms == 0.0:
+        raise SettingsError("mass must be above 0 for a body that forces move")
+    return (kilograms if motion == "dynamic" else 0.0), motion
+
+
+def check_surface(motion: Motion, name: str, moves_surfaces: bool) -> None:
+    """Whether a body's surface can move while the body stays.
+
+    Raises:
+        SettingsError: It cannot.
+    """
+    if motion != "kinematic":
+        raise SettingsError(
+            f"surface_velocity is for kinematic bodies and {name} is {motion}: pass motion='kinematic'"
+        )
+    if not moves_surfaces:
+        raise SettingsError(
+            "surface_velocity needs a world with solver='coulomb' and friction_directions=2"
+        )

@@ -1,0 +1,104 @@
+"""Taking down what a world does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.simulation.body_shapes import mesh_of
+from voxshell.simulation.tables import as_contacts
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from os import PathLike
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from voxshell import _bullet
+    from voxshell.simulation.body import Body
+
+
+class Recorder:
+    """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
+
+    Bodies must be added before the recording begins; those that are removed stay where they were.
+    """
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        time_step: float,
+        bodies: tuple[Body, ...],
+        every: int,
+    ) -> None:
+        # Not the world: it refers to its recorders, and memory would stay until a collection.
+        self._simulation = simulation
+        self._time_step = time_step
+        self._bodies = bodies
+        self._every = every
+        self._steps = 0
+        self._poses: list[NDArray[np.float64]] = []
+        self._contacts: list[NDArray[np.void]] = []
+        self._take_frame()
+
+    def take(self) -> None:
+        """Notes one step; the world calls it."""
+        self._steps += 1
+        if self._steps % self._every == 0:
+            self._take_frame()
+
+    def recording(self, *, colors: Mapping[Body, tuple[int, int, int]] | None = None) -> Recording:
+        """What has been recorded so far, as plain data.
+
+        Args:
+            colors: Red, green and blue, 0 to 255, of bodies, as in :attr:`Robot.colors`; the viewer
+                chooses those of the others.
+
+        Raises:
+            RecordingError: The world had no body when the recording began.
+        """
+        poses = np.array(self._poses)
+        tracks = []
+        for index, body in enumerate(self._bodies):
+            mesh = mesh_of(body.shape)
+            faces = mesh.faces.astype(np.int64)
+            name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
+            color = None if colors is None else colors.get(body)
+            tracks.append(BodyTrack(name, mesh.vertices, faces, color, poses[:, index]))
+        contacts = ContactTrack.from_frames(
+            [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
+        )
+        return Recording(self._every * self._time_step, tuple(tracks), contacts)
+
+    def save_html(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Writes the recording so far as one offline page; see :meth:`Recording.save_html`.
+
+        Args:
+            path: Of the page.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_html`.
+        """
+        return self.recording(colors=colors).save_html(path, **options)
+
+    def _take_frame(self) -> None:
+        self._poses.append(
+            np.array([*map(self._pose_of, range(len(self._bodies)))]).reshape(-1, 4, 4)
+        )
+        self._contacts.append(as_contacts(self._simulation.contacts()))
+
+    def _pose_of(self, index: int) -> NDArray[np.float64]:
+        """Of bodies that have been removed, where they were last."""
+        body = self._bodies[index]
+        return self._poses[-1][index] if body.removed else body.pose
+
+    def _is_unique(self, name: str) -> bool:
+        return sum(body.name == name for body in self._bodies) == 1

@@ -1,0 +1,64 @@
+"""States of a world, to go back to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voxshell.errors import InputTypeError, SettingsError
+
+if TYPE_CHECKING:
+    from voxshell import _bullet
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.joints import Joint
+
+
+class WorldState:
+    """What :meth:`World.save_state` took down, for :meth:`World.restore_state`.
+
+    It is for the world that it was taken from, with the bodies and joints that there were.
+    """
+
+    __slots__ = ("_bodies", "_joints", "_simulation", "_state")
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        bodies: tuple[Body, ...],
+        joints: tuple[Joint, ...],
+    ) -> None:
+        self._simulation = simulation
+        self._state = simulation.save()
+        self._bodies = bodies
+        self._joints = joints
+
+    def __repr__(self) -> str:
+        return f"WorldState({len(self._bodies)} bodies, {len(self._joints)} joints)"
+
+
+def check_same(
+    simulation: _bullet.Simulation,
+    bodies: tuple[Body, ...],
+    joints: tuple[Joint, ...],
+    state: WorldState,
+) -> None:
+    """Checks that a simulation with these bodies and joints can go back to a state.
+
+    Raises:
+        InputTypeError: ``state`` is no state.
+        SettingsError: It is of another world, or bodies or joints were added or removed since.
+    """
+    if not isinstance(state, WorldState):
+        raise InputTypeError(f"state must be of World.save_state(), not {type(state).__name__}")
+    if state._simulation is not simulation:
+        raise SettingsError("the state is of another world")
+    for what, then, now in (
+        ("bodies", state._bodies, bodies),
+        ("joints", state._joints, joints),
+    ):
+        added = [it.name for it in now if it not in then]
+        gone = [it.name for it in then if it not in now]
+        if added or gone:
+            raise SettingsError(
+                f"the world has other {what} than the state: {len(added)} added {added}, "
+                f"{len(gone)} removed {gone} since it was saved"
+            )

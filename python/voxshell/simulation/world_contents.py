@@ -1,0 +1,330 @@
+"""What is in a world: its bodies and joints, added and taken out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell import _bullet
+from voxshell.base.pose_forms import as_rigid_pose
+from voxshell.errors import InputTypeError, SettingsError
+from voxshell.model.shapes import Plane
+from voxshell.simulation.body import Body
+from voxshell.simulation.body_properties import make_properties
+from voxshell.simulation.body_shapes import as_shape, compute_mass_properties, make_geometry
+from voxshell.simulation.joint_frames import JointFrames, make_settings
+from voxshell.simulation.joints import Joint
+from voxshell.simulation.limits import check_extent, check_mass
+from voxshell.simulation.material import Material, as_material
+from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
+from voxshell.simulation.pair_watch import PairWatch
+from voxshell.simulation.part import check_own
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from voxshell.model.meshes import MeshLike
+    from voxshell.simulation.body_shapes import Inertia, Shape
+    from voxshell.simulation.joint_kinds import JointKind
+    from voxshell.simulation.motion import Motion
+
+
+class WorldContents:
+    """The bodies and joints of a world.
+
+    Attributes:
+        bodies: In the order in which they were added.
+        joints: The same.
+    """
+
+    def __init__(
+        self,
+        simulation: _bullet.Simulation,
+        *,
+        moves_surfaces: bool,
+        takes_joints: bool,
+        judges_pairs: bool,
+    ) -> None:
+        self._simulation = simulation
+        self._moves_surfaces = moves_surfaces
+        self._takes_joints = takes_joints
+        self._pairs = PairWatch() if judges_pairs else None
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+
+    def add(
+        self,
+        shape: Shape | MeshLike,
+        *,
+        pose: ArrayLike | None = None,
+        name: str | None = None,
+        mass: float = 1.0,
+        inertia: Inertia = "solid",
+        material: Material | None = None,
+        friction: float | None = None,
+        restitution: float | None = None,
+        rolling_friction: float | None = None,
+        spinning_friction: float | None = None,
+        motion: Motion | None = None,
+        surface_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        linear_damping: float = 0.0,
+        angular_damping: float = 0.0,
+        group: int = 1,
+        mask: int = 2**31 - 1,
+    ) -> Body:
+        """Adds a body: a shape with a place, a mass, a material, a motion, and groups that it meets.
+
+        Only the shape is needed. All but shape, mass, inertia and motion can be changed later: they are
+        properties of the body.
+
+        Args:
+            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison. A
+                mesh, as a ``trimesh.Trimesh`` or the path of a file, becomes a model as
+                :meth:`Model.from_mesh` builds it by default, in meters, and is cached; the path of a model
+                file (``.vxs``) is loaded.
+            pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity by
+                default.
+            name: For people; "body" and its number by default.
+            mass: **Mass**: kilograms; 0 makes the body static.
+            inertia: Of the uniform solid, of a thin skin on the surface, or given: then its mass is
+                replaced by ``mass``.
+            material: **Material**: friction and restitution as one value, which bodies can share; by
+                default friction is 0.5 and the rest is 0.
+            friction: Replaces :attr:`Material.friction`.
+            restitution: Replaces :attr:`Material.restitution`.
+            rolling_friction: Replaces :attr:`Material.rolling_friction`.
+            spinning_friction: Replaces :attr:`Material.spinning_friction`.
+            motion: **Motion**: "dynamic", moved by forces; "static", by nobody; "kinematic", by the user,
+                who sets its pose before each step. By default the mass decides between the first two.
+                The last two need no mass.
+            surface_velocity: Of a kinematic body's surface, (3,), m/s, body frame: the body stays, and
+                friction takes along what touches it; see :attr:`Body.surface_velocity`.
+            linear_damping: Share of the velocity that is lost in a second, 0 to 1.
+            angular_damping: The same of the angular velocity.
+            group: **Groups**: bits of the groups that the body is in.
+            mask: Bits of the groups that it meets. Two bodies meet if each one's group has a bit of
+                the other's mask; see also :meth:`set_collision`.
+
+        Returns:
+            The body.
+
+        Raises:
+            MeshError: A mesh cannot be read or made into a model: see :meth:`Model.from_mesh`.
+            ModelFileError: A model file is damaged or of another version.
+            FileAccessError: A model file cannot be read.
+            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` or ``material`` is of another
+                type.
+            SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
+                0 and the body is not kinematic, the solver is not "coulomb", or
+                ``friction_directions`` is 1.
+            PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
+
+        Example:
+            A kinematic plate carries what lies on it, one metre a second:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> plate = world.add(vx.Box((0.5, 0.5, 0.05)), motion="kinematic")
+            >>> on_top = np.eye(4)
+            >>> on_top[2, 3] = 0.1
+            >>> parcel = world.add(vx.Box((0.05, 0.05, 0.05)), pose=on_top, friction=1.0)
+            >>> def push(world):
+            ...     plate.position = plate.position + (1.0 * world.time_step, 0, 0)
+            >>> world.step(400, before=push)
+            >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
+            True
+        """
+        kilograms, motion = as_mass_and_motion(mass, motion)
+        label = "the body" if name is None else repr(name)
+        check_mass(kilograms, label)
+        if isinstance(shape, Plane) and motion != "static":
+            raise SettingsError("a plane has no end and cannot move: pass mass=0")
+        properties = make_properties(
+            as_material(
+                Material() if material is None else material,
+                friction=friction,
+                restitution=restitution,
+                rolling_friction=rolling_friction,
+                spinning_friction=spinning_friction,
+            ),
+            linear_damping=linear_damping,
+            angular_damping=angular_damping,
+            surface_velocity=surface_velocity,
+            group=group,
+            mask=mask,
+        )
+        if any(properties.surface_velocity):
+            check_surface(motion, label, self._moves_surfaces)
+        shape = as_shape(shape)
+        geometry = make_geometry(shape)
+        matter = compute_mass_properties(shape, kilograms, inertia)
+        world_from_body = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
+        number = self._simulation.add_body(
+            geometry,
+            motion=MOTIONS[motion],
+            mass=kilograms,
+            centre_of_mass=matter.center_of_mass.tolist(),
+            inertia=matter.inertia.tolist(),
+            pose=world_from_body,
+            material=properties,
+        )
+        if motion != "static":
+            try:
+                check_extent(self._simulation.bounds(number), label)
+            except SettingsError:
+                self._simulation.remove_body(number)
+                raise
+        body = Body(
+            self._simulation,
+            number,
+            name or f"body {number}",
+            shape,
+            kilograms,
+            motion,
+            self._moves_surfaces,
+            matter,
+        )
+        self.bodies.append(body)
+        if self._pairs is not None:
+            self._pairs.note(body)
+        return body
+
+    def remove(self, what: Body | Joint) -> None:
+        """Takes a body, with the joints that hold it, or a joint out of the world.
+
+        Everything else stays as it is, numbers included; what was held or carried wakes.
+
+        Raises:
+            InputTypeError: ``what`` is neither.
+            SettingsError: It is of another world, or has been removed before.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1))
+            >>> world.remove(ball)
+            >>> world.bodies
+            []
+        """
+        if isinstance(what, Joint):
+            check_own(what, self._simulation)
+            self._simulation.remove_joint(what._number)
+            what._world = None
+            self.joints.remove(what)
+            return
+        self._check_own(what, "what")
+        for joint in [joint for joint in self.joints if what in (joint.parent, joint.child)]:
+            self.remove(joint)
+        self._simulation.remove_body(what.number)
+        what._world = None
+        self.bodies.remove(what)
+
+    def add_joint(
+        self,
+        joint: JointKind,
+        parent: Body | None,
+        child: Body,
+        *,
+        parent_from_joint: ArrayLike | None = None,
+        child_from_joint: ArrayLike | None = None,
+        world_from_joint: ArrayLike | None = None,
+        collide: bool = False,
+        name: str | None = None,
+    ) -> Joint:
+        """Holds two bodies together, or one to the world.
+
+        A joint has a frame in each of its bodies, which coincide at position 0. It is at the child's
+        origin where nothing else is said, and at position 0 as the bodies stand now.
+
+        Args:
+            joint: What it leaves free: :class:`FixedJoint`, :class:`HingeJoint`, :class:`SliderJoint`
+                or :class:`PointJoint`.
+            parent: A body, or None for the world.
+            child: Another body. One of the two must be dynamic.
+            parent_from_joint: (4, 4) pose of the joint in the parent's frame, that of its mesh. Given
+                alone, it says how far the joint is from position 0 now.
+            child_from_joint: (4, 4) pose of the joint in the child's frame; the identity by default.
+            world_from_joint: (4, 4) pose of the joint now, instead of the two above.
+            collide: Whether the two bodies collide with each other.
+            name: For people; "joint" and its number by default.
+
+        Returns:
+            The joint, to read and to drive.
+
+        Raises:
+            InputTypeError: ``joint``, ``parent`` or ``child`` is of a wrong type.
+            SettingsError: A body is of another world or has been removed, both are the same, or none
+                of them can move; or the world's solver is "nncg", under which motors at limits throw
+                bodies about.
+            PoseError: A frame is not a rigid transform.
+
+        Example:
+            A door of 0.8 m, hinged at its edge and pushed at its handle:
+
+            >>> import numpy as np
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> door = world.add(vx.Box((0.4, 0.02, 1.0)), mass=20.0)
+            >>> edge = np.eye(4)
+            >>> edge[0, 3] = -0.4
+            >>> hinge = world.add_joint(
+            ...     vx.HingeJoint(axis=(0, 0, 1), limits=(0.0, 1.5)), None, door,
+            ...     world_from_joint=edge,
+            ... )
+            >>> push = lambda world: door.apply_force((0, 20, 0), at=(0.3, 0, 0))
+            >>> world.step(400, before=push)
+            >>> bool(abs(hinge.position - 1.5) < 0.01)
+            True
+        """
+        if not self._takes_joints:
+            raise SettingsError(
+                "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
+            )
+        if parent is not None:
+            self._check_own(parent, "parent")
+        self._check_own(child, "child")
+        if parent is child:
+            raise SettingsError(f"parent and child are both {child.name!r}")
+        if child.motion != "dynamic" and (parent is None or parent.motion != "dynamic"):
+            raise SettingsError(
+                "a joint needs a body that can move: "
+                f"{'the world' if parent is None else repr(parent.name)} and {child.name!r} cannot"
+            )
+        frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
+        settings = make_settings(joint, parent, child, frames, bool(collide))
+        number = self._simulation.add_joint(settings)
+        made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
+        self.joints.append(made)
+        return made
+
+    def set_collision(self, a: Body, b: Body, collide: bool) -> None:
+        """Lets two bodies collide with each other or not, whatever else they meet.
+
+        Groups and joints may keep bodies apart that this leaves together.
+
+        Raises:
+            InputTypeError: One is no body.
+            SettingsError: One is of another world or has been removed, or both are the same.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> stone = world.add(vx.Sphere(0.1))
+            >>> world.set_collision(ground, stone, False)
+            >>> world.step(200)
+            >>> bool(stone.pose[2, 3] < -4.0)
+            True
+        """
+        self._check_own(a, "a")
+        self._check_own(b, "b")
+        if a is b:
+            raise SettingsError(f"a and b are both {a.name!r}")
+        self._simulation.set_collision(a.number, b.number, bool(collide))
+
+    def _check_own(self, body: Body, name: str) -> None:
+        if not isinstance(body, Body):
+            raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
+        check_own(body, self._simulation)

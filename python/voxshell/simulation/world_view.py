@@ -1,0 +1,101 @@
+"""A world that a browser shows while it steps."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING
+
+from voxshell.base.arguments import as_integer
+from voxshell.errors import SettingsError
+from voxshell.simulation.live_view import LiveView
+from voxshell.simulation.world_queries import WorldQueries
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from voxshell.simulation.body import Body
+
+
+class ViewedWorld(WorldQueries):
+    """A world that can be watched."""
+
+    time_step: float
+    _gravity: NDArray[np.float64]
+    _view: LiveView | None = None
+
+    def view(
+        self,
+        *,
+        port: int = 8080,
+        title: str = "voxshell",
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        frames_per_second: float = 30.0,
+        speed: float | None = None,
+        paused: bool = False,
+        open_browser: bool = False,
+    ) -> LiveView:
+        """Shows the world in a browser, live, while you call :meth:`step`.
+
+        The page shows bodies, contacts, the force of each contact, and plots of the energy, the number of contacts
+        and the greatest depth over time. It has buttons to pause, to make one step and to reset the camera. A body
+        that the mouse drags is pulled by a spring; see :class:`voxshell.LiveView`. A pause blocks
+        :meth:`step`. Several browsers may open the page; they share one view.
+
+        A world that is viewed takes the same steps, bit for bit, unless somebody drags a body.
+
+        Args:
+            port: Port of the page on this machine, or the next free one; 0: the system picks one.
+            title: Heading of the page.
+            colors: Red, green and blue, 0 to 255, of bodies; the viewer chooses those of the others.
+            frames_per_second: How many times a second the page is updated at most, wall-clock time.
+            speed: Simulated seconds in a second while a page is open: :meth:`step` waits where it would be faster.
+                None: as fast as the machine can. The page can change it.
+            paused: Whether to wait before the first step until somebody presses "Resume" on the page.
+            open_browser: Whether to open the page in the default browser of this machine.
+
+        Returns:
+            The view. Its ``address`` holds a secret, so that other pages in the browser cannot read the world. It ends
+            with its ``close()``, at the end of a ``with`` block, or with the world.
+
+        Raises:
+            MissingExtraError: The viewer is not installed.
+            SettingsError: A view of this world is open already, or an argument is out of range.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> ball = world.add(vx.Sphere(0.1), pose=(0, 0, 0.5))
+            >>> with world.view(port=0) as view:
+            ...     print(view.address)
+            ...     world.step(200)
+            http://127.0.0.1:...
+        """
+        if self._view is not None and self._view.is_open:
+            raise SettingsError(
+                f"this world has a view already, at {self._view.address}; open that address in another browser, or "
+                "call its close() first"
+            )
+        from voxshell.viewer.live_page import LivePage
+
+        number = as_integer(port, "port", 0, 65535)
+        view = LiveView(
+            self._simulation,
+            self.bodies,
+            gravity=self._gravity,
+            time_step=self.time_step,
+            frames_per_second=frames_per_second,
+            speed=speed,
+            paused=paused,
+        )
+        view.open(lambda: LivePage(view, port=number, title=title, colors=colors or {}))
+        self._view = view
+        weakref.finalize(self, view.close)
+        if open_browser:
+            import webbrowser
+
+            webbrowser.open(view.address)
+        return view

@@ -1,0 +1,377 @@
+"""URDF files read and checked."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Literal, cast
+
+import numpy as np
+
+from voxshell.base.arguments import as_path
+from voxshell.base.input_files import read_small_file
+from voxshell.base.poses import pose as make_pose
+from voxshell.errors import FileAccessError, RobotError, SettingsError
+from voxshell.urdf.description import (
+    Collision,
+    Color,
+    Inertial,
+    JointDescription,
+    JointType,
+    LinkDescription,
+    MeshFile,
+    Primitive,
+    RobotDescription,
+)
+from voxshell.urdf.elements import parse_elements
+from voxshell.urdf.mesh_paths import find_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.urdf.elements import Element
+
+_MOST_BYTES = 100_000_000
+"""Of a file, without the meshes that it names."""
+
+MOST_LINKS = 1000
+"""Of a robot; each two of them are kept apart, which takes time that grows as their square."""
+
+_JOINT_TYPES: dict[str, JointType] = {
+    "fixed": "fixed",
+    "revolute": "revolute",
+    "continuous": "continuous",
+    "prismatic": "prismatic",
+    "floating": "floating",
+    "spherical": "spherical",
+    "ball": "spherical",
+}
+"""Those of URDF, and what simulators add to them."""
+
+_WITH_AXIS = ("revolute", "continuous", "prismatic")
+
+_LEAST_MOMENT = 1e-8
+"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular: Bullet
+inverts it, and a bar of a millimetre and ten metres has 1e-8."""
+
+
+def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
+    """Reads and checks a file.
+
+    Raises:
+        FileAccessError: The file cannot be read.
+        RobotError: The file does not describe a robot that can be simulated; the message names the
+            file, the line, the link or joint, and what to do.
+    """
+    name = os.fsdecode(as_path(path, "path"))
+    if not os.path.isfile(name):
+        raise FileAccessError(f"cannot read robot {name}: there is no such file")
+    try:
+        data = read_small_file(name, _MOST_BYTES, "robot")
+    except SettingsError as error:
+        raise RobotError(f"cannot read robot {name}: {error}") from None
+    return _describe(name, parse_elements(name, data))
+
+
+def _describe(path: str, element: Element) -> RobotDescription:
+    robot = RobotDescription(path, element.attributes.get("name", "robot"), "", {})
+    found = list(element.all("link"))
+    if not found:
+        robot.refuse("it has no <link>")
+    if len(found) > MOST_LINKS:
+        robot.refuse(f"it has {len(found)} links, and at most {MOST_LINKS} are read")
+    colors = {
+        material.attributes.get("name", ""): color
+        for material in element.all("material")
+        if (color := _read_color(material)) is not None
+    }
+    links: dict[str, LinkDescription] = {}
+    for each in found:
+        link = _describe_link(each, colors)
+        if link.name in links:
+            each.refuse(
+                f"is the second of two links of that name, the first in line "
+                f"{links[link.name].line}; rename one"
+            )
+        links[link.name] = link
+    joints: dict[str, JointDescription] = {}
+    for each in element.all("joint"):
+        joint = _describe_joint(robot, each, links)
+        if joint.name in joints:
+            each.refuse(
+                f"is the second of two joints of that name, the first in line "
+                f"{joints[joint.name].line}; rename one"
+            )
+        joints[joint.name] = joint
+    parents: dict[str, str] = {}
+    for joint in joints.values():
+        if joint.child in parents:
+            robot.refuse(
+                f"link {joint.child!r} is the child of two joints, {parents[joint.child]!r} and "
+                f"{joint.name!r}: URDF has trees only; leave one out and add it with World.add_joint",
+                joint,
+            )
+        parents[joint.child] = joint.name
+        if joint.mimic is not None:
+            leader = joints.get(joint.mimic[0])
+            if leader is None or leader.type not in _WITH_AXIS or leader is joint:
+                robot.refuse(
+                    f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is no joint that moves; "
+                    "correct the name",
+                    joint,
+                )
+    _check_mimics(robot, joints)
+    roots = [name for name in links if name not in parents]
+    if len(roots) != 1:
+        robot.refuse(
+            f"it must have one link that is no joint's child, not {len(roots)} "
+            f"({shorten_names(roots) or 'its joints go round in a circle'}); connect them with joints, or "
+            "make a file of each"
+        )
+    children: dict[str, list[JointDescription]] = {name: [] for name in links}
+    for joint in joints.values():
+        children[joint.parent].append(joint)
+    ordered: list[JointDescription] = []
+    reached = [roots[0]]
+    for name in reached:
+        for joint in children[name]:
+            ordered.append(joint)
+            reached.append(joint.child)
+    if len(reached) != len(links):
+        lost = sorted(set(links) - set(reached))
+        robot.refuse(f"links {shorten_names(lost)} hang on each other in a circle")
+    return RobotDescription(path, robot.name, roots[0], links, ordered, robot.without_limits)
+
+
+def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) -> None:
+    checked: set[str] = set()
+    for name in joints:
+        followed: dict[str, None] = {}
+        at = name
+        while at not in checked and (mimic := joints[at].mimic) is not None:
+            if at in followed:
+                robot.refuse(f"joints mimic each other in a circle, {at!r} among them", joints[at])
+            followed[at] = None
+            at = mimic[0]
+        checked.update(followed)
+
+
+def _describe_link(element: Element, colors: dict[str, Color]) -> LinkDescription:
+    collisions = tuple(
+        collision
+        for each in element.all("collision")
+        if (collision := _describe_collision(each)) is not None
+    )
+    return LinkDescription(
+        element.text("name"),
+        element.line,
+        collisions,
+        _describe_inertial(element.first("inertial")),
+        _find_color(element, colors),
+    )
+
+
+def _find_color(link: Element, named: dict[str, Color]) -> Color | None:
+    """The first that a visual has, by itself or by the name of a material."""
+    for visual in link.all("visual"):
+        material = visual.first("material")
+        if material is None:
+            continue
+        color = _read_color(material)
+        if color is None:
+            color = named.get(material.attributes.get("name", ""))
+        if color is not None:
+            return color
+    return None
+
+
+def _read_color(material: Element) -> Color | None:
+    """Colors do not matter to the simulation: one that is wrong is none."""
+    color = material.first("color")
+    try:
+        numbers = None if color is None else color.numbers("rgba", (3, 4))
+    except RobotError:
+        return None
+    if numbers is None:
+        return None
+    red, green, blue = (round(255.0 * min(max(it, 0.0), 1.0)) for it in numbers[:3])
+    return red, green, blue
+
+
+def _describe_inertial(element: Element | None) -> Inertial | None:
+    if element is None:
+        return None
+    mass_element, tensor = element.first("mass"), element.first("inertia")
+    mass = mass_element.number("value") if mass_element is not None else None
+    place = _read_pose(element.first("origin"))
+    inertia = None
+    if tensor is not None:
+        read = {name: tensor.number(name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")}
+        if None in (read["ixx"], read["iyy"], read["izz"]):
+            tensor.refuse("has an <inertia> without ixx, iyy or izz; add it")
+        xx, xy, xz, yy, yz, zz = (value or 0.0 for value in read.values())
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not mass:
+        return None
+    if mass < 0.0:
+        element.refuse(f"has a mass of {mass:g} kg; it must not be below 0")
+    if inertia is not None:
+        moments = np.linalg.eigvalsh(inertia)
+        if moments[0] > _LEAST_MOMENT * moments[-1]:
+            inertia = place[:3, :3] @ inertia @ place[:3, :3].T
+        else:
+            inertia = None
+    return Inertial(mass, place[:3, 3], inertia)
+
+
+def _describe_collision(element: Element) -> Collision | None:
+    """None where it has no geometry, as some exporters write it."""
+    geometry = element.first("geometry")
+    if geometry is None or not geometry.children:
+        return None
+    place = _read_pose(element.first("origin"))
+    shape = geometry.children[0]
+    match shape.tag:
+        case "mesh":
+            return Collision(_read_mesh_name(shape), place)
+        case "box":
+            sizes = shape.numbers("size", (3,))
+        case "sphere":
+            sizes = _read_sizes(shape, "radius")
+        case "cylinder" | "capsule":
+            sizes = _read_sizes(shape, "radius", "length")
+        case _:
+            shape.refuse(
+                f"has a <{shape.tag[:60]}>, which is no shape; use a box, sphere, cylinder, capsule or "
+                "mesh"
+            )
+    if sizes is None:
+        shape.refuse("has a box without a size; add it")
+    if min(sizes) <= 0.0:
+        shape.refuse(f"has a {shape.tag} of {sizes} m; it must be above 0")
+    kind = cast("Literal['box', 'sphere', 'cylinder', 'capsule']", shape.tag)
+    return Collision(Primitive(kind, tuple(sizes)), place)
+
+
+def _read_sizes(shape: Element, *names: str) -> list[float]:
+    sizes = []
+    for name in names:
+        shape.text(name)
+        sizes.append(shape.number(name) or 0.0)
+    return sizes
+
+
+def _read_mesh_name(mesh: Element) -> MeshFile:
+    name = mesh.text("filename")
+    path = find_mesh(mesh.path, name)
+    if path is None:
+        mesh.refuse(
+            f"has a mesh {name[:200]!r} that is not to be found; put it where the path points, seen from "
+            "the file's folder or one above it, or name the folder of its package in ROS_PACKAGE_PATH"
+        )
+    scales = mesh.numbers("scale", (1, 3)) or [1.0]
+    x, y, z = scales if len(scales) == 3 else scales * 3
+    if not (x and y and z):
+        mesh.refuse(f"has a mesh with a scale of {[x, y, z]}; it must not be 0")
+    return MeshFile(path, (x, y, z))
+
+
+def _describe_joint(
+    robot: RobotDescription, element: Element, links: dict[str, LinkDescription]
+) -> JointDescription:
+    kind = _JOINT_TYPES.get(element.text("type"))
+    if kind is None:
+        element.refuse(
+            f"is of type {element.text('type')[:60]!r}; types are {', '.join(_JOINT_TYPES)}: make a "
+            "planar one of two prismatic ones and a continuous one"
+        )
+    ends = {}
+    for end in ("parent", "child"):
+        link = element.first(end)
+        if link is None:
+            element.refuse(f"has no <{end}>; add it")
+        ends[end] = link.text("link")
+        if ends[end] not in links:
+            link.refuse(f"has a {end} {ends[end][:60]!r}, and there is no such link")
+    axis = _read_axis(element) if kind in _WITH_AXIS else (1.0, 0.0, 0.0)
+    limit, dynamics, mimic = (element.first(tag) for tag in ("limit", "dynamics", "mimic"))
+    limits = _read_limits(limit) if kind in ("revolute", "prismatic") else None
+    name = element.text("name")
+    if kind in ("revolute", "prismatic") and limits is None:
+        robot.without_limits.append(name)
+    losses = [
+        (dynamics.number(loss) if dynamics is not None else None) or 0.0
+        for loss in ("friction", "damping")
+    ]
+    if min(losses) < 0.0:
+        element.refuse("has a friction or damping below 0")
+    return JointDescription(
+        name,
+        element.line,
+        kind,
+        ends["parent"],
+        ends["child"],
+        _read_pose(element.first("origin")),
+        axis,
+        limits,
+        _read_bound(limit, "effort"),
+        _read_bound(limit, "velocity"),
+        losses[0],
+        losses[1],
+        _read_mimic(mimic) if mimic is not None and kind in _WITH_AXIS else None,
+    )
+
+
+def _read_axis(joint: Element) -> tuple[float, float, float]:
+    """Along x by default, as URDF has it."""
+    axis = joint.first("axis")
+    numbers = None if axis is None else axis.numbers("xyz", (3,))
+    x, y, z = numbers or (1.0, 0.0, 0.0)
+    if axis is not None and not (x or y or z):
+        axis.refuse(f"has an axis of {[x, y, z]}; give three numbers, not all 0")
+    return x, y, z
+
+
+def _read_limits(limit: Element | None) -> tuple[float, float] | None:
+    """None where neither end is given, both are infinite, or the lower is above the upper, as in Bullet."""
+    if limit is None:
+        return None
+    lower, upper = (limit.number(end, finite=False) for end in ("lower", "upper"))
+    if lower is None and upper is None:
+        return None
+    lower, upper = lower or 0.0, upper or 0.0
+    if lower == -math.inf and upper == math.inf:
+        return None
+    if not (math.isfinite(lower) and math.isfinite(upper)):
+        limit.refuse(f"has limits {lower:g} to {upper:g}; give finite ones")
+    if lower > upper:
+        return None
+    return lower, upper
+
+
+def _read_mimic(mimic: Element) -> tuple[str, float, float]:
+    multiplier = mimic.number("multiplier")
+    return (
+        mimic.text("joint"),
+        1.0 if multiplier is None else multiplier,
+        mimic.number("offset") or 0.0,
+    )
+
+
+def _read_bound(limit: Element | None, name: str) -> float | None:
+    """None where there is no bound."""
+    value = None if limit is None else limit.number(name, finite=False)
+    return value if value is not None and 0.0 < value < math.inf else None
+
+
+def _read_pose(origin: Element | None) -> NDArray[np.float64]:
+    if origin is None:
+        return make_pose()
+    zero = (0.0, 0.0, 0.0)
+    return make_pose(origin.numbers("xyz", (3,)) or zero, euler=origin.numbers("rpy", (3,)) or zero)
+
+
+def shorten_names(names: list[str]) -> str:
+    """The first ten, quoted."""
+    shown = ", ".join(map(repr, names[:10]))
+    return f"{shown}, ..." if len(names) > 10 else shown

@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import voxshell as vx
+from voxshell.base import arguments
+
+NOT_NUMBERS = ("1", b"1", True, np.True_, None, [1.0, 2.0], 10**400)
+
+
+@pytest.mark.parametrize("value", [1, 1.5, np.float32(2.0), np.int8(3)])
+def test_numbers_of_any_type_become_floats(value: object):
+    number = arguments.as_real(value, "mass")
+    assert type(number) is float
+    assert number == value
+
+
+@pytest.mark.parametrize("value", NOT_NUMBERS, ids=str)
+def test_what_is_no_number_is_named(value: object):
+    with pytest.raises(vx.SettingsError, match=r"^mass must be a number, not "):
+        arguments.as_real(value, "mass")
+
+
+@pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
+def test_numbers_must_be_finite(value: float):
+    with pytest.raises(vx.SettingsError, match=r"^mass must be finite, not "):
+        arguments.as_real(value, "mass")
+
+
+@pytest.mark.parametrize(
+    ("check", "right", "wrong"),
+    [
+        (arguments.as_positive, (1e-300, 1.0), (0.0, -0.0, -1.0)),
+        (arguments.as_not_negative, (0.0, -0.0, 1.0), (-1e-300, -1.0)),
+        (arguments.as_share, (0.0, 0.5, 1.0), (-1e-300, 1.0 + 1e-15)),
+        (arguments.as_length, (1e-300, arguments.FARTHEST), (0.0, 1.001e15)),
+    ],
+)
+def test_ranges_end_where_they_say(check, right, wrong):
+    for value in right:
+        assert check(value, "it") == value
+    for value in wrong:
+        with pytest.raises(vx.SettingsError, match=r"^it must be "):
+            check(value, "it")
+
+
+def test_integers_are_of_their_range_and_no_others():
+    for value in (1, 4, np.int16(4)):
+        assert arguments.as_integer(value, "level", 1, 4) == value
+    for value in (0, 5):
+        with pytest.raises(vx.SettingsError, match=f"^level must be from 1 to 4, not {value}$"):
+            arguments.as_integer(value, "level", 1, 4)
+    for value in (True, 1.0, "1", None):
+        with pytest.raises(vx.SettingsError, match=r"^level must be an integer, not "):
+            arguments.as_integer(value, "level", 1, 4)
+
+
+def test_no_number_of_threads_is_one_a_core():
+    assert arguments.as_threads(None) == 0
+    assert arguments.as_threads(3) == 3
+    with pytest.raises(vx.SettingsError, match=r"^threads must be from 1 to 1024, not 0$"):
+        arguments.as_threads(0)
+
+
+def test_arrays_have_the_shape_that_is_named():
+    array = arguments.as_floats([[1, 2, 3]], "points", (None, 3))
+    assert array.dtype == np.float64
+    assert array.flags.c_contiguous
+    for value, told in (
+        ([1, 2, 3], r"not \(3,\) int64"),
+        ([[1, 2]], r"not \(1, 2\) int64"),
+        ([["a", "b", "c"]], r"not \(1, 3\) <U1"),
+        ([[1, 2, 3], [1]], "inhomogeneous"),
+    ):
+        with pytest.raises(vx.SettingsError, match=rf"^points must be \(n, 3\) numbers.*{told}"):
+            arguments.as_points(value, "points")
+    with pytest.raises(vx.PoseError):
+        arguments.as_floats([1], "pose", (4, 4), vx.PoseError)
+
+
+def test_vectors_are_three_finite_numbers():
+    assert arguments.as_vector(np.array([1, 2, 3]), "axis") == (1.0, 2.0, 3.0)
+    with pytest.raises(vx.SettingsError, match=r"^axis must be finite, not "):
+        arguments.as_vector((0, math.nan, 1), "axis")
+    with pytest.raises(vx.SettingsError, match=r"^axis must be \(3,\) numbers, not \(2,\)"):
+        arguments.as_vector((0, 1), "axis")
+
+
+def test_paths_are_names_of_files():
+    assert arguments.as_path("a.stl", "mesh") == arguments.as_path(Path("a.stl"), "mesh")
+    with pytest.raises(vx.InputTypeError, match=r"^mesh must be a path, not float$"):
+        arguments.as_path(1.0, "mesh")
+    for value in ("", "a\0b"):
+        with pytest.raises(vx.FileAccessError, match=r"^mesh must name a file, not "):
+            arguments.as_path(value, "mesh")

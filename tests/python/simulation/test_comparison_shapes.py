@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.simulation.body_shapes import mesh_of
+
+
+def as_trimesh(shape):
+    return trimesh.Trimesh(*mesh_of(shape), process=False)
+
+
+def test_hull_mesh_is_the_hull():
+    points = np.random.default_rng(1).normal(size=(500, 3))
+    mesh = as_trimesh(vx.ConvexHull(points))
+    assert mesh.is_watertight
+    assert mesh.volume > 0
+    # No point is outside, but for the rounding of Bullet's hull to a grid.
+    heights = np.einsum("fk,pfk->pf", mesh.face_normals, points[:, None] - mesh.triangles[:, 0])
+    assert heights.max() < 2e-4 * np.ptp(points, axis=0).max()
+
+
+def test_sampled_hull_has_at_most_42_vertices_and_lies_inside():
+    points = trimesh.creation.icosphere(4).vertices * (1.0, 0.5, 2.0)
+    hull = vx.ConvexHull.sampled(points)
+    assert 20 <= len(hull.hulls[0]) <= 42
+    assert as_trimesh(hull).volume < as_trimesh(vx.ConvexHull(points)).volume
+
+
+def test_decomposition_mass_is_that_of_its_parts():
+    left = trimesh.creation.box(bounds=[(0, 0, 0), (1, 1, 1)])
+    right = trimesh.creation.box(bounds=[(1, 0, 0), (2, 1, 3)])
+    shape = vx.ConvexDecomposition([left.vertices, right.vertices])
+    assert as_trimesh(shape).volume == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [lambda: vx.Plane((0, 1, 0), 0.25), lambda: vx.Box((1, 2, 3)), lambda: vx.Sphere(0.5)],
+)
+def test_meshes_of_analytic_shapes_lie_on_their_surface(make):
+    shape = make()
+    mesh = as_trimesh(shape)
+    assert mesh.is_watertight
+    assert mesh.volume > 0
+    distances = shape.sample(mesh.vertices)
+    assert distances.max() == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "part"),
+    [
+        (lambda: vx.ConvexHull(np.zeros((3, 3))), vx.MeshError, "at least 4"),
+        (lambda: vx.ConvexHull(np.zeros((8, 3))), vx.MeshError, "plane"),
+        (lambda: vx.ConvexHull(np.eye(4)[:, :3] * np.nan), vx.MeshError, "finite"),
+        (lambda: vx.ConvexHull([[1, 2]] * 5), vx.MeshError, r"\(n, 3\)"),
+        (lambda: vx.ConvexDecomposition([]), vx.SettingsError, "hull"),
+        (lambda: vx.GImpact(([[0, 0, 0]], np.zeros((0, 3), int))), vx.MeshError, "triangles"),
+        (lambda: vx.GImpact("missing.stl"), vx.MeshError, "missing.stl"),
+        (lambda: vx.GImpact(trimesh.creation.box(), margin=-1), vx.SettingsError, "margin"),
+    ],
+)
+def test_wrong_shapes_are_refused(make, error, part):
+    with pytest.raises(error, match=part):
+        make()
+
+
+@pytest.mark.parametrize("radius", [0.001, 0.005, 0.02])
+def test_small_capsules_are_capsules(radius):
+    length = 2 * radius
+    solid = as_trimesh(vx.Capsule(radius, length))
+    assert solid.is_watertight
+    expected = np.pi * radius**2 * length + 4 / 3 * np.pi * radius**3
+    assert solid.volume == pytest.approx(expected, rel=0.01)

@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import pytest
+import voxshell as vx
+from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
+
+
+@pytest.mark.parametrize(
+    ("mass", "motion", "found"),
+    [
+        (2.0, None, (2.0, "dynamic")),
+        (0.0, None, (0.0, "static")),
+        (2.0, "dynamic", (2.0, "dynamic")),
+        (2.0, "static", (0.0, "static")),
+        (2.0, "kinematic", (0.0, "kinematic")),
+        (0.0, "kinematic", (0.0, "kinematic")),
+    ],
+)
+def test_the_mass_decides_where_nobody_says(mass, motion, found):
+    assert as_mass_and_motion(mass, motion) == found
+
+
+def test_wrong_ones_are_told_with_the_right_ones():
+    with pytest.raises(vx.SettingsError, match="one of 'dynamic', 'static', 'kinematic', not 'up'"):
+        as_mass_and_motion(1.0, "up")  # type: ignore[arg-type]
+    with pytest.raises(vx.SettingsError, match="mass must be above 0 for a body that forces move"):
+        as_mass_and_motion(0.0, "dynamic")
+    with pytest.raises(vx.SettingsError, match="mass must be at least 0"):
+        as_mass_and_motion(-1.0, None)
+
+
+def test_surfaces_of_kinematic_bodies_move_under_the_right_solver():
+    check_surface("kinematic", "'belt'", True)
+    for motion in MOTIONS.keys() - {"kinematic"}:
+        with pytest.raises(vx.SettingsError, match=f"'belt' is {motion}: pass motion='kinematic'"):
+            check_surface(motion, "'belt'", True)
+    with pytest.raises(vx.SettingsError, match="solver='coulomb' and friction_directions=2"):
+        check_surface("kinematic", "'belt'", False)

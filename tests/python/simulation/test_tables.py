@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import numpy as np
+from voxshell.simulation.tables import as_contacts, as_hits, as_timings
+
+
+def test_contacts_take_their_columns_in_order():
+    rows = np.arange(28.0).reshape(2, 14)
+    table = as_contacts(rows)
+    assert table.shape == (2,)
+    second = table[1]
+    assert [second[name].tolist() for name in table.dtype.names or ()] == [
+        14,
+        15,
+        16,
+        [17.0, 18.0, 19.0],
+        [20.0, 21.0, 22.0],
+        [23.0, 24.0, 25.0],
+        26.0,
+        27.0,
+    ]
+
+
+def test_hits_take_their_columns_in_order():
+    [hit] = as_hits(np.arange(8.0)[None])
+    assert (hit["body"], hit["fraction"]) == (0, 1.0)
+    assert (hit["point"].tolist(), hit["normal"].tolist()) == ([2.0, 3.0, 4.0], [5.0, 6.0, 7.0])
+
+
+def test_timings_are_not_copied():
+    rows = np.arange(10.0).reshape(2, 5)
+    table = as_timings(rows)
+    assert table["step"].tolist() == [0.0, 5.0]
+    assert table["manifold"].tolist() == [4.0, 9.0]
+    assert np.shares_memory(rows, table)
+
+
+def test_nothing_is_an_empty_table():
+    assert len(as_contacts(np.empty((0, 14)))) == len(as_hits(np.empty((0, 8)))) == 0
