@@ -26,10 +26,10 @@ class LiveFrame:
     Args:
         time: Simulated seconds.
         bodies: In the order of the arrays.
-        poses: (n, 4, 4) ``world_from_body``, metres.
-        points: (k, 3) metres, world frame: contacts, on body b's surface.
+        poses: (n, 4, 4) ``world_from_body``, meters.
+        points: (k, 3) meters, world frame: contacts, on body b's surface.
         normals: (k, 3) unit, world frame, towards body a.
-        depths: (k,) metres, positive where bodies overlap.
+        depths: (k,) meters, positive where bodies overlap.
         forces: (k, 3) newtons, world frame: the normal force of each contact in the last step, on body a, or on
             body b where a is not dynamic.
         kinetic: Joules, of all dynamic bodies.

@@ -37,10 +37,10 @@ class Pull:
 
     Args:
         body: A dynamic body.
-        point_body: (3,) metres, body frame: the point that was grabbed.
-        target_world: (3,) metres, world frame: where the pointer is.
+        point_body: (3,) meters, body frame: the point that was grabbed.
+        target_world: (3,) meters, world frame: where the pointer is.
         frequency: rad/s of the spring.
-        reach: Metres beyond which the force no longer grows.
+        reach: Meters beyond which the force no longer grows.
     """
 
     body: Body
@@ -62,7 +62,7 @@ class Pull:
         point, the force is m (w^2 x - 2 w v), w being the frequency. The length of x counts up to the reach.
 
         Returns:
-            (3,) newtons, world frame, and (3,) metres, world frame: the point that it acts on.
+            (3,) newtons, world frame, and (3,) meters, world frame: the point that it acts on.
         """
         pose = self.body.pose
         point = pose[:3, :3] @ self.point_body + pose[:3, 3]
@@ -100,8 +100,8 @@ class Pulls:
         Args:
             hand: Who drags; one hand holds one body.
             body: A dynamic body.
-            point_body: (3,) metres, body frame.
-            diameter: Of the body, metres.
+            point_body: (3,) meters, body frame.
+            diameter: Of the body, meters.
         """
         pose = body.pose
         pull = Pull(
@@ -115,7 +115,7 @@ class Pulls:
             self._held[hand] = pull
 
     def move(self, hand: Hashable, target_world: NDArray[np.float64]) -> None:
-        """Moves the target of a hand, (3,) metres, world frame; a hand that holds nothing is left alone."""
+        """Moves the target of a hand, (3,) meters, world frame; a hand that holds nothing is left alone."""
         with self._lock:
             pull = self._held.get(hand)
             if pull is not None:
@@ -145,7 +145,7 @@ class Pulls:
                 self.release(hand)
 
     def find_lines(self) -> NDArray[np.float64]:
-        """Where each spring begins and ends, (k, 2, 3) metres, world frame."""
+        """Where each spring begins and ends, (k, 2, 3) meters, world frame."""
         lines = []
         for hand, pull in self._list():
             try:
@@ -169,7 +169,7 @@ def effective_mass(body: Body, point_body: NDArray[np.float64]) -> float:
 
     Args:
         body: A dynamic body.
-        point_body: (3,) metres, body frame.
+        point_body: (3,) meters, body frame.
 
     Example:
         >>> import numpy as np

@@ -2,10 +2,15 @@ from __future__ import annotations
 
 import csv
 import json
+import signal
+import subprocess
+import sys
+import urllib.request
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 import voxshell as vx
 from voxshell.cli import scene_report
 
@@ -129,8 +134,48 @@ def test_what_is_not_installed_is_said_before_the_work(voxshell, scene_path, tmp
     monkeypatch.setattr(util, "find_spec", lambda name: None if name == "viser" else find(name))
     ended = voxshell("simulate", scene_path, "--out", tmp_path / "out")
     assert ended.code == 1
-    assert "pip install voxshell[viewer]" in ended.err
+    assert "pip install 'voxshell[viewer]'" in ended.err
     assert "build" not in ended.err
+
+
+@pytest.mark.parametrize(
+    ("form", "library", "extra"), [("mp4", "pyvista", "video"), ("usda", "pxr", "usd")]
+)
+def test_an_export_that_is_not_installed_is_said_before_the_work(
+    voxshell, scene_path, tmp_path, monkeypatch, form, library, extra
+):
+    from importlib import util
+
+    monkeypatch.setattr(util, "find_spec", lambda name: None if name == library else name)
+    ended = voxshell("simulate", scene_path, "--out", tmp_path / "out", "--export", form)
+    assert ended.code == 1
+    assert f"need {library}: pip install 'voxshell[{extra}]'" in " ".join(ended.err.split())
+
+
+def test_exports_are_written_beside_the_other_outputs(voxshell, scene_path, tmp_path):
+    ended = voxshell("simulate", scene_path, "--out", tmp_path, "--export", "glb")
+    assert ended.code == 0, ended.err
+    scene = trimesh.load(tmp_path / "recording.glb")
+    assert {"ground", "cone", "ball"} <= set(scene.graph.nodes)
+    assert (tmp_path / "index.html").exists()
+    ended = voxshell("simulate", scene_path, "--out", tmp_path, "--export", "obj")
+    assert ended.code == 2
+    assert "glb" in ended.err
+
+
+def test_a_watched_scene_waits_for_somebody_until_ctrl_c(scene_path, tmp_path):
+    code = "from voxshell.cli import main; import sys; main(sys.argv[1:])"
+    command = [sys.executable, "-c", code, "simulate", str(scene_path), "--watch"]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        address = next(line for line in process.stderr if "http://" in line).split()[0]
+        with urllib.request.urlopen(address) as answer:
+            assert b"<html" in answer.read().lower()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 130
+    assert not (tmp_path / "out").exists()
 
 
 JOINTS = """
