@@ -7,18 +7,25 @@
 
 namespace voxshell::bullet {
 
+namespace {
+
+/// Others are there in case the solver turns the body.
+bool touches_within(const PairStep& step, const Impact& impact) {
+  return is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
+}
+
+}  // namespace
+
 bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
-  const double of_impact = impact.time();
-  return time < kNever && of_impact <= time + kFirstTouchWithin * step.time_step;
+  return touches_within(step, impact) && time < kNever &&
+         impact.time() <= time + kFirstTouchWithin * step.time_step;
 }
 
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts) {
   FirstTouch first;
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(step, contact);
-    // Others are there in case the solver turns the body.
-    const bool touches = is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
-    if (touches) first.time = std::min(first.time, impact.time());
+    if (touches_within(step, impact)) first.time = std::min(first.time, impact.time());
   }
   return first;
 }

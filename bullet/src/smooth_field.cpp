@@ -37,8 +37,7 @@ SmoothField::Value SmoothField::value_at(const Vec3& place, const RoundSide::Pla
 
 /// By way of the surface; none where what is near so is not what is nearest.
 std::optional<SmoothField::Value> SmoothField::walk_from(const RoundSide::Place& start,
-                                                         const Vec3& place,
-                                                         const Value& of_field) {
+                                                         const Vec3& place, const Value& of_field) {
   const auto near = round_->nearest_from(start, place);
   if (!near) return std::nullopt;
   const double distance = std::abs(of_field.distance);

@@ -34,7 +34,8 @@ struct Thrown {
   std::vector<Contact> speculative() const {
     std::vector<Contact> all;
     for (const Contact& contact : near) {
-      if (const auto found = find_speculative(step, step.motion, {}, contact, 1.0)) all.push_back(*found);
+      if (const auto found = find_speculative(step, step.motion, {}, contact, 1.0))
+        all.push_back(*found);
     }
     return all;
   }

@@ -1,0 +1,90 @@
+"""Bodies that pass close by the edges of a concave one: nothing that they do not touch stops them, all that they fall on does."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from shapely.geometry import LineString
+from trimesh.creation import box, cylinder, extrude_polygon
+
+RATES = (200, 60, 30)
+PHASES = 4
+
+
+def box_at(size: tuple[float, float, float], place: tuple[float, float, float]) -> trimesh.Trimesh:
+    mesh = box(size)
+    mesh.apply_translation(place)
+    return mesh
+
+
+@cache
+def gate(clearance: float) -> vx.Model:
+    """A floor and a gate on it in one mesh, wider and higher than a cube of 60 mm."""
+    top = 0.06 + clearance
+    side = 0.03 + clearance + 0.025
+    parts = [
+        box_at((1.2, 0.5, 0.05), (0, 0, -0.025)),
+        box_at((0.05, 0.3, 0.05), (0, 0, top + 0.025)),
+        *(box_at((0.05, 0.05, top + 0.02), (0, y, top / 2)) for y in (-side, side)),
+    ]
+    return vx.Model.from_mesh(trimesh.boolean.union(parts, engine="manifold"))
+
+
+@cache
+def cube() -> vx.Model:
+    return vx.Model.from_mesh(box((0.06, 0.06, 0.06)))
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("clearance", [0.002, 0.01])
+def test_a_cube_slides_through_a_gate_that_is_one_mesh_with_its_floor(
+    rate: int, clearance: float
+) -> None:
+    for phase in range(PHASES):
+        world = vx.World(time_step=1 / rate)
+        world.add(gate(clearance), mass=0, friction=0)
+        start = -0.25 - phase / PHASES / rate
+        body = world.add(cube(), mass=0.2, friction=0, pose=(start, 0, 0.03))
+        body.linear_velocity = (1, 0, 0)
+        world.step(round(0.5 * rate))
+        assert body.linear_velocity[0] == pytest.approx(1.0, abs=1e-3)
+
+
+@cache
+def slotted_plate(width: float) -> vx.Model:
+    """A plate of 4 mm, upright, with a slot of 25 mm between its ends."""
+    outline = LineString([(0, -0.0125), (0, 0.0125)])
+    plate = outline.buffer(0.015).difference(outline.buffer(width / 2, quad_segs=32))
+    mesh = extrude_polygon(plate, 0.004)
+    mesh.apply_translation((0, 0, -0.002))
+    # Along x, upright.
+    mesh.apply_transform([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    return vx.Model.from_mesh(mesh)
+
+
+@cache
+def rod(radius: float) -> vx.Model:
+    mesh = cylinder(radius, 0.1, sections=64)
+    mesh.apply_transform([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])
+    return vx.Model.from_mesh(mesh)
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("width", [0.0042, 0.005])
+def test_a_slot_that_falls_on_a_rod_hangs_on_it(rate: int, width: float) -> None:
+    # Where the upper end of the slot lies on the rod.
+    hangs = 0.002 - (0.0125 + width / 2)
+    for height in (0.008, 0.0125, 0.018):
+        world = vx.World(time_step=1 / rate)
+        world.add(rod(0.002), mass=0)
+        plate = world.add(slotted_plate(width), mass=0.05, pose=(0, 0, hangs + height))
+        lowest = np.inf
+        for _ in range(rate):
+            world.step()
+            lowest = min(lowest, plate.position[2])
+        assert lowest == pytest.approx(hangs, abs=3e-4)
+        assert plate.position[2] == pytest.approx(hangs, abs=1e-4)
