@@ -48,10 +48,11 @@ void SweptHits::find(const PairStep& step, const PointShell& shell, const Field&
   const auto same = std::ranges::unique(found_, {}, &Contact::id);
   found_.erase(same.begin(), same.end());
   const Pose now = field_from_shell_after(0.0);
-  for (Contact& contact : found_) {
-    ids_.push_back(contact.id);
-    contact = contact_at(field, now, contact);
-  }
+  for (Contact& contact : found_) contact = contact_at(field, now, contact);
+  // What carries a body keeps it from falling into it, and is found already.
+  const auto most = -static_cast<float>(step.rest_margin + step.thickness);
+  std::erase_if(found_, [&](const Contact& contact) { return contact.depth >= most; });
+  for (const Contact& contact : found_) ids_.push_back(contact.id);
   merge_by_id(found_, contacts);
 }
 

@@ -16,7 +16,8 @@ namespace voxshell::bullet {
 class SweptHits {
  public:
   /// Looks for the deepest element of each segment, and merges those that are not there yet into
-  /// `contacts`, ascending by id, with the place, normal and depth that they have now.
+  /// `contacts`, ascending by id, with the place, normal and depth that they have now. Leaves out
+  /// those that are within the rest margin now.
   /// @param side         Of which the shell is; the field is the other's.
   /// @param is_of_field  Whether that is the pair's field side.
   void find(const PairStep& step, const PointShell& shell, const Field& field, bool is_of_field,
