@@ -20,9 +20,6 @@ void RoundContacts::slide(std::vector<Contact>& contacts, const Model& model, Sm
                           const Turning& turning, float least_depth) {
   const bool forgets = surface_ != &model.smooth_surface();
   at_rest_.begin(forgets);
-  slid_before_.swap(slid_);
-  if (forgets) slid_before_.clear();
-  slid_.clear();
   failed_.begin(contacts, field_from_shell, scale.radius, forgets);
   surface_ = &model.smooth_surface();
   if (!surface_->is_curved()) return;
@@ -66,13 +63,11 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
     }
   }
   if (failed_.fails_again(contact.id)) return true;
-  auto touch = find_again(contact, start);
-  if (!touch) touch = find_touch(start, direction, direction - surface_->normal(start));
+  const auto touch = find_touch(start, direction);
   if (!touch) {
     failed_.add(contact.id);
     return true;
   }
-  slid_.push_back({contact.id, *touch});
   const Facing& facing = touch->facing;
   const double depth = -facing.distance;
   if (depth < static_cast<double>(contact.depth) - kSlideLosesOfMargin * margin_) return true;
@@ -135,21 +130,11 @@ bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& to
   return dot(bends, aside) > least_curvature_ * squared_length(aside);
 }
 
-/// The touch that the contact led to in the step before, where it is now, if it still does.
-std::optional<RoundContacts::Touch> RoundContacts::find_again(const Contact& contact,
-                                                              const SmoothSurface::Place& start) {
-  const auto before = std::ranges::lower_bound(slid_before_, contact.id, {}, &Slid::id);
-  if (before == slid_before_.end() || before->id != contact.id) return std::nullopt;
-  const auto touch = find_touch(before->touch.place, -before->touch.facing.outwards, {});
-  if (!touch || !is_below(contact, *touch) || !slides_to(start, *touch)) return std::nullopt;
-  return touch;
-}
-
-/// By way of the surface from a place on. `direction` is against the field's normal there, and
-/// leads away from that of the surface by `wanted`.
+/// By way of the surface from a place on. `direction` is against the field's normal there.
 std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurface::Place& start,
-                                                              Vec3 direction, Vec3 wanted) {
+                                                              Vec3 direction) {
   SmoothSurface::Place place = start;
+  Vec3 wanted = direction - surface_->normal(start);
   const auto slide = [&](const Vec3& along) -> std::optional<Vec3> {
     const SmoothSurface::Slide slid = surface_->slide(place, along, least_curvature_);
     if (!slid.is_at_rest) return std::nullopt;
@@ -246,9 +231,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);
-    const SmoothSurface::Place from = surface_->below(start, beside);
-    const Vec3 towards = -feel(beside).outwards;
-    const auto touch = find_touch(from, towards, towards - surface_->normal(from));
+    const auto touch = find_touch(surface_->below(start, beside), -feel(beside).outwards);
     return touch && leads_to_rest(touch->facing.position);
   };
   std::erase_if(others, is_covered);

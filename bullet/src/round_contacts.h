@@ -65,8 +65,7 @@ class RoundContacts {
              const TouchScale& scale, const Turning& turning) const;
   bool is_below(const Contact& contact, const Touch& touch) const;
   bool slides_to(const SmoothSurface::Place& start, const Touch& touch);
-  std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction, Vec3 wanted);
-  std::optional<Touch> find_again(const Contact& contact, const SmoothSurface::Place& start);
+  std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction);
   std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
                                                   const Facing& facing);
   Facing feel(const Vec3& position);
@@ -81,14 +80,6 @@ class RoundContacts {
   double same_within_ = 0.0;      ///< metres
   double followed_within_ = 0.0;  ///< metres
   PlacesAtRest<Touch> at_rest_;
-  /// Which samples have slid to where, ascending by id: bodies that lie or roll find most of these
-  /// places again beside where they were.
-  struct Slid {
-    std::uint32_t id;
-    Touch touch;
-  };
-  std::vector<Slid> slid_;
-  std::vector<Slid> slid_before_;  ///< in the step before
   FailedSlides failed_;
 };
 

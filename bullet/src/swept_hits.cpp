@@ -31,10 +31,18 @@ void SweptHits::find(const PairStep& step, const PointShell& shell, const Field&
                      std::vector<Contact>& contacts) {
   ids_.clear();
   found_.clear();
+  const auto touching = -static_cast<float>(step.rest_margin + step.thickness);
+  PairStep motion = step;
+  // What something carries does not fall.
+  const auto touches = [&](const Contact& contact) { return contact.depth >= touching; };
+  if (std::ranges::any_of(contacts, touches)) {
+    motion.motion_a.velocity_of_forces = {};
+    motion.motion_b.velocity_of_forces = {};
+  }
   const double wanted = std::ceil(step.farthest_displacement / step.detail);
   const int poses = static_cast<int>(std::clamp(wanted, 1.0, 1.0 * kMostSweptPoses));
   const auto field_from_shell_after = [&](double fraction) {
-    const Pose pose = step.field_from_shell_after(fraction);
+    const Pose pose = motion.field_from_shell_after(fraction);
     return is_of_field ? pose.inverse() : pose;
   };
   for (int i = 1; i <= poses; ++i) {
@@ -49,9 +57,8 @@ void SweptHits::find(const PairStep& step, const PointShell& shell, const Field&
   found_.erase(same.begin(), same.end());
   const Pose now = field_from_shell_after(0.0);
   for (Contact& contact : found_) contact = contact_at(field, now, contact);
-  // What carries a body keeps it from falling into it, and is found already.
-  const auto most = -static_cast<float>(step.rest_margin + step.thickness);
-  std::erase_if(found_, [&](const Contact& contact) { return contact.depth >= most; });
+  // What touches now is found already.
+  std::erase_if(found_, touches);
   for (const Contact& contact : found_) ids_.push_back(contact.id);
   merge_by_id(found_, contacts);
 }
