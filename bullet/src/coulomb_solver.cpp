@@ -33,7 +33,10 @@ bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpu
 }  // namespace
 
 CoulombSolver::CoulombSolver(SolverEffort effort)
-    : effort_(effort), problem_(std::make_unique<IslandProblem>()) {}
+    : effort_(effort),
+      problem_(std::make_unique<IslandProblem>()),
+      best_(std::make_unique<SolverState>()),
+      of_newton_(std::make_unique<SolverState>()) {}
 
 CoulombSolver::~CoulombSolver() = default;
 
@@ -185,11 +188,11 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
       problem_->is_small() && best > kSmallOfForces * static_cast<double>(reference);
   const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfMany;
   const int most_idle_rounds = is_hard ? most_rounds : kMostIdleRounds;
-  read_impulses(rows, best_impulses_);
+  best_->read(rows);
   const auto keep_if_better = [&](double error) {
     if (!(error < best)) return;
     best = error;
-    read_impulses(rows, best_impulses_);
+    best_->read(rows);
   };
   double stiffness = kFirstStiffness;
   int idle_rounds = 0;
@@ -201,7 +204,7 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
     const double of_newton = problem_->error(rows);
     keep_if_better(of_newton);
     if (of_newton <= static_cast<double>(converged)) return true;
-    read_impulses(rows, newton_impulses_);
+    of_newton_->read(rows);
     for (int i = 0; i < kSweepsAfterRound; ++i) {
       if (sweep(0) <= converged) return true;
     }
@@ -209,11 +212,11 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
     keep_if_better(of_sweeps);
     // The next round starts from its own impulses: sweeps drive light links under heavy loads
     // apart.
-    write_impulses(rows, newton_impulses_);
+    of_newton_->write(rows);
     idle_rounds = best <= kProgress * before ? 0 : idle_rounds + 1;
     stiffness = std::min(kStiffnessGrowth * stiffness, kLargestStiffness);
   }
-  write_impulses(rows, best_impulses_);
+  best_->write(rows);
   return best <= static_cast<double>(converged);
 }
 

@@ -62,16 +62,27 @@ btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, 
   return velocity * velocity;
 }
 
-void read_impulses(const SolverPools& pools, std::vector<btScalar>& impulses) {
-  impulses.clear();
+void SolverState::read(const SolverPools& pools) {
+  impulses_.clear();
   for_each_row(pools, [&](const btSolverConstraint& row) {
-    impulses.push_back(btScalar(row.m_appliedImpulse));
+    impulses_.push_back(btScalar(row.m_appliedImpulse));
   });
+  velocities_.clear();
+  for (int i = 0; i < pools.bodies->size(); ++i) {
+    const btSolverBody& body = (*pools.bodies)[i];
+    velocities_.push_back({body.getDeltaLinearVelocity(), body.getDeltaAngularVelocity()});
+  }
 }
 
-void write_impulses(const SolverPools& pools, const std::vector<btScalar>& impulses) {
-  std::size_t i = 0;
-  for_each_row(pools, [&](btSolverConstraint& row) { change_impulse(pools, row, impulses[i++]); });
+void SolverState::write(const SolverPools& pools) const {
+  std::size_t row_number = 0;
+  for_each_row(pools,
+               [&](btSolverConstraint& row) { row.m_appliedImpulse = impulses_[row_number++]; });
+  for (int i = 0; i < pools.bodies->size(); ++i) {
+    btSolverBody& body = (*pools.bodies)[i];
+    body.internalGetDeltaLinearVelocity() = velocities_[static_cast<std::size_t>(i)].linear;
+    body.internalGetDeltaAngularVelocity() = velocities_[static_cast<std::size_t>(i)].angular;
+  }
 }
 
 bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
@@ -100,17 +111,15 @@ bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
 bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
   fill(pools, sliding);
   const int most_steps = is_small() ? kMostNewtonSteps : kMostNewtonStepsOfMany;
-  const bool goes_on = newton_.solve(rows_, stiffness, most_steps) || is_small();
-  for (int i = 1; goes_on && i < kSolvesPerRound; ++i) {
-    newton_.solve(rows_, stiffness, most_steps);
-  }
+  if (!newton_.solve(rows_, stiffness, most_steps)) return false;
+  for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, most_steps);
   if (!std::ranges::all_of(rows_, [](const auto& row) { return std::isfinite(row.impulse); })) {
     return false;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     change_impulse(pools, *sources_[i], static_cast<btScalar>(rows_[i].impulse));
   }
-  return goes_on;
+  return true;
 }
 
 /// With the correction for sliding, the natural map of the cones is that of Coulomb's law.

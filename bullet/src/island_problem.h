@@ -28,10 +28,23 @@ btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
 /// @return The velocity along the row that this changes, squared: what the solver's residual is of.
 btScalar set_impulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, btScalar impulse);
 
-/// Copies the impulses of all rows to `impulses`, N s.
-void read_impulses(const SolverPools& pools, std::vector<btScalar>& impulses);
-/// Changes the impulses of all rows to those that were read.
-void write_impulses(const SolverPools& pools, const std::vector<btScalar>& impulses);
+/// The impulses of all rows, and what they have added to the velocities of bodies.
+///
+/// Velocities are kept, too: those that follow from the difference of two sets of impulses are
+/// rounded to the larger set, and a solve that diverges makes that large.
+class SolverState {
+ public:
+  void read(const SolverPools& pools);
+  void write(const SolverPools& pools) const;
+
+ private:
+  struct Velocity {
+    btVector3 linear;   ///< m/s
+    btVector3 angular;  ///< rad/s
+  };
+  std::vector<btScalar> impulses_;    ///< of the rows, N s
+  std::vector<Velocity> velocities_;  ///< added, of the bodies
+};
 
 /// Bullet's rows of an island as VelocityNewton takes them.
 class IslandProblem {
@@ -49,7 +62,7 @@ class IslandProblem {
 
   /// Changes all impulses to those of Newton's method.
   ///
-  /// @return Whether more rounds pay: it has converged, or the island is small.
+  /// @return Whether it has converged. If not, the impulses are what they were.
   bool solve(const SolverPools& pools, double stiffness, Sliding sliding);
 
   /// The largest velocity by which the impulses so far miss Coulomb's law or a joint, m/s.

@@ -45,6 +45,10 @@ void add_impulse(const VelocityRow& row, std::span<const std::size_t> offsets, d
   });
 }
 
+double squared_length(const std::vector<double>& numbers) {
+  return std::inner_product(numbers.begin(), numbers.end(), numbers.begin(), 0.0);
+}
+
 /// Whether a contact's impulse is one that Coulomb's friction allows.
 bool is_in_cone(double normal, double aside, double friction) {
   return normal >= 0.0 && aside <= friction * normal;
@@ -130,21 +134,19 @@ double VelocityNewton::prepare(std::size_t body_count, std::span<const VelocityR
 
 bool VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness, int most_steps) {
   start(rows, stiffness);
-  double first_gradient = 0.0;
-  bool is_solved = false;
-  for (int step = 0; step < most_steps; ++step) {
-    const double gradient = find_gradient(rows);
-    if (step == 0) first_gradient = gradient;
-    is_solved = gradient <= kConvergedGradient * first_gradient;
-    if (is_solved) break;
+  // Not ">", which NaN would end.
+  for (int step = 0; !(find_gradient(rows) <= kConvergedGradient * squared_length(velocities_));
+       ++step) {
+    if (step == most_steps) return false;
     find_direction(rows);
     const double fraction = search_line(rows);
+    if (!(fraction > 0.0)) return false;
     for (std::size_t i = 0; i < size_; ++i) velocities_[i] += fraction * direction_[i];
     for (std::size_t i = 0; i < rows.size(); ++i) along_[i] += fraction * along_step_[i];
     project(along_);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = impulses_[i];
-  return is_solved;
+  return true;
 }
 
 double VelocityNewton::error(std::span<const VelocityRow> rows) {
@@ -203,7 +205,7 @@ double VelocityNewton::find_gradient(std::span<const VelocityRow> rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     add_impulse(rows[i], offset_, impulses_[i], direction_);
   }
-  return std::inner_product(direction_.begin(), direction_.end(), direction_.begin(), 0.0);
+  return squared_length(direction_);
 }
 
 void VelocityNewton::find_direction(std::span<const VelocityRow> rows) {
@@ -311,10 +313,11 @@ void VelocityNewton::substitute() {
 // ---- line search
 // ---------------------------------------------------------------------------------
 
-/// The fraction of the step at which the function's slope, which rises along it, is near 0.
+/// The fraction of the step at which the function's slope, which rises along it, is near 0. Never
+/// beyond the least value by more than that: a step that goes farther may lead uphill.
 double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
   constexpr int kMostDoublings = 3;
-  constexpr int kMostCuts = 12;
+  constexpr int kMostCuts = 40;
   const double start = slope_at(0.0, rows);
   const auto is_flat = [&](double slope) {
     return std::abs(slope) <= kFlatSlope * std::abs(start);
@@ -330,13 +333,12 @@ double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
     high_slope = slope_at(high, rows);
   }
   if (high_slope <= 0.0 || is_flat(high_slope)) return high;
-  double fraction = high;
   for (int i = 0; i < kMostCuts; ++i) {
     // Secants alone creep where the slope has kinks.
-    fraction =
+    const double fraction =
         i % 2 == 0 ? low + (high - low) * low_slope / (low_slope - high_slope) : 0.5 * (low + high);
     const double slope = slope_at(fraction, rows);
-    if (is_flat(slope)) break;
+    if (is_flat(slope)) return fraction;
     if (slope < 0.0) {
       low = fraction;
       low_slope = slope;
@@ -345,7 +347,7 @@ double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
       high_slope = slope;
     }
   }
-  return fraction;
+  return low;
 }
 
 double VelocityNewton::slope_at(double fraction, std::span<const VelocityRow> rows) {

@@ -45,7 +45,9 @@ class VelocityNewton {
   /// Finds the impulses of the rows that were prepared, from those that they have.
   ///
   /// @param stiffness Impulse by which a row answers to a violation, in units of its unit impulse.
-  /// @return Whether `most_steps` were enough.
+  /// @return Whether `most_steps` were enough. If not, the rows keep the impulses that they have:
+  ///         those of velocities that are no solution are off by as much as the stiffness times
+  ///         what the velocities are off.
   bool solve(std::span<VelocityRow> rows, double stiffness, int most_steps);
 
   /// The largest velocity by which the impulses of the rows that were prepared miss the solution.

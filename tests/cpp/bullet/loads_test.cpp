@@ -2,10 +2,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "island_problem.h"
+#include "solver_constants.h"
 #include "support/models.h"
 #include "support/world.h"
 #include "velocity_newton.h"
@@ -109,6 +112,112 @@ TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
   const auto sliding = solve(1.0, 3.0, 4.0);
   EXPECT_NEAR(std::hypot(sliding[1], sliding[2]), 0.5 * sliding[0], 1e-9);
   EXPECT_NEAR(sliding[2] / sliding[1], 4.0 / 3.0, 1e-6);
+}
+
+/// Bodies of 1 kg on top of each other, with many contacts of scattered normals between each two.
+std::vector<VelocityRow> make_rubble(int bodies, int contacts_each, unsigned seed) {
+  std::minstd_rand random(seed);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / std::minstd_rand::max();
+  };
+  std::vector<VelocityRow> rows;
+  for (int i = 0; i < bodies * contacts_each; ++i) {
+    const int above = i / contacts_each;
+    const Vec3 lever{draw(-1.5, 1.5), draw(-1.5, 1.5), draw(-1.0, 1.0)};
+    const Vec3 normal = normalized(Vec3{draw(-1.0, 1.0), draw(-1.0, 1.0), draw(0.1, 1.0)});
+    const Vec3 across = normalized(cross(normal, Vec3{1.0, 0.3, 0.2}));
+    const double target = draw(-3.0, 0.3);
+    const double impulse = draw(0.0, 1.0);
+    for (const Vec3& along : {normal, across, cross(normal, across)}) {
+      VelocityRow& row = rows.emplace_back();
+      const Vec3 turn = cross(lever, along);
+      row.body_a = above;
+      row.along_a = {along.x, along.y, along.z, turn.x, turn.y, turn.z};
+      double answer = dot(along, along) + dot(turn, turn);
+      if (above > 0) {
+        row.body_b = above - 1;
+        const Vec3 turn_b = cross(lever + Vec3{0.0, 0.0, 2.0}, along);
+        row.along_b = {-along.x, -along.y, -along.z, -turn_b.x, -turn_b.y, -turn_b.z};
+        answer += dot(along, along) + dot(turn_b, turn_b);
+      }
+      row.unit_impulse = 1.0 / answer;
+    }
+    VelocityRow& first = rows[rows.size() - 3];
+    first.is_contact = true;
+    first.friction_rows = 2;
+    first.friction = 1.0;
+    first.target = target;
+    first.impulse = impulse;
+    first.unit_impulse = std::min({first.unit_impulse, rows[rows.size() - 2].unit_impulse,
+                                   rows[rows.size() - 1].unit_impulse});
+  }
+  return rows;
+}
+
+/// The velocities at which a solve ends are to be those that its impulses give. Otherwise each
+/// solve begins farther from the solution than the one before.
+TEST(VelocityNewton, ErrorsOfHundredsOfContactsDoNotGrowFromSolveToSolve) {
+  constexpr int kBodies = 8;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    std::vector<VelocityRow> rows = make_rubble(kBodies, 150, seed);
+    VelocityNewton newton;
+    newton.prepare(kBodies, rows);
+    for (const double stiffness : {6.4e3, 1e4, 1e4, 1e4}) {
+      EXPECT_TRUE(newton.solve(rows, stiffness, kMostNewtonSteps));
+      EXPECT_LT(newton.error(rows), 0.5);  // m/s: contacts that slide may open
+    }
+  }
+}
+
+TEST(VelocityNewton, ChangesNoImpulseWhereStepsDoNotSuffice) {
+  std::vector<VelocityRow> rows = make_rubble(8, 150, 1);
+  const std::vector<VelocityRow> before = rows;
+  VelocityNewton newton;
+  newton.prepare(8, rows);
+  EXPECT_FALSE(newton.solve(rows, 1e4, 2));
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i].impulse, before[i].impulse);
+}
+
+// ---- states of a solve
+// --------------------------------------------------------------------------
+
+TEST(SolverState, BringsBackVelocitiesAfterImpulsesOfAnySize) {
+  btRigidBody original(1, nullptr, nullptr);
+  btAlignedObjectArray<btSolverBody> bodies;
+  for (int i = 0; i < 2; ++i) {
+    btSolverBody& body = bodies.expandNonInitializing();
+    body.m_originalBody = &original;
+    body.internalGetDeltaLinearVelocity().setZero();
+    body.internalGetDeltaAngularVelocity().setZero();
+    body.m_linearFactor.setValue(1, 1, 1);
+    body.m_angularFactor.setValue(1, 1, 1);
+    body.internalSetInvMass({scalar(0.3), scalar(0.3), scalar(0.3)});
+  }
+  btConstraintArray joints;
+  btConstraintArray contacts;
+  btConstraintArray friction;
+  btConstraintArray rolling;
+  btSolverConstraint& row = contacts.expandNonInitializing();
+  row.m_contactNormal1.setValue(0, 0, 1);
+  row.m_contactNormal2.setValue(0, 0, -1);
+  row.m_angularComponentA.setValue(1, 0, 0);
+  row.m_angularComponentB.setValue(0, 1, 0);
+  row.m_appliedImpulse = 0;
+  row.m_jacDiagABInv = 1;
+  const SolverPools pools{&bodies, &joints, &contacts, &friction, &rolling};
+  set_impulse(row, bodies[0], bodies[1], scalar(0.7));
+  const btVector3 linear = bodies[0].getDeltaLinearVelocity();
+  const btVector3 angular = bodies[1].getDeltaAngularVelocity();
+  ASSERT_NE(linear.z(), 0);
+  ASSERT_NE(angular.y(), 0);
+  SolverState state;
+  state.read(pools);
+  set_impulse(row, bodies[0], bodies[1], scalar(1e22));
+  state.write(pools);
+  EXPECT_EQ(btScalar(row.m_appliedImpulse), scalar(0.7));
+  EXPECT_EQ(bodies[0].getDeltaLinearVelocity(), linear);
+  EXPECT_EQ(bodies[1].getDeltaAngularVelocity(), angular);
 }
 
 // ---- worlds

@@ -2,13 +2,13 @@
 
 #include <map>
 #include <memory>
-#include <vector>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 namespace voxshell::bullet {
 
 class IslandProblem;
+class SolverState;
 struct SolverPools;
 
 /// How much work CoulombSolver spends on an island in a step.
@@ -84,8 +84,8 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
   std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
-  std::vector<btScalar> best_impulses_;    ///< of the rows, N s; kept for their memory
-  std::vector<btScalar> newton_impulses_;  ///< before sweeps
+  std::unique_ptr<SolverState> best_;                                 ///< as is
+  std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; as is
 };
 
 }  // namespace voxshell::bullet
