@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0xd5c93158341e3995, 0xb2fac7355dedc6cb, 0x7ed60a1bcd1902b2, 0xc2b277754749980f,
-        0x3e4f33cc47c2854f, 0xb7479cd7c9b05880}},
+       {0x848738696a28737c, 0x6436d55394b12eb8, 0x2d92cb3aed00962f, 0xaf63673f623188f7,
+        0x6988b1f7478af41c, 0x227e8b9bb5404ed4}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x515be5868c7ca07, 0x3362ed8cbba5d39a, 0x27581cd97f032c98, 0xb1378cfc3629956f,
-        0xedb755000a35c0d3, 0xa3bc39bae063b440}},
+       {0x136e9d50911834ce, 0x31ab646faada905c, 0xf936925d75b43fa2, 0x55d5ed304a90aa3a,
+        0xe578ba39b2720bca, 0xfacb3afc64e047c3}},
   };
   return hashes;
 }
