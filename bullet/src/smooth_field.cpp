@@ -36,9 +36,10 @@ SmoothField::Value SmoothField::value_at(const Vec3& place, const RoundSide::Pla
 }
 
 /// By way of the surface; none where what is near so is not what is nearest.
-std::optional<SmoothField::Value> SmoothField::walk_from(const RoundSide::Place& start,
+std::optional<SmoothField::Value> SmoothField::walk_from(const RoundSide& round,
+                                                         const RoundSide::Place& start,
                                                          const Vec3& place, const Value& of_field) {
-  const auto near = round_->nearest_from(start, place);
+  const auto near = round.nearest_from(start, place);
   if (!near) return std::nullopt;
   const double distance = std::abs(of_field.distance);
   const double within = walk_within_ + kFarFieldError * distance;
@@ -58,27 +59,29 @@ SmoothField::Value SmoothField::at(const Vec3& place) {
       },
       *field_);
   if (!round_ || value.distance < -deepest_) return value;
+  const RoundSide& round = *round_;
   if (before_) {
-    if (const auto found = walk_from(*before_, place, value)) return *found;
+    if (const auto found = walk_from(round, *before_, place, value)) return *found;
   }
   const auto below =
-      round_->nearest(place - value.distance * value.outwards, before_ ? &*before_ : nullptr);
+      round.nearest(place - value.distance * value.outwards, before_ ? &*before_ : nullptr);
   if (!below) return value;
   before_ = below;
-  return walk_from(*below, place, value).value_or(value);
+  return walk_from(round, *below, place, value).value_or(value);
 }
 
 std::optional<RoundSide::Place> SmoothField::nearest(const Vec3& place) {
   if (!round_) return std::nullopt;
+  const RoundSide& round = *round_;
   if (before_) {
     const double distance = std::visit(
         [&](const auto& field) {
           return static_cast<double>(field.distance(static_cast<Vec3f>(place)));
         },
         *field_);
-    if (walk_from(*before_, place, {distance, {}})) return before_;
+    if (walk_from(round, *before_, place, {distance, {}})) return before_;
   }
-  const auto found = round_->nearest(place, before_ ? &*before_ : nullptr);
+  const auto found = round.nearest(place, before_ ? &*before_ : nullptr);
   if (found) before_ = found;
   return found;
 }

@@ -40,8 +40,8 @@ class SmoothField {
 
  private:
   Value value_at(const Vec3& place, const RoundSide::Place& nearest, const Value& of_field) const;
-  std::optional<Value> walk_from(const RoundSide::Place& start, const Vec3& place,
-                                 const Value& of_field);
+  std::optional<Value> walk_from(const RoundSide& round, const RoundSide::Place& start,
+                                 const Vec3& place, const Value& of_field);
 
   const Field* field_ = nullptr;
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
