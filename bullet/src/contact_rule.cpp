@@ -25,6 +25,29 @@ bool touches_if_stopped(const PairStep& step, const Contact& contact, const Impa
   return std::ranges::any_of(step.if_stopped, closes);
 }
 
+/// What a contact that does not touch where it is becomes in a step with CCD.
+struct Followed {
+  Contact plane;
+  bool touches;  ///< within the step; else it is there in case the solver makes the place faster
+};
+
+/// None where the place moves on past the other body.
+/// @param hits  Whether it is in the other body at some time of the step.
+std::optional<Followed> follow(const PairStep& step, std::span<const Feature> features,
+                               const Contact& contact, const Impact& impact, bool hits) {
+  const double closing = closing_of(step, impact);
+  const bool closes = closing >= impact.gap;
+  if (step.pair->has_triangles()) return Followed{contact, closes};
+  if (closes || hits) {
+    const auto reached = find_speculative(step, step.motion, features, contact, 1.0);
+    if (reached) return Followed{*reached, true};
+    if (closes) return std::nullopt;
+  }
+  if (kCcdReach * closing < impact.gap) return Followed{contact, false};
+  const auto reached = find_speculative(step, step.motion, features, contact, kCcdReach);
+  return Followed{reached.value_or(contact), false};
+}
+
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
 /// it; nothing where nothing touches. `beside` is room for a mark of each contact.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
@@ -46,37 +69,27 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches = true;
     touches_from_above = touches_from_above || beside.back() == 0;
   };
-  // What has slid to the deepest place has a truer normal than the place that it is said to reach.
-  const auto stays_exact = [&](const Contact& contact, const Contact& reached) {
-    return std::ranges::binary_search(exact, contact.id) &&
-           dot(contact.normal, reached.normal) >= kDoubleCosine;
-  };
   for (const Contact& each : contacts) {
     const Contact contact = each;
     const Impact impact = impact_of(step, contact);
     if (is_contact(step, impact) ||
         (step.looks_ahead() && touches_if_stopped(step, contact, impact))) {
       touch(contact, contact);
-    } else if (const bool hits_later = std::ranges::binary_search(hits, contact.id);
-               step.uses_ccd && (std::ranges::binary_search(exact, contact.id) || hits_later ||
-                                 !is_steep(step, contact))) {
-      const double closing = closing_of(step, impact);
-      const bool is_followed = !step.pair->has_triangles();
-      std::optional<Contact> speculative;
-      if (is_followed && (closing >= impact.gap || hits_later)) {
-        speculative = find_speculative(step, step.motion, features, contact, 1.0);
-      }
-      if (speculative) {
-        touch(contact, stays_exact(contact, *speculative) ? contact : *speculative);
-      } else if (closing >= impact.gap) {
-        if (!is_followed) touch(contact, contact);
-      } else if (is_followed && kCcdReach * closing >= impact.gap) {
-        const Contact reached =
-            find_speculative(step, step.motion, features, contact, kCcdReach).value_or(contact);
-        keep(contact, stays_exact(contact, reached) ? contact : reached);
-      } else {
-        keep(contact, contact);
-      }
+      continue;
+    }
+    const bool hits_later = std::ranges::binary_search(hits, contact.id);
+    const bool is_exact = std::ranges::binary_search(exact, contact.id);
+    if (!step.uses_ccd || !(is_exact || hits_later || !is_steep(step, contact))) continue;
+    const auto followed = follow(step, features, contact, impact, hits_later);
+    if (!followed) continue;
+    // What has slid to the deepest place has a truer normal than the place that it is said to
+    // reach.
+    const bool stays = is_exact && dot(contact.normal, followed->plane.normal) >= kDoubleCosine;
+    const Contact& judged = stays ? contact : followed->plane;
+    if (followed->touches) {
+      touch(contact, judged);
+    } else {
+      keep(contact, judged);
     }
   }
   contacts.resize(touches ? beside.size() : 0);

@@ -32,9 +32,9 @@ void SweptHits::find(const PairStep& step, const PointShell& shell, const Field&
   ids_.clear();
   found_.clear();
   const auto touching = -static_cast<float>(step.rest_margin + step.thickness);
+  const auto touches = [&](const Contact& contact) { return contact.depth >= touching; };
   PairStep motion = step;
   // What something carries does not fall.
-  const auto touches = [&](const Contact& contact) { return contact.depth >= touching; };
   if (std::ranges::any_of(contacts, touches)) {
     motion.motion_a.velocity_of_forces = {};
     motion.motion_b.velocity_of_forces = {};

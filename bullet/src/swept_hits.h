@@ -18,8 +18,9 @@ class SweptHits {
   /// Looks for the deepest element of each segment, and merges those that are not there yet into
   /// `contacts`, ascending by id, with the place, normal and depth that they have now. Leaves out
   /// those that are within the rest margin now.
-  /// @param side         Of which the shell is; the field is the other's.
-  /// @param is_of_field  Whether that is the pair's field side.
+  /// @param field        Of the other body.
+  /// @param is_of_field  Whether the shell is that of the pair's field side.
+  /// @param lists        Room for the search.
   void find(const PairStep& step, const PointShell& shell, const Field& field, bool is_of_field,
             int level, QueryLists& lists, std::vector<Contact>& contacts);
 

@@ -84,8 +84,8 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
   std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
-  std::unique_ptr<SolverState> best_;                                 ///< as is
-  std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; as is
+  std::unique_ptr<SolverState> best_;                                 ///< kept for its memory
+  std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; the same
 };
 
 }  // namespace voxshell::bullet
