@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voxshell.recording import BodyTrack
+from voxshell.viewer.grid import add_grid
 from voxshell.viewer.lanes import Lane, view_axes
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     import viser
 
 _SLAB_COLOR = (214, 218, 224)
-_CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
 _GRID_LIFT = 0.002  # display units; enough to lie on the slab and not flicker with it
 # Numbers are rounded to what shows, in powers of two: they then end in zero bits and pack well.
 _POSE_GRAIN = 2.0**-16  # display units, and parts of a quaternion; a tenth of a pixel
@@ -216,19 +216,13 @@ def _add_slab(
     lengths = 2.0 * np.minimum(middle - low, high - middle)
     first, second = np.flatnonzero(level)
     lift = upward * (0.5 * np.abs(upward @ size) + _GRID_LIFT)
-    scene.add_grid(
+    add_grid(
+        scene,
         f"{name}/grid",
-        width=float(lengths[first]),
-        height=float(lengths[second]),
+        size=(float(lengths[first]), float(lengths[second])),
+        cell=cell,
         plane=f"{'xyz'[first]}{'xyz'[second]}",  # pyright: ignore[reportArgumentType]
         position=_triple(middle - center + lift),
-        cell_size=cell,
-        section_size=5.0 * cell,
-        cell_thickness=0.6,
-        section_thickness=1.0,
-        cell_color=_CELL_COLOR,
-        section_color=_SECTION_COLOR,
-        shadow_opacity=0.0,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
+from voxshell.viewer.grid import add_grid
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
 from voxshell.viewer.pins import build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     Grab = Callable[[Body, "viser.SceneNodeDragEvent[Any]"], None]
 
 _KINEMATIC_COLOR, _GROUND_COLOR = (150, 158, 140), (226, 230, 235)
-_CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
 FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
 _DIAGONAL = 6.0
 """Diagonal of what is seen at first, in display units: viser's clipping planes, shadows and speed of flight suit that."""
@@ -277,19 +277,7 @@ class LiveScene:
             dimensions=(side, side, thickness),
             position=(0.0, 0.0, -0.5 * thickness - 0.004),
         )
-        self._scene.add_grid(
-            f"{frame.name}/grid",
-            width=side,
-            height=side,
-            plane="xy",
-            cell_size=cell,
-            section_size=5.0 * cell,
-            cell_thickness=0.6,
-            section_thickness=1.0,
-            cell_color=_CELL_COLOR,
-            section_color=_SECTION_COLOR,
-            shadow_opacity=0.0,
-        )
+        add_grid(self._scene, f"{frame.name}/grid", size=(side, side), cell=cell)
         return frame
 
     @property
