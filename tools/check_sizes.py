@@ -14,6 +14,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from check_command import run_check
+
 MOST_LINES_OF_A_MODULE = 420
 MOST_LINES_OF_A_FUNCTION = 80
 PRODUCT = "python/voxshell"
@@ -57,11 +59,7 @@ def _count_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
 
 def main(arguments: list[str]) -> int:
     """The command line; returns the exit code."""
-    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
-    lines = check(root)
-    for line in lines:
-        print(line)
-    return 1 if lines else 0
+    return run_check(check, arguments)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from check_command import run_check
+
 LISTED = "tests/without_own_tests.txt"
 # Folder of sources -> folder of their tests.
 CPP_MIRRORS = {"core/src": "tests/cpp/core", "bullet/src": "tests/cpp/bullet"}
@@ -100,11 +102,7 @@ def _missing(root: Path, source: Path, test: Path) -> Iterator[tuple[str, str]]:
 
 def main(arguments: list[str]) -> int:
     """The command line; returns the exit code."""
-    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
-    lines = check(root)
-    for line in lines:
-        print(line)
-    return 1 if lines else 0
+    return run_check(check, arguments)
 
 
 if __name__ == "__main__":

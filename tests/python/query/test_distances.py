@@ -4,16 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-
-
-def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = (x, y, z)
-    return pose
-
-
-def turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    return trimesh.transformations.rotation_matrix(angle, axis)
+from poses import moved, turned
 
 
 @pytest.mark.parametrize("height", [0.5, 0.2, 0.1001, 0.1, 0.05, -0.3])

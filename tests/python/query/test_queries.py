@@ -10,6 +10,7 @@ import voxshell as vx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from poses import moved, turned
 
 
 def wrench(a, b, a_pose=None, b_pose=None, **options) -> vx.Wrench:
@@ -26,16 +27,6 @@ WITH_MARGIN = (*SEARCHES, *FEW, vx.collide, vx.contacts_batch, vx.collide_batch)
 ONE_SHELL = (*FEW, wrench)
 QUERIES = (*SEARCHES, *FEW, vx.collide, vx.distance, wrench)
 BATCHES = (vx.contacts_batch, vx.collide_batch)
-
-
-def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = (x, y, z)
-    return pose
-
-
-def turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    return trimesh.transformations.rotation_matrix(angle, axis)
 
 
 def deepest(contacts: vx.Contacts) -> vx.Contacts:

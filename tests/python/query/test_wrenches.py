@@ -2,20 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
 import voxshell as vx
+from poses import moved, turned
 
 STIFFNESS = 1e6  # N/m3
-
-
-def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = (x, y, z)
-    return pose
-
-
-def turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    return trimesh.transformations.rotation_matrix(angle, axis)
 
 
 def test_a_cube_in_the_ground_is_pushed_up_by_its_weight_of_springs(cube: vx.Model):
