@@ -186,6 +186,21 @@ def test_worlds(tmp_path: Path):
     assert recording.frame_count == 6
 
 
+def test_live_view():
+    world = vx.World()
+    view: vx.LiveView = world.view(port=0, paused=True, speed=2.0)
+    with view:
+        address: str = view.address
+        assert address.startswith("http://")
+        view.resume()
+        world.step(2)
+        speed: float | None = view.speed
+        assert speed == 2.0
+        assert not view.paused
+        assert view.page_count == 0
+    assert not view.is_open
+
+
 def test_robots(tmp_path: Path):
     path = tmp_path / "lamp.urdf"
     path.write_text(URDF)
