@@ -28,14 +28,17 @@ void SecondShell::drop_doubles(float margin, std::vector<Contact>& contacts) {
   // Aslant, as the points of an edge share a coordinate.
   constexpr Vec3f kAslant{0.48f, 0.6f, 0.64f};
   const auto along = [&](const Contact& contact) { return dot(contact.point, kAslant); };
-  sorted_.assign(contacts.begin(), second);
-  std::ranges::sort(sorted_, {}, along);
+  sorted_.clear();
+  for (auto first = contacts.begin(); first != second; ++first) {
+    sorted_.push_back({along(*first), first->point, first->normal});
+  }
+  std::ranges::sort(sorted_, {}, &Placed::along);
   // With room for rounding.
   const float reach = kSortedReach * margin;
   const auto is_double = [&](const Contact& contact) {
     const float here = along(contact);
-    for (auto near = std::ranges::lower_bound(sorted_, here - reach, {}, along);
-         near != sorted_.end() && along(*near) <= here + reach; ++near) {
+    for (auto near = std::ranges::lower_bound(sorted_, here - reach, {}, &Placed::along);
+         near != sorted_.end() && near->along <= here + reach; ++near) {
       if (squared_length(near->point - contact.point) <= margin * margin &&
           dot(near->normal, contact.normal) >= kDoubleCosine) {
         return true;

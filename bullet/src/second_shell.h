@@ -33,7 +33,13 @@ class SecondShell {
   void drop_doubles(float margin, std::vector<Contact>& contacts);
 
  private:
-  std::vector<Contact> sorted_;  ///< those of the first shell, ascending along one direction
+  /// A contact of the first shell.
+  struct Placed {
+    float along;  ///< one direction
+    Vec3f point;
+    Vec3f normal;
+  };
+  std::vector<Placed> sorted_;  ///< ascending along it
 };
 
 }  // namespace voxshell::bullet
