@@ -107,7 +107,7 @@ if TYPE_CHECKING:
         World,
         WorldState,
     )
-    from voxshell.urdf import Link, Robot, RobotWarning, load_urdf
+    from voxshell.robots import Link, Robot, RobotWarning, load_urdf
 
 __all__ = [
     "Accuracy",
@@ -197,9 +197,9 @@ def __getattr__(name: str) -> Any:
     if name in simulation.__all__:
         value = getattr(simulation, name)
     else:
-        from voxshell import urdf
+        from voxshell import robots
 
-        value = getattr(urdf, name)
+        value = getattr(robots, name)
     globals()[name] = value
     return value
 

@@ -54,7 +54,7 @@ class Strength:
 
 
 class Robot:
-    """A robot in a world; made by :func:`load_urdf`.
+    """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
 
     Attributes:
         name: As in the file.

@@ -1,0 +1,6 @@
+"""Robots from URDF and MJCF files; COLLADA meshes need an optional part, ``pip install voxshell[urdf]``."""
+
+from voxshell.robots.robot import Link, Robot, RobotWarning
+from voxshell.robots.urdf.load import load_urdf
+
+__all__ = ["Link", "Robot", "RobotWarning", "load_urdf"]
