@@ -107,7 +107,7 @@ if TYPE_CHECKING:
         World,
         WorldState,
     )
-    from voxshell.robots import Link, Robot, RobotWarning, load_urdf
+    from voxshell.robots import Link, Robot, RobotWarning, load_mjcf, load_urdf
 
 __all__ = [
     "Accuracy",
@@ -178,6 +178,7 @@ __all__ = [
     "deepest_per_segment",
     "distance",
     "interpolate_pose",
+    "load_mjcf",
     "load_urdf",
     "manifold",
     "pose",

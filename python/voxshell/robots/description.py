@@ -105,6 +105,11 @@ class LinkDescription:
     color: Color | None
     friction: float | None = None
 
+    @property
+    def owner(self) -> str:
+        """What errors begin with: "robot.urdf:7: link 'arm'"."""
+        return f"{self.where}: link {self.name!r}"
+
 
 @dataclass(frozen=True, eq=False)
 class JointDescription:

@@ -119,7 +119,7 @@ def _weigh_collision(
     if isinstance(collision.geometry, Primitive):
         solid = weigh_primitive(collision.geometry, DENSITY)
         return solid if solid.mass > 0.0 else None
-    vertices, _ = read_link_mesh(robot, link, collision.geometry)
+    vertices, _ = read_link_mesh(robot.links[link].owner, collision.geometry)
     try:
         hull = convex_hull(vertices)
     except ImportError as error:

@@ -13,14 +13,18 @@ from voxshell.model.meshes import Mesh, read_mesh
 from voxshell.robots.description import MeshArrays
 
 if TYPE_CHECKING:
-    from voxshell.robots.description import MeshFile, RobotDescription
+    from voxshell.robots.description import MeshFile
 
 
-def read_link_mesh(robot: RobotDescription, link: str, file: MeshFile | MeshArrays) -> Mesh:
+def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
     """A mesh with its scale applied, and the unit of a COLLADA file.
 
     Faces of a mesh that is mirrored are turned, so that they stay counter-clockwise seen from outside. The
     axis of a COLLADA file that points up is not heeded, as in ROS.
+
+    Args:
+        owner: Its link, for errors: "robot.urdf:7: link 'arm'".
+        file: The mesh.
 
     Raises:
         RobotError: It cannot be read; the message names the robot's file, the link and the mesh.
@@ -35,19 +39,17 @@ def read_link_mesh(robot: RobotDescription, link: str, file: MeshFile | MeshArra
     try:
         mesh = read_mesh(file.path)
     except MeshError as error:
-        refuse_mesh(robot, link, file, error)
+        refuse_mesh(owner, file, error)
     affine = np.array(file.geometry_from_file)
     unit = _read_unit(file.path) if is_collada else 1.0
     faces = mesh.faces[:, ::-1] if np.linalg.det(affine[:, :3]) < 0.0 else mesh.faces
     return Mesh(mesh.vertices * unit @ affine[:, :3].T + affine[:, 3], faces)
 
 
-def refuse_mesh(
-    robot: RobotDescription, link: str, file: MeshFile | MeshArrays, error: MeshError
-) -> NoReturn:
+def refuse_mesh(owner: str, file: MeshFile | MeshArrays, error: MeshError) -> NoReturn:
     """Raises what is wrong with a mesh as a :class:`RobotError` that names the link."""
     what = str(error) if file.path in str(error) else f"{file.path}: {error}"
-    raise RobotError(f"{robot.links[link].where}: link {link!r}: {what}") from error
+    raise RobotError(f"{owner}: {what}") from error
 
 
 def _need_collada(path: str) -> None:

@@ -89,8 +89,7 @@ class Shaper:
         try:
             return self._make_primitive(geometry), place
         except (SettingsError, MeshError) as error:
-            where = self._robot.links[link].where
-            raise RobotError(f"{where}: link {link!r}: {error}") from error
+            raise RobotError(f"{self._robot.links[link].owner}: {error}") from error
 
     def _make_primitive(self, geometry: Primitive) -> Part:
         match geometry.kind:
@@ -111,12 +110,12 @@ class Shaper:
     def _make_mesh(
         self, link: str, file: MeshFile | MeshArrays, place: NDArray[np.float64]
     ) -> Part:
-        mesh = read_link_mesh(self._robot, link, file)
+        mesh = read_link_mesh(self._robot.links[link].owner, file)
         vertices = mesh.vertices @ place[:3, :3].T + place[:3, 3]
         try:
             return self._shape_mesh(vertices, mesh.faces)
         except MeshError as error:
-            refuse_mesh(self._robot, link, file, error)
+            refuse_mesh(self._robot.links[link].owner, file, error)
         except MemoryLimitError as error:
             raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
 

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
     from voxshell.robots.description import Primitive
 
+_LEAST_MOMENT = 1e-8
+"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular; a bar
+of a millimetre and ten metres has 1e-8."""
+
 
 def weigh_primitive(primitive: Primitive, density: float) -> MassProperties:
     """Of a solid about its center, along its axes; a plane has no mass."""
@@ -48,6 +52,12 @@ def _weigh_capsule(radius: float, length: float, density: float) -> MassProperti
     across = barrel * (radius**2 / 4.0 + length**2 / 12.0)
     across += caps * (0.4 * radius**2 + length**2 / 4.0 + 0.375 * radius * length)
     return MassProperties(barrel + caps, np.zeros(3), np.diag([across, across, along]))
+
+
+def is_sound(inertia: NDArray[np.float64]) -> bool:
+    """Whether a tensor is positive definite, and far enough from singular: Bullet inverts it."""
+    moments = np.linalg.eigvalsh(inertia)
+    return bool(moments[0] > _LEAST_MOMENT * moments[-1])
 
 
 def add_up(parts: Sequence[tuple[MassProperties, NDArray[np.float64]]]) -> MassProperties:

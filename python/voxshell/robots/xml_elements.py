@@ -13,7 +13,7 @@ from voxshell.base.input_files import read_small_file
 from voxshell.errors import RobotError, SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Container, Iterator
 
 _MOST_BYTES = 100_000_000
 """Of a file, without those that it names."""
@@ -64,7 +64,7 @@ class Element:
         return self.attributes[attribute]
 
     def numbers(
-        self, attribute: str, counts: tuple[int, ...], *, finite: bool = True
+        self, attribute: str, counts: Container[int], *, finite: bool = True
     ) -> list[float] | None:
         """The numbers of an attribute, parted by spaces or commas; None if it is not there.
 
@@ -86,11 +86,24 @@ class Element:
             numbers = []
         fits = "_" not in text and len(numbers) in counts
         if not fits or not all(map(math.isfinite if finite else _is_number, numbers)):
-            hint = f"give {' or '.join(map(str, counts))} finite numbers"
+            hint = f"give {_list_counts(counts)} finite numbers"
             if "$" in text:
                 hint = f"it is a macro of xacro: expand it with xacro {self.path}"
             self.refuse(f'has <{self.tag} {attribute}="{text[:60]}">; {hint}')
         return numbers
+
+    def word(self, attribute: str, words: tuple[str, ...], default: str) -> str:
+        """An attribute that is one of some words; the default if it is not there.
+
+        Raises:
+            RobotError: It is another word.
+        """
+        word = self.attributes.get(attribute, default)
+        if word not in words:
+            self.refuse(
+                f'has <{self.tag} {attribute}="{word[:60]}">; it must be {" or ".join(words)}'
+            )
+        return word
 
     def number(self, attribute: str, *, finite: bool = True) -> float | None:
         """The number of an attribute; None if it is not there.
@@ -195,6 +208,10 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
             f"{roots[0].where}: it is a <{roots[0].tag[:60]}>, not a <{dialect.roots[0]}>"
         )
     return roots[0]
+
+
+def _list_counts(counts: Container[int]) -> str:
+    return " or ".join(map(str, counts)) if isinstance(counts, tuple) else "only"
 
 
 def _is_number(value: float) -> bool:

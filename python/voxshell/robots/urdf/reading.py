@@ -25,6 +25,7 @@ from voxshell.robots.description import (
     shorten_names,
 )
 from voxshell.robots.xml_elements import Dialect, read_elements
+from voxshell.robots.solids import is_sound
 from voxshell.robots.urdf.mesh_paths import find_mesh
 
 if TYPE_CHECKING:
@@ -44,10 +45,6 @@ _JOINT_TYPES: dict[str, JointType] = {
 """Those of URDF, and what simulators add to them."""
 
 _WITH_AXIS = ("revolute", "continuous", "prismatic")
-
-_LEAST_MOMENT = 1e-8
-"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular: Bullet
-inverts it, and a bar of a millimetre and ten metres has 1e-8."""
 
 
 def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
@@ -216,11 +213,7 @@ def _describe_inertial(element: Element | None) -> Inertial | None:
     if mass < 0.0:
         element.refuse(f"has a mass of {mass:g} kg; it must not be below 0")
     if inertia is not None:
-        moments = np.linalg.eigvalsh(inertia)
-        if moments[0] > _LEAST_MOMENT * moments[-1]:
-            inertia = place[:3, :3] @ inertia @ place[:3, :3].T
-        else:
-            inertia = None
+        inertia = place[:3, :3] @ inertia @ place[:3, :3].T if is_sound(inertia) else None
     return Inertial(mass, place[:3, 3], inertia)
 
 

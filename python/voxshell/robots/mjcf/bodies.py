@@ -1,0 +1,280 @@
+"""The bodies of a model as links and joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.robots.description import (
+    MOST_LINKS,
+    Collision,
+    JointDescription,
+    LinkDescription,
+    RobotDescription,
+)
+from voxshell.robots.mjcf.defaults import MAIN, Defaults
+from voxshell.robots.mjcf.geoms import Geom, read_geom
+from voxshell.robots.mjcf.inertias import BodyMatter, as_inertial
+from voxshell.robots.mjcf.joints import JointPlace, read_joint, type_of
+from voxshell.robots.mjcf.meshes import Meshes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.model.mass_properties import MassProperties
+    from voxshell.robots.mjcf.compiler import Compiler
+    from voxshell.robots.mjcf.filters import Filters
+    from voxshell.robots.mjcf.left_out import LeftOut
+    from voxshell.robots.mjcf.model_file import ModelFile
+    from voxshell.robots.xml_elements import Element
+
+WORLD = "world"
+
+CARRIER_SHARE = 0.1
+"""Of a body's matter that each joint but its last one moves, as a link of its own."""
+
+
+@dataclass(eq=False)
+class _Body:
+    """A body as it is read: what lies in it and in its frames.
+
+    Attributes:
+        name: Its own, or made of its number.
+        above: Name of the body that it lies in.
+        above_from_body: (4, 4).
+        is_static: Whether it and all above it have no joints.
+    """
+
+    name: str
+    where: str
+    above: str
+    above_from_body: NDArray[np.float64]
+    is_static: bool
+    inertial: tuple[Element, NDArray[np.float64]] | None = None
+    joints: list[tuple[Element, NDArray[np.float64]]] = field(default_factory=list)
+    geoms: list[Geom] = field(default_factory=list)
+    bodies: list[tuple[Element, NDArray[np.float64], str]] = field(default_factory=list)
+
+
+class BodyReader:
+    """Reads the bodies of a model into a description of a robot.
+
+    Args:
+        file: The model.
+        compiler: Its settings.
+        robot: Gets the links and joints.
+        filters: Gets what collides with what.
+        left_out: Gets what is not simulated.
+    """
+
+    def __init__(
+        self,
+        file: ModelFile,
+        compiler: Compiler,
+        robot: RobotDescription,
+        filters: Filters,
+        left_out: LeftOut,
+    ) -> None:
+        self._compiler = compiler
+        self._robot = robot
+        self._filters = filters
+        self._left_out = left_out
+        self._defaults = Defaults(file.sections("default"))
+        self._meshes = Meshes(file, compiler, self._defaults)
+        self._materials = {
+            material.attributes.get("name", ""): self._defaults.complete(material, MAIN)
+            for section in file.sections("asset")
+            for material in section.all("material")
+        }
+        self._joint_names: set[str] = set()
+        self._count = 0
+        world = _Body(WORLD, file.path, WORLD, np.eye(4), is_static=True)
+        for section in file.sections("worldbody"):
+            self._collect(section, world, np.eye(4), MAIN)
+        self._add_link(world, WORLD, None)
+        robot.roots[WORLD] = np.eye(4)
+        self._read_below(world)
+
+    def _read_below(self, body: _Body) -> None:
+        for element, frame, child_class in body.bodies:
+            self._read_body(element, body, frame, child_class)
+
+    def _read_body(
+        self, element: Element, above: _Body, frame: NDArray[np.float64], child_class: str
+    ) -> None:
+        self._count += 1
+        if self._count >= MOST_LINKS:
+            element.refuse(f"is one of more than {MOST_LINKS} bodies, and no more are read")
+        name = element.attributes.get("name") or f"body {self._count}"
+        if name in self._robot.links:
+            element.refuse("is the second body of that name; rename one")
+        place = frame @ self._compiler.read_pose(element)
+        body = _Body(name, element.where, above.name, place, is_static=above.is_static)
+        self._collect(element, body, np.eye(4), element.attributes.get("childclass", child_class))
+        if body.joints:
+            body.is_static = False
+        if element.attributes.get("mocap") == "true":
+            self._left_out.note("mocap bodies, which stand still", name)
+        if element.number("gravcomp"):
+            self._left_out.note("gravcomp", name)
+        self._add_body(body, element)
+        self._filters.place(name, above.name, self._is_top(body))
+        self._read_below(body)
+
+    @staticmethod
+    def _is_top(body: _Body) -> bool:
+        return body.above == WORLD
+
+    def _collect(
+        self, element: Element, body: _Body, frame: NDArray[np.float64], child_class: str
+    ) -> None:
+        """What lies in a body, or in a frame of it."""
+        self._defaults.check(element, child_class)
+        for child in element.children:
+            match child.tag:
+                case "body":
+                    body.bodies.append((child, frame, child_class))
+                case "frame":
+                    inner = child.attributes.get("childclass", child_class)
+                    self._collect(child, body, frame @ self._compiler.read_pose(child), inner)
+                case "inertial":
+                    body.inertial = child, frame
+                case "joint" | "freejoint":
+                    complete = child
+                    if child.tag == "joint":
+                        complete = self._defaults.complete(child, child_class)
+                    body.joints.append((complete, frame))
+                case "geom":
+                    body.geoms.append(self._read_geom(child, body, frame, child_class))
+                case "attach" | "replicate":
+                    child.refuse(
+                        f"has an <{child.tag}>, which is not read; save the compiled model with "
+                        "mujoco.mj_saveLastXML, and load that"
+                    )
+                case "composite" | "flexcomp":
+                    self._left_out.note(f"<{child.tag}>", child.attributes.get("name", "")[:60])
+                case _:
+                    pass
+
+    def _read_geom(
+        self, element: Element, body: _Body, frame: NDArray[np.float64], child_class: str
+    ) -> Geom:
+        name = element.attributes.get("name", "")
+        geom = read_geom(
+            self._defaults.complete(element, child_class),
+            frame,
+            self._compiler,
+            self._meshes,
+            self._materials,
+            self._filters.is_paired(name, body.name),
+        )
+        if geom.surface is None:
+            self._left_out.note(f"geoms of type {geom.type}", name or f"of {body.name}")
+        return geom
+
+    def _add_body(self, body: _Body, element: Element) -> None:
+        """Adds its links and joints: one link for each joint, the last one with its surface."""
+        compiler = self._compiler
+        inertial, frame = body.inertial or (None, np.eye(4))
+        matter = None
+        if not body.is_static or compiler.total_mass is not None:
+            matter = BodyMatter(inertial, frame, body.geoms).compute(compiler, self._meshes)
+        if not body.joints:
+            self._add_link(body, body.name, matter)
+            if self._is_top(body):
+                self._robot.roots[body.name] = body.above_from_body
+            else:
+                self._robot.joints.append(_weld(body))
+            return
+        types = [type_of(joint) for joint, _ in body.joints]
+        if "floating" in types and (len(types) > 1 or not self._is_top(body)):
+            element.refuse(
+                "has a free joint beside others, or lies in another body; only a body of its own in "
+                "<worldbody> can be free"
+            )
+        parent, place = body.above, body.above_from_body
+        for index, (joint, frame) in enumerate(body.joints):
+            is_last = index == len(types) - 1
+            name = joint.attributes.get("name") or f"{body.name}/joint {index}"
+            if name in self._joint_names:
+                joint.refuse(f"has a second joint {name!r}; rename one")
+            self._joint_names.add(name)
+            child = body.name if is_last else f"{body.name}/{name}"
+            if is_last:
+                share = 1.0 - CARRIER_SHARE * index
+                self._add_link(body, child, matter, share)
+            else:
+                self._add_carrier(joint, child, matter)
+            self._robot.joints.append(
+                read_joint(
+                    joint, frame, JointPlace(name, parent, child, place), compiler, self._left_out
+                )
+            )
+            parent, place = child, np.eye(4)
+
+    def _add_carrier(self, joint: Element, name: str, matter: MassProperties | None) -> None:
+        """Adds a link between two joints of a body."""
+        if name in self._robot.links:
+            joint.refuse(f"makes a link {name!r}, and there is one of that name; rename the joint")
+        self._robot.links[name] = LinkDescription(
+            name, joint.where, (), as_inertial(matter, CARRIER_SHARE), None
+        )
+
+    def _add_link(
+        self, body: _Body, name: str, matter: MassProperties | None, share: float = 1.0
+    ) -> None:
+        meeting = [geom for geom in body.geoms if geom.collides and geom.surface is not None]
+        solids: list[Collision] = []
+        for geom in meeting:
+            if geom.type == "plane":
+                self._add_plane(body, geom)
+            elif geom.surface is not None:
+                solids.append(geom.surface)
+        color = next((geom.color for geom in body.geoms if geom.color is not None), None)
+        friction = max((geom.friction for geom in meeting), default=None)
+        self._robot.links[name] = LinkDescription(
+            name, body.where, tuple(solids), as_inertial(matter, share), color, friction
+        )
+        self._filters.add(name, [geom.bits for geom in meeting if geom.type != "plane"])
+
+    def _add_plane(self, body: _Body, geom: Geom) -> None:
+        """Adds a link of its own: a plane cannot be a part of a body."""
+        if body.name != WORLD and not (body.is_static and self._is_top(body)):
+            geom.element.refuse(
+                "is a plane of a body that moves or lies in another; only <worldbody> and bodies of it "
+                "without joints can have planes"
+            )
+        assert geom.surface is not None
+        name = f"{body.name}/{geom.element.attributes.get('name') or f'plane {len(self._robot.links)}'}"
+        if name in self._robot.links:
+            geom.element.refuse(f"makes a link {name!r}, and there is one of that name; rename it")
+        surface = Collision(geom.surface.geometry, np.eye(4))
+        self._robot.links[name] = LinkDescription(
+            name, geom.element.where, (surface,), None, geom.color, geom.friction
+        )
+        self._robot.roots[name] = body.above_from_body @ geom.surface.link_from_geometry
+        self._filters.place(name, WORLD, True)
+        self._filters.add(name, [geom.bits])
+
+
+def _weld(body: _Body) -> JointDescription:
+    """What holds a body without joints to the one that it lies in."""
+    return JointDescription(
+        f"{body.name}/weld",
+        body.where,
+        "fixed",
+        body.above,
+        body.name,
+        body.above_from_body,
+        np.eye(4),
+        0.0,
+        (0.0, 0.0, 1.0),
+        None,
+        None,
+        None,
+        0.0,
+        0.0,
+        None,
+    )

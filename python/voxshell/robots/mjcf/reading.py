@@ -1,0 +1,59 @@
+"""MJCF files read and checked."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from voxshell.robots.description import Inertial, RobotDescription
+from voxshell.robots.mjcf.bodies import BodyReader
+from voxshell.robots.mjcf.compiler import read_compiler
+from voxshell.robots.mjcf.filters import Filters
+from voxshell.robots.mjcf.left_out import LeftOut
+from voxshell.robots.mjcf.model_file import read_model
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def read_mjcf(
+    path: str | os.PathLike[str], gravity: Iterable[float]
+) -> tuple[RobotDescription, Filters]:
+    """Reads and checks a file.
+
+    Args:
+        path: Of the file.
+        gravity: Of the world, m/s2; another one in the file is noted as left out.
+
+    Raises:
+        FileAccessError: The file cannot be read.
+        RobotError: The file does not describe what can be simulated; the message names the file, the
+            line, the body or geom, and what to do.
+    """
+    file = read_model(path)
+    name = file.root.attributes.get("model")
+    stem = os.path.splitext(os.path.basename(file.path))[0]
+    robot = RobotDescription(file.path, name or stem, {}, {})
+    if not file.sections("worldbody"):
+        robot.refuse("it has no <worldbody>")
+    filters = Filters(file.root)
+    left_out = LeftOut()
+    compiler = read_compiler(file.sections("compiler"))
+    BodyReader(file, compiler, robot, filters, left_out)
+    if compiler.total_mass is not None:
+        _scale_masses(robot, compiler.total_mass)
+    left_out.note_sections(file.root, gravity)
+    robot.left_out.extend(left_out.list())
+    return robot, filters
+
+
+def _scale_masses(robot: RobotDescription, total: float) -> None:
+    own = sum(link.inertial.mass for link in robot.links.values() if link.inertial is not None)
+    for name, link in robot.links.items():
+        it = link.inertial
+        if it is not None:
+            ratio = total / own
+            inertia = None if it.inertia is None else it.inertia * ratio
+            scaled = Inertial(it.mass * ratio, it.center, inertia)
+            robot.links[name] = replace(link, inertial=scaled)
