@@ -89,7 +89,12 @@ class Assembly:
         self._joints_collide = joints_collide
         self._places = {name: world_from_file @ it for name, it in robot.roots.items()}
         for joint in robot.joints:
-            self._places[joint.child] = self._places[joint.parent] @ joint.parent_from_child
+            moved = joint.parent_from_child
+            if joint.start != joint.position:
+                frame = joint.child_from_joint
+                moved = moved @ frame @ _move(joint, joint.start - joint.position)
+                moved = moved @ np.linalg.inv(frame)
+            self._places[joint.child] = self._places[joint.parent] @ moved
 
     def add(self, world: World) -> Robot:
         """Adds bodies and joints; where it raises, the world has none of them.
@@ -158,22 +163,20 @@ class Assembly:
     def _add_joint(
         self, world: World, joint: JointDescription, links: dict[str, Link]
     ) -> Joint | None:
-        back = np.eye(4)  # from where the file has the child to position 0
         match joint.type:
             case "revolute" | "continuous":
                 kind = HingeJoint(joint.axis, joint.limits, joint.friction, joint.damping)
-                if joint.position != 0.0:
-                    back = make_pose(axis_angle=(joint.axis, -joint.position))
             case "prismatic":
                 kind = SliderJoint(joint.axis, joint.limits, joint.friction, joint.damping)
-                back[:3, 3] = -joint.position * np.array(joint.axis) / np.linalg.norm(joint.axis)
             case "spherical":
                 kind = PointJoint()
             case _:
                 return None
         parent, child = links[joint.parent], links[joint.child]
         assert child.body is not None
-        parent_from_joint = joint.parent_from_child @ joint.child_from_joint @ back
+        parent_from_joint = joint.parent_from_child @ joint.child_from_joint
+        if joint.position != 0.0:
+            parent_from_joint = parent_from_joint @ _move(joint, -joint.position)
         return world.add_joint(
             kind,
             parent.body,
@@ -234,3 +237,10 @@ class Assembly:
         if said:
             # Of the caller of the loader.
             warnings.warn(f"{robot.path} {', and '.join(said)}", RobotWarning, stacklevel=3)
+
+
+def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:
+    """What a joint with an axis does when its position grows by a distance, in its frame."""
+    if joint.type != "prismatic":
+        return make_pose(axis_angle=(joint.axis, distance))
+    return make_pose(distance * np.array(joint.axis) / np.linalg.norm(joint.axis))

@@ -119,6 +119,7 @@ class JointDescription:
         parent_from_child: (4, 4) float64, as the file has the links.
         child_from_joint: (4, 4) float64.
         position: At which the file has the links.
+        start: At which the joint begins in a world.
         mimic: Name of the leader, multiplier, offset.
     """
 
@@ -130,6 +131,7 @@ class JointDescription:
     parent_from_child: NDArray[np.float64]
     child_from_joint: NDArray[np.float64]
     position: float
+    start: float
     axis: tuple[float, float, float]
     limits: tuple[float, float] | None
     effort: float | None

@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 
-CARRIER_SHARE = 0.1
-"""Of a body's matter that each joint but its last one moves, as a link of its own."""
-
 
 @dataclass(eq=False)
 class _Body:
@@ -67,6 +64,9 @@ class BodyReader:
         robot: Gets the links and joints.
         filters: Gets what collides with what.
         left_out: Gets what is not simulated.
+
+    Attributes:
+        carriers: The body of each link between joints, by name.
     """
 
     def __init__(
@@ -88,6 +88,7 @@ class BodyReader:
             for section in file.sections("asset")
             for material in section.all("material")
         }
+        self.carriers: dict[str, str] = {}
         self._joint_names: set[str] = set()
         self._count = 0
         world = _Body(WORLD, file.path, WORLD, np.eye(4), is_static=True)
@@ -203,10 +204,9 @@ class BodyReader:
             self._joint_names.add(name)
             child = body.name if is_last else f"{body.name}/{name}"
             if is_last:
-                share = 1.0 - CARRIER_SHARE * index
-                self._add_link(body, child, matter, share)
+                self._add_link(body, child, matter)
             else:
-                self._add_carrier(joint, child, matter)
+                self._add_carrier(joint, child, body.name)
             self._robot.joints.append(
                 read_joint(
                     joint, frame, JointPlace(name, parent, child, place), compiler, self._left_out
@@ -214,17 +214,14 @@ class BodyReader:
             )
             parent, place = child, np.eye(4)
 
-    def _add_carrier(self, joint: Element, name: str, matter: MassProperties | None) -> None:
+    def _add_carrier(self, joint: Element, name: str, body: str) -> None:
         """Adds a link between two joints of a body."""
         if name in self._robot.links:
             joint.refuse(f"makes a link {name!r}, and there is one of that name; rename the joint")
-        self._robot.links[name] = LinkDescription(
-            name, joint.where, (), as_inertial(matter, CARRIER_SHARE), None
-        )
+        self._robot.links[name] = LinkDescription(name, joint.where, (), None, None)
+        self.carriers[name] = body
 
-    def _add_link(
-        self, body: _Body, name: str, matter: MassProperties | None, share: float = 1.0
-    ) -> None:
+    def _add_link(self, body: _Body, name: str, matter: MassProperties | None) -> None:
         meeting = [geom for geom in body.geoms if geom.collides and geom.surface is not None]
         solids: list[Collision] = []
         for geom in meeting:
@@ -235,7 +232,7 @@ class BodyReader:
         color = next((geom.color for geom in body.geoms if geom.color is not None), None)
         friction = max((geom.friction for geom in meeting), default=None)
         self._robot.links[name] = LinkDescription(
-            name, body.where, tuple(solids), as_inertial(matter, share), color, friction
+            name, body.where, tuple(solids), as_inertial(matter), color, friction
         )
         self._filters.add(name, [geom.bits for geom in meeting if geom.type != "plane"])
 
@@ -269,6 +266,7 @@ def _weld(body: _Body) -> JointDescription:
         body.name,
         body.above_from_body,
         np.eye(4),
+        0.0,
         0.0,
         (0.0, 0.0, 1.0),
         None,

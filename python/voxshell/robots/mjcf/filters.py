@@ -37,11 +37,8 @@ class Filters:
             for it in section.all("pair"):
                 self._paired_geoms.append((it.text("geom1"), it.text("geom2")))
         self._paired = {name for pair in self._paired_geoms for name in pair}
-        self._parents_collide = any(
-            flag.word("filterparent", ("enable", "disable"), "enable") == "disable"
-            for option in root.all("option")
-            for flag in option.all("flag")
-        )
+        self._collides = not _disables(root, "contact")
+        self._parents_collide = _disables(root, "filterparent")
 
     def is_paired(self, geom: str, body: str) -> bool:
         """Notes a geom's body; returns whether a ``<pair>`` names the geom."""
@@ -93,10 +90,18 @@ class Filters:
                 both in excluded or (is_near and not self._parents_collide)
             )
             is_own = self._tops.get(a.first) == self._tops.get(b.first)
-            if not (meets or both in paired) or (is_own and not within_trees):
+            if not (self._collides and (meets or both in paired)) or (is_own and not within_trees):
                 yield a, b
 
     def _join_bits(self, lump: Lump) -> tuple[int, int]:
         """Of all geoms: two lumps meet if any two of their geoms do."""
         own = [self._bits.get(name, (0, 0)) for name in lump.links]
         return reduce(or_, (it[0] for it in own), 0), reduce(or_, (it[1] for it in own), 0)
+
+
+def _disables(root: Element, flag: str) -> bool:
+    return any(
+        element.word(flag, ("enable", "disable"), "enable") == "disable"
+        for option in root.all("option")
+        for element in option.all("flag")
+    )

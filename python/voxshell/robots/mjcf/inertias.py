@@ -73,9 +73,9 @@ def _bound(matter: MassProperties, compiler: Compiler) -> MassProperties:
     return MassProperties(max(matter.mass, compiler.least_mass), matter.center_of_mass, inertia)
 
 
-def as_inertial(matter: MassProperties | None, share: float = 1.0) -> Inertial | None:
-    """A share of a body's matter; None without a mass."""
+def as_inertial(matter: MassProperties | None) -> Inertial | None:
+    """What a link has of a body's matter; None without a mass."""
     if matter is None or not matter.mass > 0.0:
         return None
-    inertia = share * matter.inertia if is_sound(matter.inertia) else None
-    return Inertial(share * matter.mass, matter.center_of_mass, inertia)
+    inertia = matter.inertia if is_sound(matter.inertia) else None
+    return Inertial(matter.mass, matter.center_of_mass, inertia)

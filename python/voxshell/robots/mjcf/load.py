@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
+from voxshell.robots.mjcf.carriers import share_matter
 from voxshell.robots.mjcf.reading import read_mjcf
 from voxshell.robots.shapes import MeshSettings, Shaper
 
@@ -33,11 +34,14 @@ def load_mjcf(
     """DOC"""
     world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
     settings = MeshSettings(voxel_size, resolution, mesh_as)
-    robot, filters = read_mjcf(path, world.gravity)
+    model = read_mjcf(path, world.gravity)
+    robot, filters = model.robot, model.filters
     lump_of = find_lumps(robot)
     lumps = list(dict.fromkeys(lump_of.values()))
     static = {lump_of[root] for root in robot.roots}
-    matter = complete_matter(robot, (it for it in lumps if it not in static))
+    carriers = {lump_of[name] for name in model.carriers}
+    matter = complete_matter(robot, (it for it in lumps if it not in static | carriers))
+    share_matter(matter, model.carriers, lump_of)
     shaper = Shaper(robot, settings)
     assembly = Assembly(
         robot,

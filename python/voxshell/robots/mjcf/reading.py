@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from voxshell.robots.description import Inertial, RobotDescription
@@ -17,9 +17,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
-def read_mjcf(
-    path: str | os.PathLike[str], gravity: Iterable[float]
-) -> tuple[RobotDescription, Filters]:
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What a file says.
+
+    Attributes:
+        robot: Links and joints.
+        filters: What collides with what.
+        carriers: The body of each link between joints, by name.
+    """
+
+    robot: RobotDescription
+    filters: Filters
+    carriers: dict[str, str]
+
+
+def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     """Reads and checks a file.
 
     Args:
@@ -36,16 +49,16 @@ def read_mjcf(
     stem = os.path.splitext(os.path.basename(file.path))[0]
     robot = RobotDescription(file.path, name or stem, {}, {})
     if not file.sections("worldbody"):
-        robot.refuse("it has no <worldbody>")
+        robot.refuse("it has no <worldbody>: it is empty, or a part that models <include>; load one of these")
     filters = Filters(file.root)
     left_out = LeftOut()
     compiler = read_compiler(file.sections("compiler"))
-    BodyReader(file, compiler, robot, filters, left_out)
+    bodies = BodyReader(file, compiler, robot, filters, left_out)
     if compiler.total_mass is not None:
         _scale_masses(robot, compiler.total_mass)
     left_out.note_sections(file.root, gravity)
     robot.left_out.extend(left_out.list())
-    return robot, filters
+    return Model(robot, filters, bodies.carriers)
 
 
 def _scale_masses(robot: RobotDescription, total: float) -> None:

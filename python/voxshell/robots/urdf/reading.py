@@ -307,6 +307,7 @@ def _describe_joint(
         _read_pose(element.first("origin")),
         np.eye(4),
         0.0,
+        0.0,
         axis,
         limits,
         _read_bound(limit, "effort"),
