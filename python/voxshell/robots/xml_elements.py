@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 _MOST_BYTES = 100_000_000
 """Of a file, without those that it names."""
 
-_MOST_ELEMENTS = 500_000
-"""Of a file; they are read within two seconds."""
+_MOST_ELEMENTS = 200_000
+"""Of a file; they are read within a second."""
 
 _OPTIONAL = re.compile(r"\$\(optenv +(\w+) +([^()]*)\)")
 """A variable of the environment and its default, which ROS puts in place of it."""

@@ -14,23 +14,40 @@ from voxshell.robots.description import (
     LinkDescription,
     RobotDescription,
 )
-from voxshell.robots.mjcf.defaults import MAIN, Defaults
+from voxshell.robots.mjcf.defaults import MAIN
 from voxshell.robots.mjcf.geoms import Geom, read_geom
 from voxshell.robots.mjcf.inertias import BodyMatter, as_inertial
 from voxshell.robots.mjcf.joints import JointPlace, read_joint, type_of
-from voxshell.robots.mjcf.meshes import Meshes
+from voxshell.robots.mjcf.model_file import MOST_LEVELS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.model.mass_properties import MassProperties
-    from voxshell.robots.mjcf.compiler import Compiler
     from voxshell.robots.mjcf.filters import Filters
     from voxshell.robots.mjcf.left_out import LeftOut
-    from voxshell.robots.mjcf.model_file import ModelFile
+    from voxshell.robots.mjcf.parts import Part
     from voxshell.robots.xml_elements import Element
 
 WORLD = "world"
+
+
+@dataclass(frozen=True, eq=False)
+class _Scope:
+    """What elements refer to: their model, and the default class of what they lie in."""
+
+    part: Part
+    child_class: str
+
+    def inside(self, element: Element) -> _Scope:
+        """That of the elements in a body or frame.
+
+        Raises:
+            RobotError: It names a class that is not there.
+        """
+        name = element.attributes.get("childclass", self.child_class)
+        self.part.defaults.check(element, name)
+        return _Scope(self.part, name)
 
 
 @dataclass(eq=False)
@@ -42,6 +59,7 @@ class _Body:
         above: Name of the body that it lies in.
         above_from_body: (4, 4).
         is_static: Whether it and all above it have no joints.
+        part: The model that it is of.
     """
 
     name: str
@@ -49,18 +67,18 @@ class _Body:
     above: str
     above_from_body: NDArray[np.float64]
     is_static: bool
+    part: Part
     inertial: tuple[Element, NDArray[np.float64]] | None = None
     joints: list[tuple[Element, NDArray[np.float64]]] = field(default_factory=list)
     geoms: list[Geom] = field(default_factory=list)
-    bodies: list[tuple[Element, NDArray[np.float64], str]] = field(default_factory=list)
+    bodies: list[tuple[Element, NDArray[np.float64], _Scope]] = field(default_factory=list)
 
 
 class BodyReader:
     """Reads the bodies of a model into a description of a robot.
 
     Args:
-        file: The model.
-        compiler: Its settings.
+        part: The model.
         robot: Gets the links and joints.
         filters: Gets what collides with what.
         left_out: Gets what is not simulated.
@@ -70,50 +88,52 @@ class BodyReader:
     """
 
     def __init__(
-        self,
-        file: ModelFile,
-        compiler: Compiler,
-        robot: RobotDescription,
-        filters: Filters,
-        left_out: LeftOut,
+        self, part: Part, robot: RobotDescription, filters: Filters, left_out: LeftOut
     ) -> None:
-        self._compiler = compiler
+        self._weighs_static = part.compiler.total_mass is not None
         self._robot = robot
         self._filters = filters
         self._left_out = left_out
-        self._defaults = Defaults(file.sections("default"))
-        self._meshes = Meshes(file, compiler, self._defaults)
-        self._materials = {
-            material.attributes.get("name", ""): self._defaults.complete(material, MAIN)
-            for section in file.sections("asset")
-            for material in section.all("material")
-        }
         self.carriers: dict[str, str] = {}
         self._joint_names: set[str] = set()
         self._count = 0
-        world = _Body(WORLD, file.path, WORLD, np.eye(4), is_static=True)
-        for section in file.sections("worldbody"):
-            self._collect(section, world, np.eye(4), MAIN)
+        self._level = 0
+        world = _Body(WORLD, part.file.path, WORLD, np.eye(4), is_static=True, part=part)
+        self._note_part(part)
+        children = [child for it in part.file.sections("worldbody") for child in it.children]
+        self._collect(children, world, np.eye(4), _Scope(part, MAIN))
         self._add_link(world, WORLD, None)
         robot.roots[WORLD] = np.eye(4)
         self._read_below(world)
 
+    def _note_part(self, part: Part) -> None:
+        self._filters.read_pairs(part.file.root, part.prefix)
+        self._left_out.note_sections(part.file.root)
+
     def _read_below(self, body: _Body) -> None:
-        for element, frame, child_class in body.bodies:
-            self._read_body(element, body, frame, child_class)
+        self._level += 1
+        for element, frame, scope in body.bodies:
+            if self._level > MOST_LEVELS:
+                element.refuse(f"lies in more than {MOST_LEVELS} other bodies; take some apart")
+            self._read_body(element, body, frame, scope)
+        self._level -= 1
 
     def _read_body(
-        self, element: Element, above: _Body, frame: NDArray[np.float64], child_class: str
+        self, element: Element, above: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> None:
         self._count += 1
         if self._count >= MOST_LINKS:
             element.refuse(f"is one of more than {MOST_LINKS} bodies, and no more are read")
-        name = element.attributes.get("name") or f"body {self._count}"
+        part = scope.part
+        name = element.attributes.get("name")
+        name = f"body {self._count}" if name is None else part.prefix + name
         if name in self._robot.links:
             element.refuse("is the second body of that name; rename one")
-        place = frame @ self._compiler.read_pose(element)
-        body = _Body(name, element.where, above.name, place, is_static=above.is_static)
-        self._collect(element, body, np.eye(4), element.attributes.get("childclass", child_class))
+        place = frame @ part.compiler.read_pose(element)
+        body = _Body(
+            name, element.where, above.name, place, is_static=above.is_static, part=part
+        )
+        self._collect(element.children, body, np.eye(4), scope.inside(element))
         if body.joints:
             body.is_static = False
         if element.attributes.get("mocap") == "true":
@@ -129,29 +149,37 @@ class BodyReader:
         return body.above == WORLD
 
     def _collect(
-        self, element: Element, body: _Body, frame: NDArray[np.float64], child_class: str
+        self, children: list[Element], body: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> None:
         """What lies in a body, or in a frame of it."""
-        self._defaults.check(element, child_class)
-        for child in element.children:
+        part = scope.part
+        for child in children:
             match child.tag:
                 case "body":
-                    body.bodies.append((child, frame, child_class))
+                    body.bodies.append((child, frame, scope))
                 case "frame":
-                    inner = child.attributes.get("childclass", child_class)
-                    self._collect(child, body, frame @ self._compiler.read_pose(child), inner)
+                    inner = frame @ part.compiler.read_pose(child)
+                    self._collect(child.children, body, inner, scope.inside(child))
                 case "inertial":
                     body.inertial = child, frame
                 case "joint" | "freejoint":
                     complete = child
                     if child.tag == "joint":
-                        complete = self._defaults.complete(child, child_class)
+                        complete = part.defaults.complete(child, scope.child_class)
                     body.joints.append((complete, frame))
                 case "geom":
-                    body.geoms.append(self._read_geom(child, body, frame, child_class))
-                case "attach" | "replicate":
+                    body.geoms.append(self._read_geom(child, body, frame, scope))
+                case "attach":
+                    attached, elements = part.attach(child)
+                    self._note_part(attached)
+                    self._level += 1
+                    if self._level > MOST_LEVELS:
+                        child.refuse(f"lies in more than {MOST_LEVELS} others; take some apart")
+                    self._collect(elements, body, frame, _Scope(attached, MAIN))
+                    self._level -= 1
+                case "replicate":
                     child.refuse(
-                        f"has an <{child.tag}>, which is not read; save the compiled model with "
+                        "has a <replicate>, which is not read; save the compiled model with "
                         "mujoco.mj_saveLastXML, and load that"
                     )
                 case "composite" | "flexcomp":
@@ -160,15 +188,14 @@ class BodyReader:
                     pass
 
     def _read_geom(
-        self, element: Element, body: _Body, frame: NDArray[np.float64], child_class: str
+        self, element: Element, body: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> Geom:
-        name = element.attributes.get("name", "")
+        part = scope.part
+        name = part.prefix + element.attributes.get("name", "")
         geom = read_geom(
-            self._defaults.complete(element, child_class),
+            part.defaults.complete(element, scope.child_class),
             frame,
-            self._compiler,
-            self._meshes,
-            self._materials,
+            part,
             self._filters.is_paired(name, body.name),
         )
         if geom.surface is None:
@@ -177,11 +204,11 @@ class BodyReader:
 
     def _add_body(self, body: _Body, element: Element) -> None:
         """Adds its links and joints: one link for each joint, the last one with its surface."""
-        compiler = self._compiler
+        compiler = body.part.compiler
         inertial, frame = body.inertial or (None, np.eye(4))
         matter = None
-        if not body.is_static or compiler.total_mass is not None:
-            matter = BodyMatter(inertial, frame, body.geoms).compute(compiler, self._meshes)
+        if not body.is_static or self._weighs_static:
+            matter = BodyMatter(inertial, frame, body.geoms).compute(compiler)
         if not body.joints:
             self._add_link(body, body.name, matter)
             if self._is_top(body):
@@ -198,7 +225,8 @@ class BodyReader:
         parent, place = body.above, body.above_from_body
         for index, (joint, frame) in enumerate(body.joints):
             is_last = index == len(types) - 1
-            name = joint.attributes.get("name") or f"{body.name}/joint {index}"
+            name = joint.attributes.get("name")
+            name = f"{body.name}/joint {index}" if name is None else body.part.prefix + name
             if name in self._joint_names:
                 joint.refuse(f"has a second joint {name!r}; rename one")
             self._joint_names.add(name)

@@ -18,10 +18,10 @@ class Filters:
     """The bits of links, who lies in whom, and pairs that are excluded or collide whatever their bits.
 
     Args:
-        root: The model.
+        root: The model, whose flags hold for all.
 
     Raises:
-        RobotError: A pair lacks a name.
+        RobotError: A flag is no word that it may be.
     """
 
     def __init__(self, root: Element) -> None:
@@ -31,14 +31,23 @@ class Filters:
         self._excluded: list[tuple[str, str]] = []
         self._paired_geoms: list[tuple[str, str]] = []
         self._body_of: dict[str, str] = {}
-        for section in root.all("contact"):
-            for it in section.all("exclude"):
-                self._excluded.append((it.text("body1"), it.text("body2")))
-            for it in section.all("pair"):
-                self._paired_geoms.append((it.text("geom1"), it.text("geom2")))
-        self._paired = {name for pair in self._paired_geoms for name in pair}
+        self._paired: set[str] = set()
         self._collides = not _disables(root, "contact")
         self._parents_collide = _disables(root, "filterparent")
+
+    def read_pairs(self, root: Element, prefix: str) -> None:
+        """Reads the pairs of a model, before its geoms.
+
+        Raises:
+            RobotError: A pair lacks a name.
+        """
+        for section in root.all("contact"):
+            for it in section.all("exclude"):
+                self._excluded.append((prefix + it.text("body1"), prefix + it.text("body2")))
+            for it in section.all("pair"):
+                pair = prefix + it.text("geom1"), prefix + it.text("geom2")
+                self._paired_geoms.append(pair)
+                self._paired.update(pair)
 
     def is_paired(self, geom: str, body: str) -> bool:
         """Notes a geom's body; returns whether a ``<pair>`` names the geom."""

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.robots.description import Color, Geometry
-    from voxshell.robots.mjcf.compiler import Compiler
-    from voxshell.robots.mjcf.meshes import Meshes
+    from voxshell.robots.mjcf.parts import Part
     from voxshell.robots.xml_elements import Element
 
 _DENSITY = 1000.0
@@ -34,6 +33,7 @@ class Geom:
 
     Attributes:
         element: As in the file, with the attributes of its class.
+        part: The model that it is of.
         type: One of MuJoCo's.
         surface: In the body's frame; None for types that are not read.
         bits: Its contype and conaffinity.
@@ -44,6 +44,7 @@ class Geom:
     """
 
     element: Element
+    part: Part
     type: str
     surface: Collision | None
     bits: tuple[int, int]
@@ -52,7 +53,7 @@ class Geom:
     color: Color | None
     weighs: bool
 
-    def weigh(self, meshes: Meshes) -> MassProperties | None:
+    def weigh(self) -> MassProperties | None:
         """Its matter, in its own frame; None if it has no mass.
 
         Raises:
@@ -69,7 +70,7 @@ class Geom:
         if isinstance(geometry, Primitive):
             solid = weigh_primitive(geometry, 1.0)
         else:
-            solid = meshes.weigh(self.element)
+            solid = self.part.meshes.weigh(self.element)
         if mass is None:
             mass = solid.mass * (_DENSITY if density is None else density)
         if not (mass > 0.0 and solid.mass > 0.0):
@@ -80,9 +81,7 @@ class Geom:
 def read_geom(
     element: Element,
     frame: NDArray[np.float64],
-    compiler: Compiler,
-    meshes: Meshes,
-    materials: dict[str, Element],
+    part: Part,
     is_paired: bool,
 ) -> Geom:
     """Reads a geom.
@@ -90,9 +89,7 @@ def read_geom(
     Args:
         element: With the attributes of its class.
         frame: ``body_from_frame`` of the frame that it lies in.
-        compiler: The model's settings.
-        meshes: The model's.
-        materials: The model's.
+        part: The model that it is of.
         is_paired: Whether a ``<pair>`` lets it collide, whatever its bits.
 
     Raises:
@@ -101,22 +98,24 @@ def read_geom(
     kind = element.word("type", _TYPES, "sphere")
     bits = _read_bits(element, "contype"), _read_bits(element, "conaffinity")
     group = element.number("group") or 0.0
-    weighs = compiler.groups[0] <= group <= compiler.groups[1] and kind != "plane"
+    first, last = part.compiler.groups
+    weighs = first <= group <= last and kind != "plane"
     friction = (element.numbers("friction", (1, 2, 3)) or [_FRICTION])[0]
     if friction < 0.0:
         element.refuse("has a friction below 0")
     surface = None
     if kind not in _NOT_READ:
-        geometry, place = _read_surface(element, kind, compiler, meshes)
+        geometry, place = _read_surface(element, kind, part)
         surface = Collision(geometry, frame @ place)
     return Geom(
         element,
+        part,
         kind,
         surface,
         bits,
         any(bits) or is_paired,
         friction,
-        _read_color(element, materials),
+        _read_color(element, part.materials),
         weighs,
     )
 
@@ -145,15 +144,15 @@ def _read_color(element: Element, materials: dict[str, Element]) -> Color | None
 
 
 def _read_surface(
-    element: Element, kind: str, compiler: Compiler, meshes: Meshes
+    element: Element, kind: str, part: Part
 ) -> tuple[Geometry, NDArray[np.float64]]:
-    place = compiler.read_pose(element)
+    place = part.compiler.read_pose(element)
     if kind == "mesh":
-        return meshes.find(element), place
+        return part.meshes.find(element), place
     if kind == "plane":
         return Primitive("plane", ()), place
     if "mesh" in element.attributes:
-        return _fit(element, kind, place, compiler, meshes)
+        return _fit(element, kind, place, part)
     sizes = element.numbers("size", (1, 2, 3)) or []
     ends = element.numbers("fromto", (6,)) if kind in _WITH_FROMTO else None
     if ends is not None:
@@ -199,11 +198,10 @@ def _fit(
     element: Element,
     kind: str,
     place: NDArray[np.float64],
-    compiler: Compiler,
-    meshes: Meshes,
+    part: Part,
 ) -> tuple[Primitive, NDArray[np.float64]]:
     """A shape as large as a mesh: by the box of its inertia, or by its bounds."""
-    matter = meshes.weigh(element)
+    matter = part.meshes.weigh(element)
     if not matter.mass > 0.0:
         element.refuse(f"fits a {kind} to a mesh that encloses nothing; give it a size")
     moments, axes = np.linalg.eigh(matter.inertia)
@@ -211,8 +209,8 @@ def _fit(
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
     inner = np.eye(4)
     inner[:3, :3], inner[:3, 3] = axes, matter.center_of_mass
-    if compiler.fits_boxes:
-        points = (meshes.read(element).vertices - matter.center_of_mass) @ axes
+    if part.compiler.fits_boxes:
+        points = (part.meshes.read(element).vertices - matter.center_of_mass) @ axes
         low, high = points.min(axis=0), points.max(axis=0)
         half = (high - low) / 2.0
         inner[:3, 3] += axes @ (low + high) / 2.0

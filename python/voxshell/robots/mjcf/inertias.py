@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from voxshell.robots.mjcf.compiler import Compiler
     from voxshell.robots.mjcf.geoms import Geom
-    from voxshell.robots.mjcf.meshes import Meshes
     from voxshell.robots.xml_elements import Element
 
 
@@ -28,7 +27,7 @@ class BodyMatter:
     frame: NDArray[np.float64]
     geoms: list[Geom]
 
-    def compute(self, compiler: Compiler, meshes: Meshes) -> MassProperties | None:
+    def compute(self, compiler: Compiler) -> MassProperties | None:
         """In the body's frame; None if it has none.
 
         Raises:
@@ -41,7 +40,7 @@ class BodyMatter:
         elif from_geoms != "false":
             parts = []
             for geom in self.geoms:
-                solid = geom.weigh(meshes)
+                solid = geom.weigh()
                 if solid is not None and geom.surface is not None:
                     parts.append((solid, geom.surface.link_from_geometry))
             matter = add_up(parts) if parts else None

@@ -26,16 +26,19 @@ class LeftOut:
         """Notes something."""
         self._noted.setdefault(kind, []).append(name)
 
-    def note_sections(self, root: Element, gravity: Iterable[float]) -> None:
-        """Notes whole sections, and what ``<option>`` says of air and gravity.
-
-        Raises:
-            RobotError: An option is no number.
-        """
+    def note_sections(self, root: Element) -> None:
+        """Notes whole sections of a model."""
         for name in _SECTIONS:
             kinds = Counter(child.tag for section in root.all(name) for child in section.children)
             for kind, count in kinds.items():
                 self._noted.setdefault(f"<{name}>", []).append(f"{count} {kind[:60]}")
+
+    def note_option(self, root: Element, gravity: Iterable[float]) -> None:
+        """Notes what ``<option>`` says of air, and of another gravity than the world's.
+
+        Raises:
+            RobotError: An option is no number.
+        """
         for option in root.all("option"):
             for name in _FLUID:
                 if any(option.numbers(name, (1, 3)) or ()):

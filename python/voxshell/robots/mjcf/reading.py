@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from voxshell.robots.description import Inertial, RobotDescription
 from voxshell.robots.mjcf.bodies import BodyReader
-from voxshell.robots.mjcf.compiler import read_compiler
 from voxshell.robots.mjcf.filters import Filters
 from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.model_file import read_model
+from voxshell.robots.mjcf.parts import open_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -52,11 +52,11 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
         robot.refuse("it has no <worldbody>: it is empty, or a part that models <include>; load one of these")
     filters = Filters(file.root)
     left_out = LeftOut()
-    compiler = read_compiler(file.sections("compiler"))
-    bodies = BodyReader(file, compiler, robot, filters, left_out)
-    if compiler.total_mass is not None:
-        _scale_masses(robot, compiler.total_mass)
-    left_out.note_sections(file.root, gravity)
+    part = open_part(file, "")
+    bodies = BodyReader(part, robot, filters, left_out)
+    if part.compiler.total_mass is not None:
+        _scale_masses(robot, part.compiler.total_mass)
+    left_out.note_option(file.root, gravity)
     robot.left_out.extend(left_out.list())
     return Model(robot, filters, bodies.carriers)
 
