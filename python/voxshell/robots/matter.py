@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.base.arguments import FARTHEST
 from voxshell.errors import MissingExtraError
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
@@ -120,6 +121,8 @@ def _weigh_collision(
         solid = weigh_primitive(collision.geometry, DENSITY)
         return solid if solid.mass > 0.0 else None
     vertices, _ = read_link_mesh(robot.links[link].owner, collision.geometry)
+    if np.abs(vertices).max(initial=0.0) > FARTHEST:
+        return None  # which no shape takes, either
     try:
         hull = convex_hull(vertices)
     except ImportError as error:

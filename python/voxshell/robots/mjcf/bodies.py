@@ -208,7 +208,7 @@ class BodyReader:
         inertial, frame = body.inertial or (None, np.eye(4))
         matter = None
         if not body.is_static or self._weighs_static:
-            matter = BodyMatter(inertial, frame, body.geoms).compute(compiler)
+            matter = BodyMatter(element, inertial, frame, body.geoms).compute(compiler)
         if not body.joints:
             self._add_link(body, body.name, matter)
             if self._is_top(body):

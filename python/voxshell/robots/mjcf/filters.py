@@ -89,6 +89,7 @@ class Filters:
         }
         bits = {lump: self._join_bits(lump) for lump in lumps}
         parents = {lump: lump_of.get(self._above.get(lump.first, "")) for lump in lumps}
+        tops = {lump: self._tops.get(lump.first) for lump in lumps}
         for a, b in combinations(lumps, 2):
             if a in static and b in static:
                 continue
@@ -98,7 +99,7 @@ class Filters:
             meets = (type_a & affinity_b or type_b & affinity_a) and not (
                 both in excluded or (is_near and not self._parents_collide)
             )
-            is_own = self._tops.get(a.first) == self._tops.get(b.first)
+            is_own = tops[a] == tops[b]
             if not (self._collides and (meets or both in paired)) or (is_own and not within_trees):
                 yield a, b
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.base.arguments import FARTHEST
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Collision, Primitive
 from voxshell.robots.mjcf.compiler import turn_z_to
@@ -179,8 +180,10 @@ def _read_ends(
 def _make(element: Element, kind: str, sizes: list[float]) -> Primitive:
     needed = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}[kind]
     sizes = sizes[:needed]
-    if len(sizes) < needed or min(sizes) <= 0.0:
-        element.refuse(f"has a {kind} of size {sizes}; give {needed} numbers above 0")
+    if len(sizes) < needed or not 0.0 < min(sizes) <= max(sizes) <= FARTHEST:
+        element.refuse(
+            f"has a {kind} of size {sizes}; give {needed} numbers above 0, and at most {FARTHEST:g}"
+        )
     match kind:
         case "box":
             return Primitive("box", tuple(2.0 * it for it in sizes))

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 class BodyMatter:
     """What the matter of a body is computed from."""
 
+    element: Element
     inertial: Element | None
     frame: NDArray[np.float64]
     geoms: list[Geom]
@@ -44,6 +45,8 @@ class BodyMatter:
                 if solid is not None and geom.surface is not None:
                     parts.append((solid, geom.surface.link_from_geometry))
             matter = add_up(parts) if parts else None
+        if matter is not None and not (np.isfinite(matter.inertia).all() and matter.mass < np.inf):
+            self.element.refuse("has a mass or inertia beyond all numbers; correct it")
         return None if matter is None else _bound(matter, compiler)
 
     def _read(self, element: Element, compiler: Compiler) -> MassProperties:

@@ -21,6 +21,7 @@ class LeftOut:
 
     def __init__(self) -> None:
         self._noted: dict[str, list[str]] = {}
+        self._counts: dict[str, Counter[str]] = {}
 
     def note(self, kind: str, name: str) -> None:
         """Notes something."""
@@ -30,8 +31,8 @@ class LeftOut:
         """Notes whole sections of a model."""
         for name in _SECTIONS:
             kinds = Counter(child.tag for section in root.all(name) for child in section.children)
-            for kind, count in kinds.items():
-                self._noted.setdefault(f"<{name}>", []).append(f"{count} {kind[:60]}")
+            if kinds:
+                self._counts.setdefault(name, Counter()).update(kinds)
 
     def note_option(self, root: Element, gravity: Iterable[float]) -> None:
         """Notes what ``<option>`` says of air, and of another gravity than the world's.
@@ -51,4 +52,10 @@ class LeftOut:
 
     def list(self) -> list[str]:
         """A phrase for each kind."""
-        return [f"{kind} ({shorten_names(names)})" for kind, names in self._noted.items()]
+        return [
+            *(
+                f"<{name}> ({', '.join(f'{count} {kind[:60]}' for kind, count in kinds.most_common(10))})"
+                for name, kinds in self._counts.items()
+            ),
+            *(f"{kind} ({shorten_names(names)})" for kind, names in self._noted.items()),
+        ]

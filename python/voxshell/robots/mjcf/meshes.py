@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.base.arguments import FARTHEST
 from voxshell.base.poses import pose as make_pose
 from voxshell.errors import MeshError
 from voxshell.model.meshes import Mesh, read_mesh
@@ -87,7 +88,10 @@ class Meshes:
         Raises:
             RobotError: The mesh cannot be read.
         """
-        return read_link_mesh(self._owner(geom.text("mesh")), self.find(geom))
+        mesh = read_link_mesh(self._owner(geom.text("mesh")), self.find(geom))
+        if np.abs(mesh.vertices).max() > FARTHEST:
+            geom.refuse(f"has a mesh with vertices beyond {FARTHEST:g} m; correct its scale")
+        return mesh
 
     def _owner(self, name: str) -> str:
         return f"{self._elements[name].where}: mesh {name!r}"

@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from voxshell.errors import RobotError
 from voxshell.robots.description import Inertial, RobotDescription
 from voxshell.robots.mjcf.bodies import BodyReader
 from voxshell.robots.mjcf.filters import Filters
@@ -44,6 +45,16 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
         RobotError: The file does not describe what can be simulated; the message names the file, the
             line, the body or geom, and what to do.
     """
+    try:
+        return _read(path, gravity)
+    except RobotError as error:
+        name = os.fsdecode(path)
+        if name in str(error):
+            raise
+        raise RobotError(f"{error} (read for {name})") from None
+
+
+def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     file = read_model(path)
     name = file.root.attributes.get("model")
     stem = os.path.splitext(os.path.basename(file.path))[0]
