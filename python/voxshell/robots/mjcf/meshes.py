@@ -88,7 +88,8 @@ class Meshes:
         Raises:
             RobotError: The mesh cannot be read.
         """
-        mesh = read_link_mesh(self._owner(geom.text("mesh")), self.find(geom))
+        geometry = self.find(geom)
+        mesh = read_link_mesh(self._owner(geom.text("mesh")), geometry)
         if np.abs(mesh.vertices).max() > FARTHEST:
             geom.refuse(f"has a mesh with vertices beyond {FARTHEST:g} m; correct its scale")
         return mesh
