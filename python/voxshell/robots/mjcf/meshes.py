@@ -20,6 +20,8 @@ from voxshell.robots.mjcf.msh_file import read_msh
 from voxshell.simulation.comparison_shapes import ConvexHull
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from voxshell.model.mass_properties import MassProperties
     from voxshell.robots.description import Affine
     from voxshell.robots.mjcf.compiler import Compiler
@@ -76,7 +78,7 @@ class Meshes:
             kind = self._elements[name].word("inertia", _INERTIAS, "legacy")
             if kind == "convex":
                 try:
-                    mesh = ConvexHull(mesh.vertices).mesh
+                    mesh = _enclose(mesh.vertices)
                 except MeshError as error:
                     refuse_mesh(self._owner(name), self.find(geom), error)
             self._matters[name] = weigh_mesh(mesh, kind)
@@ -129,7 +131,7 @@ class Meshes:
         made = MeshArrays(path, Mesh(points, np.zeros((0, 3), np.uint32)))
         try:
             if faces is None:
-                mesh = ConvexHull(points).mesh
+                mesh = _enclose(points)
             else:
                 mesh = read_mesh((points, np.reshape(faces, (-1, 3))))
         except MeshError as error:
@@ -148,6 +150,17 @@ class Meshes:
         linear = np.diag(scale) @ turn
         rows = np.column_stack([linear, -linear @ origin])
         return tuple((a, b, c, d) for a, b, c, d in rows.tolist())
+
+
+def _enclose(points: NDArray[np.float64]) -> Mesh:
+    """The convex hull of points, whose corners Bullet rounds.
+
+    Raises:
+        MeshError: They do not enclose a volume.
+    """
+    mesh = ConvexHull(points).mesh
+    nearest = [int(np.argmin(((points - corner) ** 2).sum(axis=1))) for corner in mesh.vertices]
+    return Mesh(points[nearest], mesh.faces)
 
 
 def _move(mesh: Mesh, affine: Affine) -> Mesh:
