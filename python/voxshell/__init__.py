@@ -89,6 +89,7 @@ from voxshell.query import (
 from voxshell.recording import Recording
 
 if TYPE_CHECKING:
+    from voxshell.robots import Link, Robot, RobotWarning, load_mjcf, load_urdf
     from voxshell.simulation import (
         Body,
         Compound,
@@ -107,7 +108,6 @@ if TYPE_CHECKING:
         World,
         WorldState,
     )
-    from voxshell.robots import Link, Robot, RobotWarning, load_mjcf, load_urdf
 
 __all__ = [
     "Accuracy",

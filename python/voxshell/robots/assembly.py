@@ -137,7 +137,9 @@ class Assembly:
             body = bodies[lump]
             offset = lump.links[name] if body is not None else self._places[name]
             links[name] = Link(name, body, offset, robot.links[name].color)
-        for a, b in self._apart([lump for lump, shape in self._shapes.items() if shape is not None]):
+        for a, b in self._apart(
+            [lump for lump, shape in self._shapes.items() if shape is not None]
+        ):
             one, other = bodies[a], bodies[b]
             assert one is not None
             assert other is not None

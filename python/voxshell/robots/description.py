@@ -50,8 +50,12 @@ class MeshArrays:
 
 @dataclass(frozen=True)
 class Primitive:
-    """A box (edges), sphere (radius), cylinder or capsule (radius, length without caps), ellipsoid
-    (three radii), metres; or a plane at z = 0, which has no end and cannot move.
+    """A shape of a formula.
+
+    Attributes:
+        kind: What it is; a plane, at z = 0, has no end and cannot move.
+        sizes: Metres: of a box its edges, of a sphere the radius, of a cylinder or capsule the radius and
+            the length without caps, of an ellipsoid three radii, of a plane none.
     """
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "ellipsoid", "plane"]

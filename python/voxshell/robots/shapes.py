@@ -11,7 +11,7 @@ from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
-from voxshell.robots.description import MeshArrays, MeshFile
+from voxshell.robots.description import MeshArrays, MeshFile, Primitive
 from voxshell.robots.mesh_files import read_link_mesh, refuse_mesh
 from voxshell.simulation.comparison_shapes import ConvexHull
 from voxshell.simulation.compound import Compound, Part
@@ -19,7 +19,7 @@ from voxshell.simulation.compound import Compound, Part
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.robots.description import Collision, Geometry, Primitive, RobotDescription
+    from voxshell.robots.description import Collision, Geometry, RobotDescription
     from voxshell.robots.lumps import Lump
 
 _DEFAULT_RESOLUTION = 100
@@ -66,9 +66,9 @@ class Shaper:
         parts: list[tuple[Part, NDArray[np.float64]]] = []
         for name, lump_from_link in lump.links.items():
             for collision in self._robot.links[name].collisions:
-                if not isinstance(collision.geometry, (MeshFile, MeshArrays)):
-                    if collision.geometry.kind == "plane":
-                        return Plane()
+                geometry = collision.geometry
+                if isinstance(geometry, Primitive) and geometry.kind == "plane":
+                    return Plane()
                 place = lump_from_link @ collision.link_from_geometry
                 parts.append(self._make(name, collision, place))
         if not parts:

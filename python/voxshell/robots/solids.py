@@ -41,7 +41,8 @@ def weigh_primitive(primitive: Primitive, density: float) -> MassProperties:
             mass = density * math.pi * radius**2 * length
             squares = np.array([radius**2 / 4.0, radius**2 / 4.0, length**2 / 12.0])
         case "capsule":
-            return _weigh_capsule(*primitive.sizes, density)
+            radius, length = primitive.sizes
+            return _weigh_capsule(radius, length, density)
     return MassProperties(mass, np.zeros(3), mass * np.diag(squares.sum() - squares))
 
 

@@ -85,7 +85,7 @@ def test_links_collide_unless_they_are_apart_or_a_joint_says_so(apart, collide, 
 
 def test_nothing_is_left_of_a_robot_that_fails():
     world = vx.World()
-    with pytest.raises(vx.RobotError, match="^f: "):
+    with pytest.raises(vx.RobotError, match=r"^f: "):
         add(world, [link("a"), link("b")], [joint("prismatic", "a", "b", start=1e300)])
     assert world.bodies == []
 

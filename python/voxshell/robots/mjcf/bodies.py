@@ -130,9 +130,7 @@ class BodyReader:
         if name in self._robot.links:
             element.refuse("is the second body of that name; rename one")
         place = frame @ part.compiler.read_pose(element)
-        body = _Body(
-            name, element.where, above.name, place, is_static=above.is_static, part=part
-        )
+        body = _Body(name, element.where, above.name, place, is_static=above.is_static, part=part)
         self._collect(element.children, body, np.eye(4), scope.inside(element))
         if body.joints:
             body.is_static = False

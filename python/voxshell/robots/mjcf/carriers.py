@@ -18,9 +18,7 @@ _SHARE = 0.1
 one. Far less would make Bullet's solver converge slowly, far more would change how the last joints move."""
 
 
-def share_matter(
-    matter: Matter, carriers: Mapping[str, str], lump_of: Mapping[str, Lump]
-) -> None:
+def share_matter(matter: Matter, carriers: Mapping[str, str], lump_of: Mapping[str, Lump]) -> None:
     """Gives carriers a share of the matter of their bodies.
 
     Args:

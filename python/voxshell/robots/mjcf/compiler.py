@@ -98,7 +98,9 @@ class Compiler:
         return turn
 
 
-def normalize(element: Element, attribute: str, vector: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+def normalize(
+    element: Element, attribute: str, vector: Sequence[float] | NDArray[np.float64]
+) -> NDArray[np.float64]:
     """A vector of length 1.
 
     Raises:

@@ -144,9 +144,7 @@ def _read_color(element: Element, materials: dict[str, Element]) -> Color | None
     return None
 
 
-def _read_surface(
-    element: Element, kind: str, part: Part
-) -> tuple[Geometry, NDArray[np.float64]]:
+def _read_surface(element: Element, kind: str, part: Part) -> tuple[Geometry, NDArray[np.float64]]:
     place = part.compiler.read_pose(element)
     if kind == "mesh":
         return part.meshes.find(element), place
@@ -231,4 +229,6 @@ def _fit(
             sizes = [(x + y) / 2.0, z]
         case _:
             sizes = [x, y, z]
-    return _make(element, kind, [it * (1.0 if scale is None else scale) for it in sizes]), place @ inner
+    return _make(
+        element, kind, [it * (1.0 if scale is None else scale) for it in sizes]
+    ), place @ inner

@@ -72,7 +72,9 @@ def read_joint(
     kind = type_of(element)
     unit = compiler.unit if kind == "revolute" else 1.0
     child_from_joint = np.eye(4)
-    child_from_joint[:3, 3] = frame[:3, :3] @ (element.numbers("pos", (3,)) or [0.0] * 3) + frame[:3, 3]
+    child_from_joint[:3, 3] = (
+        frame[:3, :3] @ (element.numbers("pos", (3,)) or [0.0] * 3) + frame[:3, 3]
+    )
     axis = normalize(element, "axis", element.numbers("axis", (3,)) or [0.0, 0.0, 1.0])
     x, y, z = (frame[:3, :3] @ axis).tolist()
     limits = _read_limits(element, compiler)
@@ -88,7 +90,9 @@ def read_joint(
     if limits is not None and has_axis:
         start = min(max(position, limits[0]), limits[1])
         if start != position:
-            left_out.note("positions beyond the limits: these joints begin at the nearest one", place.name)
+            left_out.note(
+                "positions beyond the limits: these joints begin at the nearest one", place.name
+            )
     force = element.numbers("actuatorfrcrange", (2,)) or [0.0]
     return JointDescription(
         place.name,
@@ -118,7 +122,9 @@ def _read_limits(element: Element, compiler: Compiler) -> tuple[float, float] | 
     """In the file's units; None where it moves without an end."""
     lower, upper = element.numbers("range", (2,)) or (0.0, 0.0)
     limited = element.word("limited", _SWITCH, "auto")
-    if limited == "false" or (limited == "auto" and not (compiler.limits_by_range and lower < upper)):
+    if limited == "false" or (
+        limited == "auto" and not (compiler.limits_by_range and lower < upper)
+    ):
         return None
     if lower > upper or (lower == upper == 0.0):
         element.refuse(

@@ -59,9 +59,7 @@ class Meshes:
         """
         name = geom.text("mesh")
         if name not in self._elements:
-            geom.refuse(
-                f"has a mesh {name[:60]!r}, and <asset> has no such mesh; correct the name"
-            )
+            geom.refuse(f"has a mesh {name[:60]!r}, and <asset> has no such mesh; correct the name")
         if name not in self._geometries:
             self._geometries[name] = self._make(name, self._elements[name])
         return self._geometries[name]

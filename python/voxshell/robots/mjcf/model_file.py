@@ -122,7 +122,9 @@ class _Library:
     def count(self, element: Element) -> None:
         self._elements += len(element.children)
         if self._elements > _MOST_ELEMENTS:
-            element.refuse(f"is the last of more than {_MOST_ELEMENTS} elements; make several models")
+            element.refuse(
+                f"is the last of more than {_MOST_ELEMENTS} elements; make several models"
+            )
 
 
 def read_model(path: str | os.PathLike[str]) -> ModelFile:

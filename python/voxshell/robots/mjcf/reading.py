@@ -60,7 +60,9 @@ def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     stem = os.path.splitext(os.path.basename(file.path))[0]
     robot = RobotDescription(file.path, name or stem, {}, {})
     if not file.sections("worldbody"):
-        robot.refuse("it has no <worldbody>: it is empty, or a part that models <include>; load one of these")
+        robot.refuse(
+            "it has no <worldbody>: it is empty, or a part that models <include>; load one of these"
+        )
     filters = Filters(file.root)
     left_out = LeftOut()
     part = open_part(file, "")

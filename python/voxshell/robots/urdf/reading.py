@@ -12,6 +12,7 @@ from voxshell.base.arguments import as_path
 from voxshell.base.poses import pose as make_pose
 from voxshell.errors import FileAccessError, RobotError
 from voxshell.robots.description import (
+    MOST_LINKS,
     Collision,
     Color,
     Inertial,
@@ -20,13 +21,12 @@ from voxshell.robots.description import (
     LinkDescription,
     MeshFile,
     Primitive,
-    MOST_LINKS,
     RobotDescription,
     shorten_names,
 )
-from voxshell.robots.xml_elements import Dialect, read_elements
 from voxshell.robots.solids import is_sound
 from voxshell.robots.urdf.mesh_paths import find_mesh
+from voxshell.robots.xml_elements import Dialect, read_elements
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -80,7 +80,9 @@ def test_frictions_are_the_largest_of_the_geoms_or_the_calls(load):
     body = "<body name='a'><freejoint/><geom size='0.1' friction='0.3'/><geom size='0.1' friction='0.7 1 1'/></body>"
     assert load(body).links["a"].body.friction == 0.7
     assert load(body, friction=0.2).links["a"].body.friction == 0.2
-    assert load("<body name='a'><freejoint/><geom size='1'/></body>").links["a"].body.friction == 1.0
+    assert (
+        load("<body name='a'><freejoint/><geom size='1'/></body>").links["a"].body.friction == 1.0
+    )
 
 
 def test_a_fall_onto_an_ellipsoid_and_a_mesh_of_vertices(load):

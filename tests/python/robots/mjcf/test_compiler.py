@@ -28,8 +28,12 @@ def test_rotations_have_five_forms(element, text):
 def test_capitals_turn_about_fixed_axes(element):
     body = element("<body euler='90 90 0'/>")
     fixed = Compiler(euler_sequence="XYZ").read_pose(body)
-    np.testing.assert_allclose(fixed[:3, :3], vx.pose(euler=np.radians([90, 90, 0]))[:3, :3], atol=1e-12)
-    turned = Compiler(euler_sequence="yxz", unit=1.0).read_pose(element("<body euler='0.1 0.2 0.3'/>"))
+    np.testing.assert_allclose(
+        fixed[:3, :3], vx.pose(euler=np.radians([90, 90, 0]))[:3, :3], atol=1e-12
+    )
+    turned = Compiler(euler_sequence="yxz", unit=1.0).read_pose(
+        element("<body euler='0.1 0.2 0.3'/>")
+    )
     steps = [vx.pose(axis_angle=(axis, angle)) for axis, angle in (((0, 1, 0), 0.1), ((1, 0, 0), 0.2), ((0, 0, 1), 0.3))]  # fmt: skip
     np.testing.assert_allclose(turned, steps[0] @ steps[1] @ steps[2], atol=1e-12)
 

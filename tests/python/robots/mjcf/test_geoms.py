@@ -36,7 +36,9 @@ def test_shapes_have_half_sizes_or_ends(geom, text):
 
 
 def test_a_geom_with_ends_lies_between_them(geom):
-    place = geom("type='capsule' size='0.1' fromto='1 0 0 1 4 0' pos='9 9 9'").surface.link_from_geometry
+    place = geom(
+        "type='capsule' size='0.1' fromto='1 0 0 1 4 0' pos='9 9 9'"
+    ).surface.link_from_geometry
     np.testing.assert_allclose(place[:3, 3], (1, 2, 0))
     np.testing.assert_allclose(np.abs(place[:3, 2]), (0, 1, 0), atol=1e-12)
 

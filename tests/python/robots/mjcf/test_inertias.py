@@ -13,7 +13,9 @@ BALL = "<geom size='0.1' mass='5'/>"
 @pytest.fixture
 def load(write):
     def load(content: str, compiler: str = ""):
-        path = write(f"<compiler {compiler}/><worldbody><body><freejoint/>{content}</body></worldbody>")
+        path = write(
+            f"<compiler {compiler}/><worldbody><body><freejoint/>{content}</body></worldbody>"
+        )
         return vx.load_mjcf(vx.World(gravity=(0, 0, 0)), path).bodies[0]
 
     return load

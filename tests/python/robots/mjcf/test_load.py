@@ -27,7 +27,9 @@ def test_a_pendulum_swings_in_its_time(write):
 @pytest.mark.parametrize("mesh_as", ["model", "hull"])
 def test_meshes_become_models_or_hulls(write, tmp_path, mesh_as):
     trimesh.creation.box((0.2, 0.2, 0.2)).export(tmp_path / "box.stl")
-    body = "<worldbody><body><freejoint/><geom type='mesh' mesh='box' pos='1 0 0'/></body></worldbody>"
+    body = (
+        "<worldbody><body><freejoint/><geom type='mesh' mesh='box' pos='1 0 0'/></body></worldbody>"
+    )
     path = write("<asset><mesh file='box.stl'/></asset>", body)
     [body] = vx.load_mjcf(vx.World(), path, mesh_as=mesh_as, resolution=20).bodies
     assert isinstance(body.shape, vx.Model if mesh_as == "model" else vx.ConvexHull)
@@ -51,6 +53,8 @@ def test_wrong_calls_are_refused(write):
 
 def test_a_robot_can_be_removed(write):
     world = vx.World()
-    vx.load_mjcf(world, write(PENDULUM, "<worldbody><geom type='plane' size='1 1 1'/></worldbody>")).remove()
+    vx.load_mjcf(
+        world, write(PENDULUM, "<worldbody><geom type='plane' size='1 1 1'/></worldbody>")
+    ).remove()
     assert world.bodies == []
     assert world.joints == []

@@ -11,7 +11,9 @@ def test_includes_are_replaced_by_what_the_files_hold(write, tmp_path):
     (tmp_path / "parts/outer.xml").write_text(
         "<mujoco><mesh name='b'/><include file='parts/inner.xml'/><include file='inner.xml'/></mujoco>"
     )
-    path = write("<asset><mesh name='a'/><include file='parts\\outer.xml'/><mesh name='d'/></asset>")
+    path = write(
+        "<asset><mesh name='a'/><include file='parts\\outer.xml'/><mesh name='d'/></asset>"
+    )
     [asset] = read_model(path).sections("asset")
     assert [mesh.attributes["name"] for mesh in asset.children] == ["a", "b", "c", "c", "d"]
     assert asset.children[1].path.endswith("outer.xml")

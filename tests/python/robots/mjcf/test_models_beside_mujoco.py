@@ -59,17 +59,23 @@ def write_model(rng: np.random.Generator, compiler: str) -> str:
 
     def body(depth: int) -> str:
         # Every body has a geom that counts, whatever the groups.
-        kinds = rng.choice(["", "hinge", "slide", "ball", "hinge hinge", "slide slide hinge"]).split()
+        kinds = rng.choice(
+            ["", "hinge", "slide", "ball", "hinge hinge", "slide slide hinge"]
+        ).split()
         joints = "".join(map(joint, kinds))
         if depth == 0 and rng.random() < 0.3:
             joints = "<freejoint/>"
         geoms = "<geom size='0.1'/>"
         geoms += "".join(geom(str(rng.choice(GEOMS))) for _ in range(rng.integers(1, 4)))
         if rng.random() < 0.3:
-            geoms += f"<inertial pos='{numbers(3)}' {rotation()} mass='2' diaginertia='0.1 0.15 0.2'/>"
+            geoms += (
+                f"<inertial pos='{numbers(3)}' {rotation()} mass='2' diaginertia='0.1 0.15 0.2'/>"
+            )
         inside = "".join(body(depth + 1) for _ in range(rng.integers(0, 3))) if depth < 4 else ""
         made = f"<body name='b{next(counter)}' pos='{numbers(3)}' {rotation()}>{joints}{geoms}{inside}</body>"
-        return f"<frame pos='{numbers(3)}' {rotation()}>{made}</frame>" if rng.random() < 0.3 else made
+        return (
+            f"<frame pos='{numbers(3)}' {rotation()}>{made}</frame>" if rng.random() < 0.3 else made
+        )
 
     bodies = "".join(body(0) for _ in range(3))
     return f"<mujoco><compiler {compiler}/>{ASSET}<worldbody>{bodies}</worldbody></mujoco>"
@@ -92,7 +98,9 @@ def load_both(path: Path) -> tuple[Any, Any, vx.World, vx.Robot]:
     return model, data, world, robot
 
 
-def matter_of(parts: list[tuple[float, np.ndarray, np.ndarray]]) -> tuple[float, np.ndarray, np.ndarray]:
+def matter_of(
+    parts: list[tuple[float, np.ndarray, np.ndarray]],
+) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, center and inertia of parts together, world frame."""
     mass = sum(part[0] for part in parts)
     center = sum(part[0] * part[1] for part in parts) / mass
@@ -116,7 +124,11 @@ def compare(path: Path) -> int:
             groups.setdefault(model.body_weldid[index], []).append(index)
     for first, members in groups.items():
         name = model.body(first).name
-        bodies = [link.body for key, link in robot.links.items() if key == name or key.startswith(f"{name}/")]
+        bodies = [
+            link.body
+            for key, link in robot.links.items()
+            if key == name or key.startswith(f"{name}/")
+        ]
         ours = matter_of([
             (it.mass, (it.pose @ [*it._center, 1])[:3], it.pose[:3, :3] @ it._inertia @ it.pose[:3, :3].T)
             for it in bodies

@@ -12,7 +12,9 @@ from voxshell.robots.mjcf.msh_file import read_msh
 def pack(mesh, normals=0, coordinates=0):
     head = struct.pack("<4i", len(mesh.vertices), normals, coordinates, len(mesh.faces))
     between = b"\0" * 4 * (3 * normals + 2 * coordinates)
-    return head + mesh.vertices.astype("<f4").tobytes() + between + mesh.faces.astype("<i4").tobytes()
+    return (
+        head + mesh.vertices.astype("<f4").tobytes() + between + mesh.faces.astype("<i4").tobytes()
+    )
 
 
 def test_vertices_and_faces_are_read(tmp_path):
