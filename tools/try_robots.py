@@ -64,7 +64,7 @@ import pathlib
 import voxshell as vx
 
 path = pathlib.Path("scene.xml")
-path.write_text('''
+path.write_text(\"\"\"
 <mujoco model="scene">
   <worldbody>
     <geom name="floor" type="plane" size="1 1 0.1"/>
@@ -74,7 +74,7 @@ path.write_text('''
     </body>
     <body name="cup" pos="0 0.5 0.2"><freejoint/><geom type="cylinder" size="0.04 0.05"/></body>
   </worldbody>
-</mujoco>''')
+</mujoco>\"\"\")
 world = vx.World()
 robot = vx.load_mjcf(world, path)
 robot.set_targets({{"shoulder": 0.3}}, max_force=50.0)

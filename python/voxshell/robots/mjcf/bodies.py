@@ -58,6 +58,7 @@ class _Body:
         name: Its own, or made of its number.
         above: Name of the body that it lies in.
         above_from_body: (4, 4).
+        file_from_body: (4, 4), where no joint has moved.
         is_static: Whether it and all above it have no joints.
         part: The model that it is of.
     """
@@ -66,6 +67,7 @@ class _Body:
     where: str
     above: str
     above_from_body: NDArray[np.float64]
+    file_from_body: NDArray[np.float64]
     is_static: bool
     part: Part
     inertial: tuple[Element, NDArray[np.float64]] | None = None
@@ -98,7 +100,7 @@ class BodyReader:
         self._joint_names: set[str] = set()
         self._count = 0
         self._level = 0
-        world = _Body(WORLD, part.file.path, WORLD, np.eye(4), is_static=True, part=part)
+        world = _Body(WORLD, part.file.path, WORLD, np.eye(4), np.eye(4), is_static=True, part=part)
         self._note_part(part)
         children = [child for it in part.file.sections("worldbody") for child in it.children]
         self._collect(children, world, np.eye(4), _Scope(part, MAIN))
@@ -130,7 +132,15 @@ class BodyReader:
         if name in self._robot.links:
             element.refuse("is the second body of that name; rename one")
         place = frame @ part.compiler.read_pose(element)
-        body = _Body(name, element.where, above.name, place, is_static=above.is_static, part=part)
+        body = _Body(
+            name,
+            element.where,
+            above.name,
+            place,
+            above.file_from_body @ place,
+            is_static=above.is_static,
+            part=part,
+        )
         self._collect(element.children, body, np.eye(4), scope.inside(element))
         if body.joints:
             body.is_static = False
@@ -264,11 +274,8 @@ class BodyReader:
 
     def _add_plane(self, body: _Body, geom: Geom) -> None:
         """Adds a link of its own: a plane cannot be a part of a body."""
-        if body.name != WORLD and not (body.is_static and self._is_top(body)):
-            geom.element.refuse(
-                "is a plane of a body that moves or lies in another; only <worldbody> and bodies of it "
-                "without joints can have planes"
-            )
+        if not body.is_static:
+            geom.element.refuse("is a plane of a body that moves; make it a box")
         assert geom.surface is not None
         name = f"{body.name}/{geom.element.attributes.get('name') or f'plane {len(self._robot.links)}'}"
         if name in self._robot.links:
@@ -277,7 +284,7 @@ class BodyReader:
         self._robot.links[name] = LinkDescription(
             name, geom.element.where, (surface,), None, geom.color, geom.friction
         )
-        self._robot.roots[name] = body.above_from_body @ geom.surface.link_from_geometry
+        self._robot.roots[name] = body.file_from_body @ geom.surface.link_from_geometry
         self._filters.place(name, WORLD, True)
         self._filters.add(name, [geom.bits])
 

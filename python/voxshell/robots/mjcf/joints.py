@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -77,7 +76,7 @@ def read_joint(
     )
     axis = normalize(element, "axis", element.numbers("axis", (3,)) or [0.0, 0.0, 1.0])
     x, y, z = (frame[:3, :3] @ axis).tolist()
-    limits = _read_limits(element, compiler)
+    limits = None if kind == "floating" else _read_limits(element, compiler)
     damping, friction = _read_first(element, "damping"), element.number("frictionloss") or 0.0
     if min(damping, friction) < 0.0:
         element.refuse("has a damping or frictionloss below 0")
@@ -128,7 +127,7 @@ def _read_limits(element: Element, compiler: Compiler) -> tuple[float, float] | 
         return None
     if lower > upper or (lower == upper == 0.0):
         element.refuse(
-            f"has a joint with limits {lower:g} to {upper:g}; give a range, the lower limit first"
+            f'has <joint range="{lower:g} {upper:g}">; give a range, the lower limit first'
         )
     return lower, upper
 
@@ -142,7 +141,7 @@ def _note_left_out(
     left_out: LeftOut,
 ) -> None:
     for attribute in ("stiffness", "armature"):
-        if not math.isclose(_read_first(element, attribute), 0.0):
+        if _read_first(element, attribute):
             left_out.note(f"joint {attribute}", name)
     if "springdamper" in element.attributes:
         left_out.note("joint springdamper", name)

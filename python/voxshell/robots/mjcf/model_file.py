@@ -48,9 +48,9 @@ class ModelFile:
             name: As the element gives it.
             near: The element; what it names may lie beside its own file.
         """
-        name = name.strip().replace("\\", "/")
+        name = os.path.join(folder, name.strip()).replace("\\", "/")
         for own in (self.path, near.path):
-            candidate = os.path.join(os.path.dirname(os.path.abspath(own)), folder, name)
+            candidate = os.path.join(os.path.dirname(os.path.abspath(own)), name)
             try:
                 if os.path.isfile(candidate):
                     return candidate

@@ -40,6 +40,21 @@ def test_a_scene_of_several_bodies_is_one_robot(load):
     assert robot.links["cup"].pose[2, 3] == pytest.approx(10.2, abs=2e-3)
 
 
+def test_planes_lie_in_any_body_that_stands_still(load):
+    plane = "<geom type='plane' size='1 1 1' pos='0 0 1'/>"
+    robot = load(
+        f"<body name='a' pos='0 0 1'>{BALL}<body name='b' pos='1 0 0'>{plane}</body></body>"
+    )
+    [name] = [name for name in robot.links if name.startswith("b/")]
+    np.testing.assert_allclose(robot.links[name].pose[:3, 3], (1, 0, 2))
+
+
+def test_a_free_joint_heeds_no_limits_of_its_class(load):
+    limited = "<default><joint limited='true' armature='1'/></default>"
+    body = f"<body name='a'><joint type='free' armature='0'/>{BALL}</body>"
+    assert load(body, before=limited).links["a"].body.motion == "dynamic"
+
+
 def test_frames_move_what_lies_in_them(load):
     robot = load(
         f"""<frame pos='0 0 1' euler='90 0 0'><body name='a' pos='0 1 0'>
