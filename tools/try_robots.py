@@ -91,7 +91,7 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | positions | `qpos` of MuJoCo. A joint whose `ref` is beyond its range begins at the nearest limit |
 | mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
 | box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
-| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may, the bodies do. Bodies that are added otherwise collide with all |
+| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may, the bodies do. Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide; a warning names them. Bodies that are added otherwise collide with all |
 | friction | that of a body is the largest of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one |
 | `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>` and global coordinates are refused |
 | `<actuator>`, `<tendon>`, `<equality>`, springs, armatures, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |

@@ -17,7 +17,7 @@ from voxshell.robots.robot import Link, Robot, RobotWarning, Strength
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -64,7 +64,7 @@ class Assembly:
         shapes: Of all lumps.
         world_from_file: (4, 4).
         friction: Of all bodies; None for that of the file.
-        apart: Lists lumps that do not collide with each other.
+        apart: Lumps with shapes that do not collide with each other.
         joints_collide: Whether the links of a joint collide, unless they are listed.
     """
 
@@ -77,7 +77,7 @@ class Assembly:
         world_from_file: NDArray[np.float64],
         *,
         friction: float | None,
-        apart: Callable[[list[Lump]], Iterable[tuple[Lump, Lump]]],
+        apart: Iterable[tuple[Lump, Lump]],
         joints_collide: bool,
     ) -> None:
         self._robot = robot
@@ -137,9 +137,7 @@ class Assembly:
             body = bodies[lump]
             offset = lump.links[name] if body is not None else self._places[name]
             links[name] = Link(name, body, offset, robot.links[name].color)
-        for a, b in self._apart(
-            [lump for lump, shape in self._shapes.items() if shape is not None]
-        ):
+        for a, b in self._apart:
             one, other = bodies[a], bodies[b]
             assert one is not None
             assert other is not None

@@ -42,7 +42,7 @@ def add(world, links, joints, *, friction=None, place=None, apart=(), collide=Tr
     return Assembly(
         robot, lumps, complete_matter(robot, unique[1:]), {it: shaper.shape_of(it) for it in unique},
         np.eye(4) if place is None else place, friction=friction, joints_collide=collide,
-        apart=lambda lumps: combinations(lumps, 2) if apart == "all" else apart,
+        apart=combinations(unique, 2) if apart == "all" else apart,
     ).add(world)  # fmt: skip
 
 

@@ -8,8 +8,6 @@ from operator import or_
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from voxshell.robots.lumps import Lump
     from voxshell.robots.xml_elements import Element
 
@@ -66,17 +64,17 @@ class Filters:
             reduce(or_, (it[1] for it in bits), 0),
         )
 
-    def list_apart(
-        self, lump_of: dict[str, Lump], static: set[Lump], lumps: list[Lump], within_trees: bool
-    ) -> Iterator[tuple[Lump, Lump]]:
-        """The pairs of lumps that do not collide.
+    def sort_pairs(
+        self, lump_of: dict[str, Lump], static: set[Lump], lumps: list[Lump]
+    ) -> tuple[list[tuple[Lump, Lump]], list[tuple[Lump, Lump]]]:
+        """The pairs of lumps that do not collide, and those of one tree that may.
 
         Args:
             lump_of: By the names of links.
             static: Those that do not move.
             lumps: From which pairs are made.
-            within_trees: Whether what hangs together may collide.
         """
+        apart, own = [], []
         excluded = {
             frozenset((lump_of[a], lump_of[b]))
             for a, b in self._excluded
@@ -99,9 +97,11 @@ class Filters:
             meets = (type_a & affinity_b or type_b & affinity_a) and not (
                 both in excluded or (is_near and not self._parents_collide)
             )
-            is_own = tops[a] == tops[b]
-            if not (self._collides and (meets or both in paired)) or (is_own and not within_trees):
-                yield a, b
+            if not (self._collides and (meets or both in paired)):
+                apart.append((a, b))
+            elif tops[a] == tops[b]:
+                own.append((a, b))
+        return apart, own
 
     def _join_bits(self, lump: Lump) -> tuple[int, int]:
         """Of all geoms: two lumps meet if any two of their geoms do."""

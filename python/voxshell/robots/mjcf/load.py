@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from voxshell.robots.assembly import Assembly, check_place
+from voxshell.robots.description import shorten_names
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
 from voxshell.robots.mjcf.carriers import share_matter
+from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
 from voxshell.robots.mjcf.reading import read_mjcf
 from voxshell.robots.shapes import MeshSettings, Shaper
 
@@ -43,6 +45,7 @@ def load_mjcf(
     Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``; those whose ``ref`` is beyond
     their limits begin at the nearest limit, with a :class:`RobotWarning`. Bodies have the largest friction of
     their geoms; note that Bullet multiplies the frictions of two bodies, and MuJoCo takes the larger.
+    Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
     Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
     Actuators, tendons, equalities, springs and armatures are not simulated; a :class:`RobotWarning` lists what the
     file has of them. Gravity and time step are the world's.
@@ -116,16 +119,29 @@ def load_mjcf(
     matter = complete_matter(robot, (it for it in lumps if it not in static | carriers))
     share_matter(matter, model.carriers, lump_of)
     shaper = Shaper(robot, settings)
+    shapes = {lump: shaper.shape_of(lump) for lump in lumps}
+    meeting = [lump for lump, shape in shapes.items() if shape is not None]
+    apart, own = filters.sort_pairs(lump_of, static, meeting)
+    if not self_collision:
+        apart += own
     assembly = Assembly(
         robot,
         lump_of,
         matter,
-        {lump: shaper.shape_of(lump) for lump in lumps},
+        shapes,
         world_from_file,
         friction=friction,
-        apart=lambda meeting: filters.list_apart(lump_of, static, meeting, self_collision),
+        apart=apart,
         joints_collide=True,
     )
     made = assembly.add(world)
+    if self_collision:
+        bodies = {lump: made.links[lump.first].body for lump in meeting}
+        pairs = ((bodies[a], bodies[b]) for a, b in own)
+        found = keep_overlaps_apart(world, ((a, b) for a, b in pairs if a and b))
+        if found:
+            robot.left_out.append(
+                f"collisions of links that overlap from the beginning ({shorten_names(found)})"
+            )
     assembly.warn()
     return made

@@ -113,14 +113,16 @@ def load_urdf(
     unique = list(dict.fromkeys(lumps.values()))
     matter = complete_matter(robot, (it for it in unique if not (fixed_base and it is lumps[root])))
     shaper = Shaper(robot, settings)
+    shapes = {lump: shaper.shape_of(lump) for lump in unique}
+    meeting = [lump for lump, shape in shapes.items() if shape is not None]
     assembly = Assembly(
         robot,
         lumps,
         matter,
-        {lump: shaper.shape_of(lump) for lump in unique},
+        shapes,
         world_from_root,
         friction=friction,
-        apart=lambda lumps: () if self_collision else combinations(lumps, 2),
+        apart=() if self_collision else combinations(meeting, 2),
         joints_collide=False,
     )
     made = assembly.add(world)

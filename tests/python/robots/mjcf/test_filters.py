@@ -4,9 +4,15 @@ import pytest
 import voxshell as vx
 
 
-def ball(name: str, attributes: str = "", inside: str = "", joint: str = "<freejoint/>") -> str:
+NEAR = 0.199
+"""Where a ball touches one at the origin, and overlaps it a little."""
+
+
+def ball(
+    name: str, attributes: str = "", inside: str = "", joint: str = "<freejoint/>", x: float = 0.0
+) -> str:
     geom = f"<geom name='{name}_geom' size='0.1' {attributes}/>"
-    return f"<body name='{name}'>{joint}{geom}{inside}</body>"
+    return f"<body name='{name}' pos='{x} 0 0'>{joint}{geom}{inside}</body>"
 
 
 @pytest.fixture
@@ -41,22 +47,22 @@ def test_bits_decide_what_collides(touching):
 
 
 def test_parent_and_child_do_not_collide_unless_told(touching):
-    tree = ball("a", inside=ball("b", joint="<joint/>"))
+    tree = ball("a", inside=ball("b", joint="<joint/>", x=NEAR))
     assert touching(tree) == set()
     told = "<option><flag filterparent='disable'/></option>"
     assert touching(tree, rules=told) == AB
-    static = ball("a", joint="", inside=ball("b", joint="<joint/>"))
+    static = ball("a", joint="", inside=ball("b", joint="<joint/>", x=NEAR))
     assert touching(static) == AB
 
 
 def test_a_chain_of_joints_is_no_way_around(touching):
     joints = "<joint axis='1 0 0'/><joint axis='0 1 0'/>"
-    assert touching(ball("a", inside=ball("b", joint=joints))) == set()
+    assert touching(ball("a", inside=ball("b", joint=joints, x=NEAR))) == set()
 
 
 def test_grandchildren_collide_unless_the_call_says_no(touching):
     tree = ball("a", inside=ball("x", "contype='0' conaffinity='0'", joint="<joint/>",
-                                 inside=ball("b", joint="<joint/>")))  # fmt: skip
+                                 inside=ball("b", joint="<joint/>", x=NEAR)))  # fmt: skip
     assert touching(tree) == AB
     assert touching(tree, self_collision=False) == set()
     assert touching(ball("a"), ball("b"), self_collision=False) == AB
