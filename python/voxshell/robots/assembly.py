@@ -15,6 +15,7 @@ from voxshell.robots.description import RobotDescription, shorten_names
 from voxshell.robots.matter import DENSITY, GHOST_MASS, Matter
 from voxshell.robots.robot import Link, Robot, RobotWarning, Strength
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
     from voxshell.simulation.compound import Compound, Part
     from voxshell.simulation.joints import Joint
-    from voxshell.simulation.world import World
 
 _MARKER_RADIUS = 0.005
 """Of the ball that stands for a body without a surface, metres; it meets nothing."""
@@ -45,8 +45,6 @@ def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArra
         PoseError: ``pose`` is not a rigid transform.
         SettingsError: ``friction`` is out of range.
     """
-    from voxshell.simulation.world import World  # which imports much
-
     world_from_file = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
     if not isinstance(world, World):
         raise InputTypeError(f"world must be a World, not {type(world).__name__}")

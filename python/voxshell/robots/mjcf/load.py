@@ -138,7 +138,11 @@ def load_mjcf(
     if self_collision:
         bodies = {lump: made.links[lump.first].body for lump in meeting}
         pairs = ((bodies[a], bodies[b]) for a, b in own)
-        found = keep_overlaps_apart(world, ((a, b) for a, b in pairs if a and b))
+        try:
+            found = keep_overlaps_apart(world, ((a, b) for a, b in pairs if a and b))
+        except BaseException:  # an interrupt, since a large model takes its time
+            made.remove()
+            raise
         if found:
             robot.left_out.append(
                 f"collisions of links that overlap from the beginning ({shorten_names(found)})"

@@ -3,7 +3,6 @@ from __future__ import annotations
 import pytest
 import voxshell as vx
 
-
 NEAR = 0.199
 """Where a ball touches one at the origin, and overlaps it a little."""
 
