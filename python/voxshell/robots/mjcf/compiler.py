@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from voxshell.robots.xml_elements import Element
 
 _SWITCH = ("false", "true")
-_ROTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+ROTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+"""Attributes that give a rotation; an element has one of them."""
+
 _LEAST_LENGTH = 1e-10
 """Of a direction, below which it has none; as in MuJoCo."""
 
@@ -63,7 +65,7 @@ class Compiler:
         """
         position = element.numbers("pos", (3,)) or (0.0, 0.0, 0.0)
         made = make_pose(position)
-        given = next((it for it in _ROTATIONS if it in element.attributes), None)
+        given = next((it for it in ROTATIONS if it in element.attributes), None)
         if given is not None:
             made[:3, :3] = self._read_rotation(element, given)
         return made

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from voxshell.robots.mjcf.compiler import ROTATIONS
+
 if TYPE_CHECKING:
     from voxshell.robots.xml_elements import Element
 
@@ -41,12 +43,16 @@ class Defaults:
     def complete(self, element: Element, child_class: str) -> Element:
         """An element with the attributes of its class, or of the class that its body gives.
 
+        Its own rotation, in whatever form, replaces that of the class.
+
         Raises:
             RobotError: There is no such class.
         """
         name = element.attributes.get("class", child_class)
         self.check(element, name)
         given = self._classes[name].get(element.tag, {})
+        if not element.attributes.keys().isdisjoint(ROTATIONS):
+            given = {key: value for key, value in given.items() if key not in ROTATIONS}
         return replace(element, attributes={**given, **element.attributes})
 
     def check(self, element: Element, name: str) -> None:

@@ -29,6 +29,16 @@ def test_the_class_of_an_element_comes_before_that_of_its_body(read):
     assert defaults.complete(geom, "small").attributes["size"] == "1"
 
 
+def test_an_elements_rotation_replaces_that_of_its_class(read):
+    defaults = Defaults(
+        read("<default><geom euler='9 0 0' size='1'/></default>").sections("default")
+    )
+    [turned] = read("<geom quat='1 0 0 1'/>").root.children
+    assert defaults.complete(turned, MAIN).attributes == {"size": "1", "quat": "1 0 0 1"}
+    [plain] = read("<geom/>").root.children
+    assert defaults.complete(plain, MAIN).attributes == {"size": "1", "euler": "9 0 0"}
+
+
 def test_an_unknown_class_is_refused(read):
     defaults = Defaults([])
     [geom] = read("<geom class='none'/>").root.children
