@@ -35,7 +35,7 @@ function(download_bullet folder)
         "pip could not download ${bullet_release}.tar.gz, the sources of the Bullet that Python's World uses:\n"
         "${output}\n"
         "Without a network, either give the file, with -DVOXSHELL_BULLET_ARCHIVE=FILE, or put it into ${folder}; "
-        "or build with the system's Bullet: -DVOXSHELL_PINNED_BULLET=OFF -DVOXSHELL_BUILD_BULLET=ON "
+        "or build with the system's Bullet: -DVOXSHELL_PINNED_BULLET=OFF -DVOXSHELL_BUILD_BULLET=float64 "
         "(with ./dev: VOXSHELL_PINNED_BULLET=OFF in the environment).")
   endif()
   file(MAKE_DIRECTORY "${folder}")

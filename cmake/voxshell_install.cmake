@@ -46,9 +46,11 @@ function(voxshell_add_pkgconfig name library description requires flags)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/${name}.pc" DESTINATION "${pkgconfig_dir}" ${component})
 endfunction()
 voxshell_add_pkgconfig(voxshell-core voxshell_core "${PROJECT_DESCRIPTION}" "" "-pthread")
-if(VOXSHELL_BUILD_BULLET)
+if(TARGET voxshell_bullet)
   voxshell_add_pkgconfig(voxshell-bullet voxshell_bullet "voxshell in Bullet, single precision"
                          "voxshell-core, bullet >= 3.0" "")
+endif()
+if(TARGET voxshell_bullet_float64)
   voxshell_add_pkgconfig(voxshell-bullet_float64 voxshell_bullet_float64
                          "voxshell in Bullet, double precision"
                          "voxshell-core, bullet-float64 >= 3.0" "")

@@ -1,11 +1,8 @@
 #include "voxshell/contacts.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "query/deepest.h"
 #include "query/edge_search.h"
@@ -15,25 +12,6 @@
 
 namespace voxshell {
 namespace {
-
-/// To the bit: a zero's sign may decide between two faces of a field.
-bool is_same(const Pose& a, const Pose& b) {
-  using Bits = std::array<std::uint64_t, 12>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-}
-
-/// Whether the last query asked the very same and its answer is still there. Planes are told apart
-/// in float64, which their views are not.
-template <class V>
-bool is_answered(const QueryScratch::State::Survivors& last, const V& field,
-                 const simd::TreeView& tree, std::uint64_t edges, const Pose& field_from_shell,
-                 const ContactOptions& options) {
-  if constexpr (std::is_same_v<V, simd::PlaneView>) return false;
-  const V* known = std::get_if<V>(&last.field);
-  return last.are_contacts_kept && known != nullptr && *known == field &&
-         last.tree == tree.serial && last.edges == edges && last.margin == options.margin &&
-         last.max_points == options.max_points && is_same(last.last_asked, field_from_shell);
-}
 
 /// No point of a sphere moves by more than this between two poses, metres.
 double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
@@ -158,9 +136,13 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
   const EdgeSegments* edges = shell.edges();
   const std::uint64_t edge_serial = edges == nullptr ? 0 : edges->view().tree.serial;
   with_view(field, [&]<class V>(const auto& typed, const V& view) {
-    if (is_answered(state.survivors, view, tree, edge_serial, field_from_shell, options)) return;
-    state.reserve(tree, shell.element_count() - shell.size());
     const auto posed = make_posed(typed, view, shell, field_from_shell);
+    const QueryScratch::State::Question question{
+        view, tree.serial, edge_serial, bits_of(posed), options.margin, options.max_points};
+    const bool is_asked_again = question == state.asked;
+    const std::size_t pieces = shell.element_count() - shell.size();
+    if (is_asked_again && state.recall_contacts(tree, pieces)) return;
+    state.reserve(tree, pieces);
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     const simd::PointList points =
         find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
@@ -173,9 +155,8 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
     }
     state.lists().contact_count =
         keep_deepest(state.contact_data(), state.lists().contact_count, options.max_points);
-    state.survivors.are_contacts_kept = state.owns_lists();
-    state.survivors.edges = edge_serial;
-    state.survivors.max_points = options.max_points;
+    state.asked = question;
+    state.keep_contacts(is_asked_again);
   });
   return scratch.contacts();
 }

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <type_traits>
 #include <variant>
 
@@ -34,12 +37,30 @@ inline double compute_reach(const PointShell& shell) {
   return std::max(of_points, compute_reach(edges->tree()) + static_cast<double>(edges->reach()));
 }
 
-inline void write_floats(const Vec3& from, float (&to)[3]) {
-  const auto rounded = static_cast<Vec3f>(from);
-  to[0] = rounded.x;
-  to[1] = rounded.y;
-  to[2] = rounded.z;
-}
+/// Rounds to a multiple of a power of two times `size`: to a sixty-fourth or less of what float32
+/// can tell at coordinates of that size. float32 would keep far smaller digits of numbers near
+/// zero, and the sign of zero; without them, bodies that tremble by less ask the same questions
+/// again.
+class Quantum {
+ public:
+  explicit Quantum(double size) {
+    int exponent = 0;
+    std::frexp(size, &exponent);
+    constexpr int kBits = 30;
+    constexpr int kMantissaBits = 52;
+    shift_ = std::ldexp(1.5, exponent - kBits + kMantissaBits);
+  }
+  void round(const Vec3& from, float (&to)[3]) const {
+    to[0] = round(from.x);
+    to[1] = round(from.y);
+    to[2] = round(from.z);
+  }
+  /// A sum so large has no room for smaller digits.
+  float round(double number) const { return static_cast<float>((number + shift_) - shift_); }
+
+ private:
+  double shift_;
+};
 
 /// The field as the shell sees it; `view` is the field's, which callers have at hand. The pose is
 /// worked out in float64 and applied in float32.
@@ -48,12 +69,13 @@ simd::PosedView<V> make_posed(const F& field, const V& view, const PointShell& s
                               const Pose& field_from_shell) {
   simd::PosedView<V> posed;
   posed.field = view;
-  write_floats(field_from_shell.rotation.row_x, posed.row_x);
-  write_floats(field_from_shell.rotation.row_y, posed.row_y);
-  write_floats(field_from_shell.rotation.row_z, posed.row_z);
-  write_floats(field_from_shell.translation, posed.translation);
-  posed.slack = compute_rounding_slack(field.reach() + compute_reach(shell) +
-                                       length(field_from_shell.translation));
+  const Quantum of_turns(1.0);
+  of_turns.round(field_from_shell.rotation.row_x, posed.row_x);
+  of_turns.round(field_from_shell.rotation.row_y, posed.row_y);
+  of_turns.round(field_from_shell.rotation.row_z, posed.row_z);
+  const double reach = field.reach() + compute_reach(shell);
+  Quantum(reach).round(field_from_shell.translation, posed.translation);
+  posed.slack = compute_rounding_slack(reach + length(field_from_shell.translation));
   return posed;
 }
 
@@ -63,11 +85,37 @@ inline simd::PosedView<simd::PlaneView> make_posed(const PlaneField& plane, cons
                                                    const PointShell& shell,
                                                    const Pose& field_from_shell) {
   simd::PosedView<simd::PlaneView> posed;
-  write_floats(field_from_shell.rotation.transposed() * plane.normal, posed.field.normal);
+  Quantum(1.0).round(field_from_shell.rotation.transposed() * plane.normal, posed.field.normal);
   const double offset = plane.offset - dot(plane.normal, field_from_shell.translation);
-  posed.field.offset = static_cast<float>(offset);
-  posed.slack = compute_rounding_slack(std::abs(offset) + compute_reach(shell));
+  const double reach = compute_reach(shell);
+  posed.field.offset = Quantum(reach).round(offset);
+  posed.slack = compute_rounding_slack(std::abs(offset) + reach);
   return posed;
+}
+
+/// All that an answer depends on beside field, shell and options. Not the slack, by which no answer
+/// differs.
+using PosedBits = std::array<std::uint32_t, 12>;
+
+template <class V>
+PosedBits bits_of(const simd::PosedView<V>& posed) {
+  PosedBits bits{};
+  std::size_t count = 0;
+  const auto append = [&](const auto& floats) {
+    for (const float value : floats) bits[count++] = std::bit_cast<std::uint32_t>(value);
+  };
+  append(posed.row_x);
+  append(posed.row_y);
+  append(posed.row_z);
+  append(posed.translation);
+  return bits;
+}
+
+inline PosedBits bits_of(const simd::PosedView<simd::PlaneView>& posed) {
+  const float (&normal)[3] = posed.field.normal;
+  return {std::bit_cast<std::uint32_t>(normal[0]), std::bit_cast<std::uint32_t>(normal[1]),
+          std::bit_cast<std::uint32_t>(normal[2]),
+          std::bit_cast<std::uint32_t>(posed.field.offset)};
 }
 
 /// Calls `visit` with the field and its view, whatever its type.

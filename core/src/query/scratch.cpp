@@ -45,8 +45,24 @@ bool QueryLists::State::reserve(const simd::TreeView& tree, std::size_t more) {
 }
 
 void QueryScratch::State::reserve(const simd::TreeView& tree, std::size_t more) {
-  survivors.are_contacts_kept = false;
+  if (owns_lists()) is_answer_kept_ = false;
   if (lists().reserve(tree, more) && owns_lists()) survivors.forget();
+}
+
+bool QueryScratch::State::recall_contacts(const simd::TreeView& tree, std::size_t more) {
+  if (!is_answer_kept_) return false;
+  if (owns_lists()) return true;
+  lists().reserve(tree, more);
+  std::ranges::copy(answer_, contact_data());
+  lists().contact_count = answer_.size();
+  return true;
+}
+
+void QueryScratch::State::keep_contacts(bool is_asked_again) {
+  is_answer_kept_ = owns_lists() || is_asked_again;
+  if (owns_lists() || !is_asked_again) return;
+  const Contact* const found = contact_data();
+  answer_.assign(found, found + lists().contact_count);
 }
 
 void QueryScratch::State::keep_survivors() {

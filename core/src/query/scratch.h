@@ -6,7 +6,9 @@
 #include <new>
 #include <utility>
 #include <variant>
+#include <vector>
 
+#include "query/posed.h"
 #include "simd/query_kernels.h"
 #include "voxshell/cache_lines.h"
 #include "voxshell/contacts.h"
@@ -130,22 +132,37 @@ struct QueryScratch::State {
   struct Survivors {
     ViewOf<Field>::Any field;  ///< none: there are no survivors to go on from
     std::uint64_t tree = 0;
-    std::uint64_t edges = 0;  ///< the tree of the shell's edges
     Pose field_from_shell;
     float margin = 0.0f;
     static constexpr double kNotKept = -1.0;
     double growth = 0.0;  ///< serves all poses that move no point by more than this, metres
     Pose last_asked;
-    bool are_contacts_kept = false;  ///< those of last_asked are where they were written
-    std::size_t max_points = 0;      ///< of those
-    simd::NodeList slots{};          ///< without growth
-    simd::PointList points{};        ///< with growth
+    simd::NodeList slots{};    ///< without growth
+    simd::PointList points{};  ///< with growth
 
-    void forget() {
-      field = std::monostate{};
-      are_contacts_kept = false;
-    }
+    void forget() { field = std::monostate{}; }
   } survivors;
+
+  /// What the last search for contacts was asked, all that its answer depends on, and the answer:
+  /// bodies at rest ask the same again.
+  struct Question {
+    ViewOf<Field>::Any field;
+    std::uint64_t tree = 0;
+    std::uint64_t edges = 0;  ///< the tree of the shell's edges
+    PosedBits posed{};
+    float margin = 0.0f;
+    std::size_t max_points = 0;
+
+    bool operator==(const Question&) const = default;
+  } asked;
+
+  /// Whether it still had the contacts of the question that was asked last. They are in the lists,
+  /// with room for any query about a shell of this tree and for `more` contacts.
+  bool recall_contacts(const simd::TreeView& tree, std::size_t more);
+
+  /// Keeps the contacts just found as the answer to what was asked. Where the lists are not its
+  /// own, it makes a copy if the question `is_asked_again`: most are asked once.
+  void keep_contacts(bool is_asked_again);
 
  private:
   static simd::PointList make_point_list(const ListMemory& memory, std::size_t first) {
@@ -159,6 +176,8 @@ struct QueryScratch::State {
   }
 
   QueryLists::State own_;
+  bool is_answer_kept_ = false;
+  std::vector<Contact> answer_;  ///< where the lists are not its own
   QueryLists::State* borrowed_ = nullptr;
   ListMemory kept_;
   std::size_t kept_capacity_ = 0;

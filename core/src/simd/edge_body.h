@@ -13,16 +13,28 @@ VOXSHELL_INLINE Triple<float> half_of(const EdgeView& edges, uint32_t id) {
 }
 
 /// Whether a place of the piece may be below the margin, by balls about places along it that
-/// overlap: a second look before the search for the least place.
+/// overlap: a second look before the search for the least place. The tag is that of a ball that
+/// holds the piece.
 template <class V>
 VOXSHELL_INLINE bool may_touch(const PosedView<V>& posed, const EdgeView& edges,
-                               const Triple<float>& middle, const Triple<float>& half,
+                               const Triple<float>& middle, const Triple<float>& half, uint32_t tag,
                                float margin) {
   constexpr F8 kCentres = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
   constexpr float kFraction = 0.1251f;
-  const F8 bound = bound_points(posed, place_on_edge(middle, half, kCentres), 0,
+  const F8 bound = bound_points(posed, place_on_edge(middle, half, kCentres), tag,
                                 kFraction * edges.reach, margin);
   return lanes_below(bound, margin) != 0;
+}
+
+/// Distances of eight places in a tagged ball. Those by its plane are exact below the margin.
+template <class V>
+VOXSHELL_INLINE F8 measure_places(const PosedView<V>& posed, const Triple<F8>& p, uint32_t tag,
+                                  float margin) {
+  if (tag != 0) {
+    const F8 distance = tagged_distance(posed, p, tag, margin);
+    if (all(distance < margin)) return distance;
+  }
+  return posed_distance(posed, p);
 }
 
 /// Eight searches at a time: each round waits for the one before, but not for those of others.
@@ -30,15 +42,23 @@ class EdgeSearches {
  public:
   int count() const { return count_; }
   bool is_full() const { return count_ == kLanes; }
-  void add(const Triple<float>& middle, const Triple<float>& half) {
+  void add(const Triple<float>& middle, const Triple<float>& half, uint32_t tag) {
+    tags_[count_] = tag;
     searches_[count_++] = {middle, half};
   }
 
-  /// Ends them all. The best places of those that were added; other lanes repeat the first.
+  /// Ends them all. The best places of those that were added, and their distances; other lanes
+  /// repeat the first.
   template <class V>
-  VOXSHELL_INLINE Triple<F8> finish(const PosedView<V>& posed, float tie) {
+  VOXSHELL_INLINE Triple<F8> finish(const PosedView<V>& posed, float tie, float margin,
+                                    F8& distance) {
+    bool have_one_tag = true;
+    for (int i = 1; i < count_; ++i) have_one_tag = have_one_tag && tags_[i] == tags_[0];
     for (int round = 0; round < EdgeSearch::kRounds; ++round) {
-      for (int i = 0; i < count_; ++i) searches_[i].go_on(posed, tie);
+      for (int i = 0; i < count_; ++i) {
+        searches_[i].go_on(
+            tie, [&](const Triple<F8>& p) { return measure_places(posed, p, tags_[i], margin); });
+      }
     }
     Triple<F8> p{};
     for (int i = 0; i < kLanes; ++i) {
@@ -49,11 +69,13 @@ class EdgeSearches {
       p.z[i] = place.z;
     }
     count_ = 0;
+    distance = measure_places(posed, p, have_one_tag ? tags_[0] : 0, margin);
     return p;
   }
 
  private:
   EdgeSearch searches_[kLanes];
+  uint32_t tags_[kLanes];
   int count_ = 0;
 };
 
@@ -66,8 +88,8 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
   const auto finish = [&] {
     const int found = searches.count();
     if (found == 0) return;
-    const Triple<F8> p = searches.finish(posed, edges.tie);
-    const F8 distance = posed_distance(posed, p);
+    F8 distance;
+    const Triple<F8> p = searches.finish(posed, edges.tie, margin, distance);
     const unsigned lanes = bits(distance < margin) & ((1u << found) - 1);
     compress(out.id + count, ids, lanes);
     const I8 tags{};
@@ -81,9 +103,9 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
   for (uint32_t i = 0; i < pieces.count; ++i) {
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
-    if (!may_touch(posed, edges, middle, half, margin)) continue;
+    if (!may_touch(posed, edges, middle, half, pieces.tag[i], margin)) continue;
     ids[searches.count()] = static_cast<int32_t>(pieces.id[i]);
-    searches.add(middle, half);
+    searches.add(middle, half, pieces.tag[i]);
     if (searches.is_full()) finish();
   }
   finish();
@@ -104,8 +126,8 @@ void find_deepest_edges(const PosedView<V>& posed, const EdgeView& edges, const 
   const auto finish = [&] {
     const int found = searches.count();
     if (found == 0) return;
-    const Triple<F8> p = searches.finish(posed, edges.tie);
-    const F8 distance = posed_distance(posed, p);
+    F8 distance;
+    const Triple<F8> p = searches.finish(posed, edges.tie, margin, distance);
     for (int i = 0; i < found; ++i) {
       FoundPoint& known = best[groups[i]];
       const float d = distance[i];
@@ -119,10 +141,11 @@ void find_deepest_edges(const PosedView<V>& posed, const EdgeView& edges, const 
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
     const float reach = limit(group) + posed.slack;
-    if (!may_touch(posed, edges, middle, half, reach < margin ? reach : margin)) return;
+    const uint32_t tag = pieces.tag[i];
+    if (!may_touch(posed, edges, middle, half, tag, reach < margin ? reach : margin)) return;
     groups[searches.count()] = group;
     ids[searches.count()] = pieces.id[i];
-    searches.add(middle, half);
+    searches.add(middle, half, tag);
     if (searches.is_full()) finish();
   };
   const auto first_of = [&](uint32_t group) { return group == 0 ? 0 : group_ends[group - 1]; };
@@ -185,7 +208,7 @@ VOXSHELL_INLINE void visit_edges(const PosedView<V>& posed, const EdgeView& edge
         const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
         const Triple<float> middle{middles.x[lane], middles.y[lane], middles.z[lane]};
         const Triple<float> half = half_of(edges, id);
-        if (!may_touch(posed, edges, middle, half, find_reach())) continue;
+        if (!may_touch(posed, edges, middle, half, node.tag, find_reach())) continue;
         const float t = find_place_on_edge(posed, middle, half, edges.tie);
         const Triple<float> place = place_on_edge(middle, half, t);
         const Triple<F8> p{splat<F8>(place.x), splat<F8>(place.y), splat<F8>(place.z)};

@@ -16,9 +16,14 @@ run("${CMAKE_COMMAND}" --build "${WORK_DIR}/build")
 run("${WORK_DIR}/build/falling_ring")
 
 file(RENAME "${WORK_DIR}/installed" "${WORK_DIR}/moved")
-file(GLOB_RECURSE core_pc "${WORK_DIR}/moved/*/voxshell-core.pc")
-cmake_path(GET core_pc PARENT_PATH folder)
-foreach(name IN ITEMS voxshell-core voxshell-bullet voxshell-bullet_float64)
+file(GLOB_RECURSE packages "${WORK_DIR}/moved/*/voxshell-*.pc")
+list(LENGTH packages count)
+if(count LESS 2)
+  message(FATAL_ERROR "installed for pkg-config: '${packages}', not the core and an adapter")
+endif()
+foreach(package IN LISTS packages)
+  cmake_path(GET package PARENT_PATH folder)
+  cmake_path(GET package STEM name)
   execute_process(
     COMMAND "${CMAKE_COMMAND}" -E env "PKG_CONFIG_PATH=${folder}" "${PKG_CONFIG}" --cflags --libs ${name}
     OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)

@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x848738696a28737c, 0x6436d55394b12eb8, 0x2d92cb3aed00962f, 0xaf63673f623188f7,
-        0x6988b1f7478af41c, 0x227e8b9bb5404ed4}},
+       {0x6d287443d2135a31, 0x7ef193a1f569e7c1, 0xf342eba055f80df8, 0xa38a44b923e5d4d7,
+        0x28b28a7379542abc, 0x6290e481e3cbb8d}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x136e9d50911834ce, 0x31ab646faada905c, 0xf936925d75b43fa2, 0x55d5ed304a90aa3a,
-        0xe578ba39b2720bca, 0xfacb3afc64e047c3}},
+       {0x8ac050ef12ac8cf4, 0x4720b8fcb4c2ddc8, 0xd0cc363f2bfcb0bd, 0x319a7a7c20f58512,
+        0xfba3ed962c18d066, 0x753e30fc0d6c39da}},
   };
   return hashes;
 }

@@ -203,6 +203,7 @@ DEMANDED = {
 }
 
 
+@pytest.mark.slow
 def test_every_published_figure_has_a_verdict(report):
     _, out = report
     rows = json.loads((out / "report.json").read_text(), parse_constant=pytest.fail)["rows"]
@@ -219,6 +220,7 @@ def test_every_published_figure_has_a_verdict(report):
     assert all(row["published"] is not None for row in rows if row["reproduced"] is not None)
 
 
+@pytest.mark.slow
 def test_page_opens_offline(report, browser):
     _, out = report
     context = browser.new_context(offline=True)
@@ -242,6 +244,7 @@ def test_page_opens_offline(report, browser):
     context.close()
 
 
+@pytest.mark.slow
 def test_table_is_printed_and_written(report):
     result, out = report
     for title in ("Bouncing ball", "Stack of spheres", "Falling bunny", "Low rates"):
@@ -251,6 +254,7 @@ def test_table_is_printed_and_written(report):
     assert len(table) > 20
 
 
+@pytest.mark.slow
 def test_two_runs_of_untimed_experiments_are_identical(report, settings, tmp_path):
     _, out = report
     result = reproduce("stack", "--quick", "--settings", settings, "--out", tmp_path, "--json")
@@ -268,6 +272,7 @@ def wait_for_parts(out: Path, process: subprocess.Popen, count: int = 1) -> None
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 def test_killed_run_goes_on_to_the_same_report(report, settings, tmp_path):
     _, out = report
     arguments = ("rates", "--quick", "--settings", settings, "--out", tmp_path, "--json")
@@ -347,6 +352,7 @@ def cluster(tmp_path):
         process.wait()
 
 
+@pytest.mark.slow
 def test_cluster_that_loses_a_worker_gives_the_same_data(report, settings, cluster, tmp_path):
     address, workers = cluster
     _, out = report

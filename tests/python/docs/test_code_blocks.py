@@ -99,14 +99,14 @@ def link_cpp(block: Block, folder: Path) -> subprocess.CompletedProcess[str]:
     cflags, libs = (
         shlex.split(
             subprocess.run(
-                ["pkg-config", option, "bullet-float64"], capture_output=True, text=True, check=True
+                ["pkg-config", option, "bullet"], capture_output=True, text=True, check=True
             ).stdout
         )
         for option in ("--cflags", "--libs")
     )
     headers = [f"-I{ROOT / 'core/include'}", f"-I{ROOT / 'bullet/include'}"]
     libraries = [
-        str(BUILD / "bullet/libvoxshell_bullet_float64.a"),
+        str(BUILD / "bullet/libvoxshell_bullet.a"),
         str(BUILD / "core/libvoxshell_core.a"),
     ]
     return subprocess.run(

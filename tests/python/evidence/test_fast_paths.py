@@ -20,7 +20,7 @@ import voxshell as vx
 from fast_paths import Asker, Pair, compare_all, far_touching_or_deep
 from parts import MM
 
-POSES = int(os.environ.get("VOXSHELL_POSES", "1440"))  # a pair
+POSES = int(os.environ.get("VOXSHELL_POSES", "480"))  # a pair
 CHUNK = 240  # poses whose contacts are held at once
 
 RING_GEAR = "differential/diff_ring.stl"

@@ -11,7 +11,7 @@ import voxshell as vx
 from parts import MM, random_rotation
 from real_geometry import NAMES, Court, make_pair
 
-POSES = 1_000  # a pair
+POSES = 300  # a pair
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -347,9 +347,9 @@ def test_a_heap_falls_the_same_way_on_any_number_of_threads():
                 (torus, blob)[i % 2],
                 pose=at(0.15 * (i % 3), 0.15 * (i // 3 % 3), 0.2 + 0.15 * (i // 9)),
             )
-            for i in range(27)
+            for i in range(12)
         ]
-        world.step(150)
+        world.step(120)
         return np.array([body.pose for body in bodies]), world.contacts()
 
     poses, contacts = drop(1)

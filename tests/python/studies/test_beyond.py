@@ -449,6 +449,7 @@ def test_depths_are_true_to_a_voxel(tmp_path):
     draw(ACCURACY, settings, results, tmp_path)
 
 
+@pytest.mark.slow
 def test_time_grows_less_than_the_points(tmp_path):
     settings = replace(
         ScalingSettings(),

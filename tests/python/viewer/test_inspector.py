@@ -175,6 +175,7 @@ def test_a_place_typed_in_moves_either_body_and_its_contacts(
     assert page.complaints == []
 
 
+@pytest.mark.slow
 def test_every_control_changes_the_picture(visit: tuple[Visit, Inspector]):
     page, _ = visit
     boxes = page.page.get_by_role("checkbox")

@@ -144,10 +144,10 @@ TEST(SameBits, OfQueries) {
     }
   }
   EXPECT_GT(count, 10'000u);
-  EXPECT_EQ(in_hex(contacts.value()), "6ba2af00d90a6cd1");
-  EXPECT_EQ(in_hex(manifolds.value()), "f3711c0843457136");
-  EXPECT_EQ(in_hex(nearest.value()), "634c20e6961085d3");
-  EXPECT_EQ(in_hex(wrenches.value()), "9d3ded3449997ce2");
+  EXPECT_EQ(in_hex(contacts.value()), "7091a63f5cb99c62");
+  EXPECT_EQ(in_hex(manifolds.value()), "4eb64ea0dc477964");
+  EXPECT_EQ(in_hex(nearest.value()), "f438c144a37d07fc");
+  EXPECT_EQ(in_hex(wrenches.value()), "30f7189bd52bbbaf");
 }
 
 }  // namespace

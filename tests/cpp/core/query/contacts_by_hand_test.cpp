@@ -18,6 +18,23 @@ namespace {
 
 using namespace test_support;
 
+/// To a 2^-30th of the least power of two above `size`, then to float32. No zero is negative.
+float rounded(double number, double size) {
+  const double quantum = std::pow(2.0, std::floor(std::log2(size)) + 1.0 - 30.0);
+  return static_cast<float>(std::nearbyint(number / quantum) * quantum + 0.0);
+}
+
+double reach_of(const PointShell& shell) {
+  const auto farthest = [](const PointSphereTree& tree) {
+    const Sphere& root = tree.spheres(1)[0];
+    return length(static_cast<Vec3>(root.centre)) + static_cast<double>(root.radius);
+  };
+  const EdgeSegments* edges = shell.edges();
+  const double of_edges =
+      edges == nullptr ? 0.0 : farthest(edges->tree()) + static_cast<double>(edges->reach());
+  return std::max(farthest(shell.tree()), of_edges);
+}
+
 /// The flat loop once more, from the fields' data alone, in plain float32 arithmetic. The library's
 /// flat loop shares its evaluation with the tree; this one shares nothing, so a mistake in the
 /// common part shows as well. Bit-equal, as the operations are the same in the same order.
@@ -25,14 +42,13 @@ struct ByHand {
   std::array<std::array<float, 3>, 3> rotation;
   std::array<float, 3> translation;
 
-  explicit ByHand(const Pose& pose) {
+  ByHand(const Pose& pose, double reach) {
     const std::array rows{pose.rotation.row_x, pose.rotation.row_y, pose.rotation.row_z};
     for (std::size_t r = 0; r < 3; ++r) {
-      rotation[r] = {static_cast<float>(rows[r].x), static_cast<float>(rows[r].y),
-                     static_cast<float>(rows[r].z)};
+      rotation[r] = {rounded(rows[r].x, 1.0), rounded(rows[r].y, 1.0), rounded(rows[r].z, 1.0)};
     }
-    translation = {static_cast<float>(pose.translation.x), static_cast<float>(pose.translation.y),
-                   static_cast<float>(pose.translation.z)};
+    translation = {rounded(pose.translation.x, reach), rounded(pose.translation.y, reach),
+                   rounded(pose.translation.z, reach)};
   }
 
   std::array<float, 3> to_field(const Vec3f& p) const {
@@ -215,7 +231,7 @@ Vec3f unit(const Vec3f& v) {
 template <class F>
 std::vector<Contact> find_by_hand(const F& field, const PointShell& shell, const Pose& pose,
                                   float margin) {
-  const ByHand by_hand(pose);
+  const ByHand by_hand(pose, field.reach() + reach_of(shell));
   std::vector<Contact> contacts;
   for (std::uint32_t id = 0; id < shell.size(); ++id) {
     const Vec3f p = shell.points()[id];
@@ -234,12 +250,12 @@ std::vector<Contact> find_by_hand(const PlaneField& plane, const PointShell& she
                                   const Pose& pose, float margin) {
   const auto& [x, y, z] = pose.rotation;
   const Vec3 n = plane.normal;
-  const Vec3f normal{static_cast<float>(x.x * n.x + y.x * n.y + z.x * n.z),
-                     static_cast<float>(x.y * n.x + y.y * n.y + z.y * n.z),
-                     static_cast<float>(x.z * n.x + y.z * n.y + z.z * n.z)};
-  const auto offset =
-      static_cast<float>(plane.offset - (n.x * pose.translation.x + n.y * pose.translation.y +
-                                         n.z * pose.translation.z));
+  const Vec3f normal{rounded(x.x * n.x + y.x * n.y + z.x * n.z, 1.0),
+                     rounded(x.y * n.x + y.y * n.y + z.y * n.z, 1.0),
+                     rounded(x.z * n.x + y.z * n.y + z.z * n.z, 1.0)};
+  const float offset = rounded(plane.offset - (n.x * pose.translation.x + n.y * pose.translation.y +
+                                               n.z * pose.translation.z),
+                               reach_of(shell));
   std::vector<Contact> contacts;
   for (std::uint32_t id = 0; id < shell.size(); ++id) {
     const Vec3f p = shell.points()[id];
