@@ -56,13 +56,13 @@ PYTHON_MAY_IMPORT: dict[str, set[str]] = {
     "query": {"base", "model", "bindings"},
     "recording": {"base"},
     "simulation": {"base", "model", "query", "recording", "bindings"},
-    "urdf": {"base", "model", "simulation"},
-    "front": {*_PHYSICS, "urdf", "bindings"},
+    "robots": {"base", "model", "simulation"},
+    "front": {*_PHYSICS, "robots", "bindings"},
     "viewer": _PHYSICS,
     "scenes": _PHYSICS,
     "measuring": {*_PHYSICS, "front"},
     "cli": {*_PHYSICS, "front", "viewer", "scenes", "measuring"},
-    "studies": {*_PHYSICS, "urdf", "front", "viewer", "scenes", "measuring", "cli"},
+    "studies": {*_PHYSICS, "robots", "front", "viewer", "scenes", "measuring", "cli"},
 }
 PYTHON_FOLDERS = PYTHON_MAY_IMPORT.keys() - {"front", "studies"}
 PYTHON_BINDINGS = {"_core", "_bullet", "_hacd"}

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Loads every robot in some folders, and writes a table of the results.
 
-usage: tools/try_robots.py [--mesh-as model] [--steps N] [--write PAGE] FOLDER...
+usage: tools/try_robots.py [--format mjcf] [--mesh-as model] [--steps N] [--write PAGE] FOLDER...
 
-The program searches each FOLDER for URDF files. If `pip install --target FOLDER` filled the folder, the
+The program searches each FOLDER for URDF files, or for MJCF files. If `pip install --target FOLDER` filled the folder, the
 table names the package and version of each file; otherwise it names the first subfolder. A robot that
 loads then moves freely for some steps, which finds robots that diverge. The program prints a line for
 each file, and exits with 1 if a file neither loads nor is refused with a voxshell error.
@@ -15,6 +15,7 @@ import argparse
 import concurrent.futures
 import json
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -34,19 +35,81 @@ BATCH = 20
 MANY = 100
 """From this number on, files in sibling folders share a row of the table if all of them load."""
 
-HEAD = """# Robots
+FORMATS = {"urdf": ".urdf", "mjcf": ".xml"}
+"""Endings of the files of each format."""
 
-This page lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely
-for {steps} steps. Some files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that
-voxshell used instead. The last column quotes the error of a refused file. The meshes were loaded {kind}. These
-commands write the page:
+MJCF_ROOT = re.compile(rb"\s*(<\?.*?\?>\s*|<!--.*?-->\s*)*<mujoco\b", re.DOTALL)
+
+HEADS = {
+    "urdf": """# Robots
+
+`vx.load_urdf` loads robots from URDF files, and `vx.load_mjcf` loads [models of MuJoCo](mjcf.md). This page lists what
+`vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for {steps} steps. Some
+files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that voxshell used instead.
+The last column quotes the error of a refused file. The meshes were loaded {kind}. These commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}
 {command}
 ```
 
-"""
+""",
+    "mjcf": """# Models of MuJoCo
+
+`vx.load_mjcf` loads MJCF files, the XML of MuJoCo. A file is one robot, also if it describes a scene of several bodies:
+
+```python
+import pathlib
+
+import voxshell as vx
+
+path = pathlib.Path("scene.xml")
+path.write_text(\"\"\"
+<mujoco model="scene">
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 0.1"/>
+    <body name="arm" pos="0 0 0.5">
+      <joint name="shoulder" axis="0 1 0" range="-90 90" damping="0.1"/>
+      <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03"/>
+    </body>
+    <body name="cup" pos="0 0.5 0.2"><freejoint/><geom type="cylinder" size="0.04 0.05"/></body>
+  </worldbody>
+</mujoco>\"\"\")
+world = vx.World()
+robot = vx.load_mjcf(world, path)
+robot.set_targets({{"shoulder": 0.3}}, max_force=50.0)
+world.step(400)
+print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
+```
+
+| in the file | in voxshell |
+|---|---|
+| `<worldbody>` | the link `world`: one static body, and one for each plane, such as `world/floor` |
+| body | link of its name; without joints it is one body with the one that it lies in, or static |
+| body with several joints | chain of links: `torso/hip_x` is what the joint `hip_x` moves. Each link between two joints gets a tenth of the body's matter |
+| `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss and `actuatorfrcrange` |
+| positions | `qpos` of MuJoCo. A joint whose `ref` is beyond its range begins at the nearest limit |
+| mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
+| box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
+| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may, the bodies do. Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide; a warning names them. Bodies that are added otherwise collide with all |
+| friction | that of a body is the largest of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one |
+| `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>` and global coordinates are refused |
+| `<actuator>`, `<tendon>`, `<equality>`, springs, armatures, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
+| `<option>` | gravity and time step are the world's; a warning names another gravity |
+| solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
+
+The tables list what `vx.load_mjcf` does with every MJCF file of the packages below. Each model that loads then moves freely
+for {steps} steps. Files that hold what is not simulated load with a warning. The last column quotes the error of a refused
+file. Most of the refused files are parts that others include, or name files that are not in the package. The meshes were
+loaded {kind}. These commands write the page:
+
+```
+pip install --no-deps --target robots {packages}
+{command}
+```
+
+""",
+}
 
 
 @dataclass(frozen=True)
@@ -68,7 +131,7 @@ class Outcome:
     joints: int = 0
 
 
-def try_robot(path: str, mesh_as: Literal["model", "hull"], steps: int) -> Outcome:
+def try_robot(path: str, kind: str, mesh_as: Literal["model", "hull"], steps: int) -> Outcome:
     """Loads one file into a world of its own."""
     import voxshell as vx
 
@@ -76,7 +139,8 @@ def try_robot(path: str, mesh_as: Literal["model", "hull"], steps: int) -> Outco
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            robot = vx.load_urdf(world, path, mesh_as=mesh_as)
+            load = vx.load_urdf if kind == "urdf" else vx.load_mjcf
+            robot = load(world, path, mesh_as=mesh_as)
             world.step(steps)
         except vx.VoxshellError as error:
             return Outcome("refused", f"{type(error).__name__}: {error}")
@@ -90,11 +154,12 @@ def try_robot(path: str, mesh_as: Literal["model", "hull"], steps: int) -> Outco
     )
 
 
-def try_apart(paths: list[Path], mesh_as: str, steps: int) -> list[Outcome]:
+def try_apart(paths: list[Path], kind: str, mesh_as: str, steps: int) -> list[Outcome]:
     """Loads several files in other processes; a process that dies fails only the file that killed it."""
     outcomes: list[Outcome] = []
     while len(outcomes) < len(paths):
-        command = [sys.executable, __file__, "--batch", "--mesh-as", mesh_as, "--steps", str(steps)]
+        command = [sys.executable, __file__, "--batch", "--format", kind]
+        command += ["--mesh-as", mesh_as, "--steps", str(steps)]
         command += map(str, paths[len(outcomes) :])
         try:
             done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT)
@@ -114,8 +179,9 @@ def _is_whole(line: bytes) -> bool:
     return line.startswith(b"{") and line.endswith(b"}\n")
 
 
-def find_robots(folder: Path) -> Iterator[tuple[str, Path]]:
-    """The URDF files below a folder, each with the name of its package."""
+def find_robots(folder: Path, kind: str = "urdf") -> Iterator[tuple[str, Path]]:
+    """The files of a format below a folder, each with the name of its package."""
+    suffix = FORMATS[kind]
     owners = {
         # pip counts shared files from another folder than the one that it puts them into.
         Path(
@@ -123,10 +189,10 @@ def find_robots(folder: Path) -> Iterator[tuple[str, Path]]:
         ): f"{package.metadata['Name']} {package.version}"
         for package in distributions(path=[str(folder)])
         for file in package.files or ()
-        if file.suffix == ".urdf"
+        if file.suffix == suffix
     }
-    for path in sorted(folder.rglob("*.urdf")):
-        if path.is_file():
+    for path in sorted(folder.rglob(f"*{suffix}")):
+        if path.is_file() and (kind == "urdf" or MJCF_ROOT.match(path.read_bytes()[:100_000])):
             below = path.relative_to(folder)
             yield owners.get(below, below.parts[0]), path
 
@@ -166,7 +232,7 @@ def _join_many(found: dict[Path, Outcome], root: Path) -> Iterator[tuple[str, Ou
         groups[path.parent.parent, outcome].append(path)
     for (folder, outcome), paths in groups.items():
         if len(paths) >= MANY and outcome.result == "loads":
-            name = (folder.relative_to(root) / "*" / "*.urdf").as_posix()
+            name = (folder.relative_to(root) / "*" / f"*{paths[0].suffix}").as_posix()
             yield f"{_escape(name)} ({len(paths)} files)", outcome
             continue
         for path in paths:
@@ -181,11 +247,11 @@ def _escape(text: str) -> str:
 
 
 def make_page(
-    outcomes: dict[tuple[str, Path], Outcome], command: str, mesh_as: str, steps: int
+    outcomes: dict[tuple[str, Path], Outcome], kind: str, command: str, mesh_as: str, steps: int
 ) -> str:
     """The page of the documentation."""
     packages = sorted({package.replace(" ", "==") for package, _ in outcomes})
-    head = HEAD.format(
+    head = HEADS[kind].format(
         steps=steps,
         kind="as convex hulls" if mesh_as == "hull" else "as models",
         packages=" ".join(packages),
@@ -198,6 +264,7 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="where to search")
+    parser.add_argument("--format", choices=tuple(FORMATS), default="urdf", dest="kind")
     parser.add_argument(
         "--mesh-as", choices=("model", "hull"), default="hull", help="hull is faster"
     )
@@ -207,17 +274,20 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if given.batch:
         for path in given.folders:
-            print(json.dumps(asdict(try_robot(str(path), given.mesh_as, given.steps))), flush=True)
+            outcome = try_robot(str(path), given.kind, given.mesh_as, given.steps)
+            print(json.dumps(asdict(outcome)), flush=True)
         return 0
-    robots = [it for folder in given.folders for it in find_robots(folder)]
+    robots = [it for folder in given.folders for it in find_robots(folder, given.kind)]
     if not robots:
-        print(f"no URDF file below {', '.join(map(str, given.folders))}")
+        print(f"no {given.kind.upper()} file below {', '.join(map(str, given.folders))}")
         return 1
     outcomes: dict[tuple[str, Path], Outcome] = {}
     batches = [robots[at : at + BATCH] for at in range(0, len(robots), BATCH)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         tried = pool.map(
-            lambda batch: try_apart([path for _, path in batch], given.mesh_as, given.steps),
+            lambda batch: try_apart(
+                [path for _, path in batch], given.kind, given.mesh_as, given.steps
+            ),
             batches,
         )
         for batch, found in zip(batches, tried, strict=True):
@@ -227,9 +297,10 @@ def main(arguments: list[str] | None = None) -> int:
     loaded = sum(it.result == "loads" for it in outcomes.values())
     print(f"{loaded} of {len(outcomes)} files load")
     if given.write:
-        options = f"--mesh-as {given.mesh_as} --steps {given.steps} --write {given.write}"
+        options = "" if given.kind == "urdf" else f"--format {given.kind} "
+        options += f"--mesh-as {given.mesh_as} --steps {given.steps} --write {given.write}"
         command = f".venv/bin/python tools/try_robots.py {options} robots"
-        given.write.write_text(make_page(outcomes, command, given.mesh_as, given.steps))
+        given.write.write_text(make_page(outcomes, given.kind, command, given.mesh_as, given.steps))
     return int(any(it.result == "fails" for it in outcomes.values()))
 
 

@@ -89,6 +89,7 @@ from voxshell.query import (
 from voxshell.recording import Recording
 
 if TYPE_CHECKING:
+    from voxshell.robots import Link, Robot, RobotWarning, load_mjcf, load_urdf
     from voxshell.simulation import (
         Body,
         Compound,
@@ -107,7 +108,6 @@ if TYPE_CHECKING:
         World,
         WorldState,
     )
-    from voxshell.urdf import Link, Robot, RobotWarning, load_urdf
 
 __all__ = [
     "Accuracy",
@@ -178,6 +178,7 @@ __all__ = [
     "deepest_per_segment",
     "distance",
     "interpolate_pose",
+    "load_mjcf",
     "load_urdf",
     "manifold",
     "pose",
@@ -197,9 +198,9 @@ def __getattr__(name: str) -> Any:
     if name in simulation.__all__:
         value = getattr(simulation, name)
     else:
-        from voxshell import urdf
+        from voxshell import robots
 
-        value = getattr(urdf, name)
+        value = getattr(robots, name)
     globals()[name] = value
     return value
 

@@ -214,6 +214,17 @@ def test_robots(tmp_path: Path):
     assert len(robot.bodies) == 1
 
 
+def test_models_of_mujoco(tmp_path: Path):
+    path = tmp_path / "ball.xml"
+    path.write_text(
+        "<mujoco><worldbody><body name='ball'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>"
+    )
+    robot: vx.Robot = vx.load_mjcf(vx.World(), path, pose=np.eye(4), friction=0.4)
+    ball: vx.Link = robot.links["ball"]
+    assert ball.body is not None
+    assert ball.body.friction == 0.4
+
+
 def test_errors_and_warnings(tmp_path: Path):
     kinds: list[type[vx.VoxshellError]] = [
         vx.FileAccessError,

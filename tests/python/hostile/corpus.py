@@ -8,6 +8,7 @@ from . import (
     assumptions,
     found_files,
     gltf_files,
+    mjcf_files,
     model_files,
     places,
     ply_files,
@@ -22,7 +23,7 @@ from .case import Case
 
 SOURCES = (
     *(stl_files, text_meshes, ply_files, gltf_files, xml_meshes, model_files),
-    *(scene_files, urdf_files, pose_files, places, assumptions, found_files),
+    *(scene_files, urdf_files, mjcf_files, pose_files, places, assumptions, found_files),
 )
 
 

@@ -22,10 +22,18 @@ def open_model(path: Path) -> None:
     ask(vx.Model.load(path))
 
 
-def open_robot(path: Path) -> None:
+def open_urdf(path: Path) -> None:
+    open_robot(vx.load_urdf, path)
+
+
+def open_mjcf(path: Path) -> None:
+    open_robot(vx.load_mjcf, path)
+
+
+def open_robot(load: Callable[..., vx.Robot], path: Path) -> None:
     world = vx.World()
     try:
-        robot = vx.load_urdf(world, path, resolution=RESOLUTION)
+        robot = load(world, path, resolution=RESOLUTION)
     except vx.VoxshellError:
         assert not world.bodies, "a part of the robot is left in the world"
         raise
@@ -51,7 +59,8 @@ def ask(model: vx.Model) -> None:
 IN_PYTHON: dict[str, Callable[[Path], None]] = {
     "mesh": open_mesh,
     "model": open_model,
-    "urdf": open_robot,
+    "urdf": open_urdf,
+    "mjcf": open_mjcf,
 }
 """By entrance; the others are entrances of the command line alone."""
 

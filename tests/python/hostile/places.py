@@ -58,6 +58,7 @@ SUFFIXES = {
     "model": (".vxs",),
     "scene": (".toml",),
     "urdf": (".urdf",),
+    "mjcf": (".xml",),
     "poses": (".csv", ".npy"),
     "settings": (".toml",),
 }

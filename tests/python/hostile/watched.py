@@ -175,7 +175,14 @@ def warm_up(shared: Path) -> None:
 
     from hostile.entrances import ask, write_partner
 
-    for name in ("lxml.etree", "collada", "networkx", "yourdfpy", "voxshell.urdf", "scipy.spatial"):
+    for name in (
+        "lxml.etree",
+        "collada",
+        "networkx",
+        "yourdfpy",
+        "voxshell.robots",
+        "scipy.spatial",
+    ):
         with contextlib.suppress(ImportError):
             __import__(name)
     import voxshell as vx

@@ -48,6 +48,23 @@ def test_the_page_says_what_became_of_each_file(folder, tmp_path, capsys):
     assert "2 of 3 files load" in capsys.readouterr().out
 
 
+def test_models_of_mujoco_are_found_by_their_root(tmp_path):
+    folder = tmp_path / "models"
+    folder.mkdir()
+    model = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+    (folder / "good.xml").write_text(f"<?xml version='1.0'?>\n<!-- a ball -->\n{model}")
+    (folder / "part.xml").write_text("<mujocoinclude/>")
+    (folder / "other.xml").write_text("<robot><mujoco/></robot>")
+    (folder / "bad.xml").write_text("<mujoco/>")
+    page = tmp_path / "mjcf.md"
+    arguments = [str(folder), "--format", "mjcf", "--steps", "2", "--write", str(page)]
+    assert try_robots.main(arguments) == 0
+    lines = page.read_text().splitlines()
+    assert "| all | 2 | 1 | 0 | 1 |" in lines
+    assert any(line.endswith("| good.xml | 2 | 1 | loads |  |") for line in lines)
+    assert "--format mjcf --mesh-as hull --steps 2" in page.read_text()
+
+
 def test_files_of_an_installed_package_have_its_name_and_version(folder):
     facts = folder / "arms_of_all_kinds-1.2.dist-info"
     facts.mkdir()
@@ -84,7 +101,7 @@ def test_a_file_that_ends_the_process_fails_and_the_next_is_tried(folder, tmp_pa
     os.chmod(python, 0o755)
     monkeypatch.setattr(try_robots.sys, "executable", str(python))
     paths = [folder / "arms/good.urdf", folder / "arms/pendulum.urdf"]
-    first, second = try_robots.try_apart(paths, "hull", 1)
+    first, second = try_robots.try_apart(paths, "urdf", "hull", 1)
     assert first == try_robots.Outcome("fails", "the process ends with 3")
     assert second == try_robots.Outcome("loads", links=7)
 

@@ -41,7 +41,7 @@ ENTRANCES = (
         "arguments",
         "poses",
     ),
-    *("mesh", "urdf", "arguments", "mesh", "scene", "model", "mesh", "viewer", "mesh", "scene"),
+    *("mesh", "urdf", "arguments", "mesh", "scene", "model", "mesh", "viewer", "mjcf", "scene"),
 )
 """Of the cases, in turn."""
 
@@ -127,7 +127,7 @@ def prepare() -> Check:
     watched = Watched()
     openers: dict[str, Open] = {
         entrance: make_opener(entrance, watched)
-        for entrance in ("mesh", "urdf", "scene", "model", "poses")
+        for entrance in ("mesh", "urdf", "mjcf", "scene", "model", "poses")
     }
     openers |= {"arguments": make_caller(), "viewer": make_client()}
 

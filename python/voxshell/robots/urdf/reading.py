@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Literal, cast
 import numpy as np
 
 from voxshell.base.arguments import as_path
-from voxshell.base.input_files import read_small_file
 from voxshell.base.poses import pose as make_pose
-from voxshell.errors import FileAccessError, RobotError, SettingsError
-from voxshell.urdf.description import (
+from voxshell.errors import FileAccessError, RobotError
+from voxshell.robots.description import (
+    MOST_LINKS,
     Collision,
     Color,
     Inertial,
@@ -22,20 +22,16 @@ from voxshell.urdf.description import (
     MeshFile,
     Primitive,
     RobotDescription,
+    shorten_names,
 )
-from voxshell.urdf.elements import parse_elements
-from voxshell.urdf.mesh_paths import find_mesh
+from voxshell.robots.solids import is_sound
+from voxshell.robots.urdf.mesh_paths import find_mesh
+from voxshell.robots.xml_elements import Dialect, read_elements
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.urdf.elements import Element
-
-_MOST_BYTES = 100_000_000
-"""Of a file, without the meshes that it names."""
-
-MOST_LINKS = 1000
-"""Of a robot; each two of them are kept apart, which takes time that grows as their square."""
+    from voxshell.robots.xml_elements import Element
 
 _JOINT_TYPES: dict[str, JointType] = {
     "fixed": "fixed",
@@ -50,10 +46,6 @@ _JOINT_TYPES: dict[str, JointType] = {
 
 _WITH_AXIS = ("revolute", "continuous", "prismatic")
 
-_LEAST_MOMENT = 1e-8
-"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular: Bullet
-inverts it, and a bar of a millimetre and ten metres has 1e-8."""
-
 
 def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
     """Reads and checks a file.
@@ -66,15 +58,18 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
     name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):
         raise FileAccessError(f"cannot read robot {name}: there is no such file")
-    try:
-        data = read_small_file(name, _MOST_BYTES, "robot")
-    except SettingsError as error:
-        raise RobotError(f"cannot read robot {name}: {error}") from None
-    return _describe(name, parse_elements(name, data))
+    return _describe(name, read_elements(name, _DIALECT))
+
+
+def _find_owner(tag: str, name: str, level: int, above: str) -> str:
+    return f"{tag} {name!r}" if level == 2 and tag in ("link", "joint") else above
+
+
+_DIALECT = Dialect(("robot",), most_levels=8, refuses_deeper=False, find_owner=_find_owner)
 
 
 def _describe(path: str, element: Element) -> RobotDescription:
-    robot = RobotDescription(path, element.attributes.get("name", "robot"), "", {})
+    robot = RobotDescription(path, element.attributes.get("name", "robot"), {}, {})
     found = list(element.all("link"))
     if not found:
         robot.refuse("it has no <link>")
@@ -91,7 +86,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         if link.name in links:
             each.refuse(
                 f"is the second of two links of that name, the first in line "
-                f"{links[link.name].line}; rename one"
+                f"{links[link.name].where.rpartition(':')[2]}; rename one"
             )
         links[link.name] = link
     joints: dict[str, JointDescription] = {}
@@ -100,7 +95,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         if joint.name in joints:
             each.refuse(
                 f"is the second of two joints of that name, the first in line "
-                f"{joints[joint.name].line}; rename one"
+                f"{joints[joint.name].where.rpartition(':')[2]}; rename one"
             )
         joints[joint.name] = joint
     parents: dict[str, str] = {}
@@ -140,7 +135,9 @@ def _describe(path: str, element: Element) -> RobotDescription:
     if len(reached) != len(links):
         lost = sorted(set(links) - set(reached))
         robot.refuse(f"links {shorten_names(lost)} hang on each other in a circle")
-    return RobotDescription(path, robot.name, roots[0], links, ordered, robot.without_limits)
+    return RobotDescription(
+        path, robot.name, {roots[0]: np.eye(4)}, links, ordered, robot.without_limits
+    )
 
 
 def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) -> None:
@@ -164,7 +161,7 @@ def _describe_link(element: Element, colors: dict[str, Color]) -> LinkDescriptio
     )
     return LinkDescription(
         element.text("name"),
-        element.line,
+        element.where,
         collisions,
         _describe_inertial(element.first("inertial")),
         _find_color(element, colors),
@@ -216,11 +213,7 @@ def _describe_inertial(element: Element | None) -> Inertial | None:
     if mass < 0.0:
         element.refuse(f"has a mass of {mass:g} kg; it must not be below 0")
     if inertia is not None:
-        moments = np.linalg.eigvalsh(inertia)
-        if moments[0] > _LEAST_MOMENT * moments[-1]:
-            inertia = place[:3, :3] @ inertia @ place[:3, :3].T
-        else:
-            inertia = None
+        inertia = place[:3, :3] @ inertia @ place[:3, :3].T if is_sound(inertia) else None
     return Inertial(mass, place[:3, 3], inertia)
 
 
@@ -273,7 +266,7 @@ def _read_mesh_name(mesh: Element) -> MeshFile:
     x, y, z = scales if len(scales) == 3 else scales * 3
     if not (x and y and z):
         mesh.refuse(f"has a mesh with a scale of {[x, y, z]}; it must not be 0")
-    return MeshFile(path, (x, y, z))
+    return MeshFile(path, ((x, 0.0, 0.0, 0.0), (0.0, y, 0.0, 0.0), (0.0, 0.0, z, 0.0)))
 
 
 def _describe_joint(
@@ -307,11 +300,14 @@ def _describe_joint(
         element.refuse("has a friction or damping below 0")
     return JointDescription(
         name,
-        element.line,
+        element.where,
         kind,
         ends["parent"],
         ends["child"],
         _read_pose(element.first("origin")),
+        np.eye(4),
+        0.0,
+        0.0,
         axis,
         limits,
         _read_bound(limit, "effort"),
@@ -369,9 +365,3 @@ def _read_pose(origin: Element | None) -> NDArray[np.float64]:
         return make_pose()
     zero = (0.0, 0.0, 0.0)
     return make_pose(origin.numbers("xyz", (3,)) or zero, euler=origin.numbers("rpy", (3,)) or zero)
-
-
-def shorten_names(names: list[str]) -> str:
-    """The first ten, quoted."""
-    shown = ", ".join(map(repr, names[:10]))
-    return f"{shown}, ..." if len(names) > 10 else shown

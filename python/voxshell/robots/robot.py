@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 class RobotWarning(UserWarning):
-    """A robot's file leaves out what a simulation needs; the message says what was taken instead."""
+    """A robot's file leaves out what a simulation needs, or holds what is not simulated.
+
+    The message says what was taken instead, or lists what is left out.
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +57,13 @@ class Strength:
 
 
 class Robot:
-    """A robot in a world; made by :func:`load_urdf`.
+    """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
 
     Attributes:
         name: As in the file.
         links: All links, by name.
         joints: The joints that move along or about an axis, by name.
-        ball_joints: The joints of type "spherical", by name; they have no motor.
+        ball_joints: The joints of type "spherical" or "ball", by name; they have no motor.
         bodies: What the links are made of.
     """
 

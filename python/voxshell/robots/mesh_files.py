@@ -10,39 +10,46 @@ import numpy as np
 
 from voxshell.errors import MeshError, MissingExtraError, RobotError
 from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.robots.description import MeshArrays
 
 if TYPE_CHECKING:
-    from voxshell.urdf.description import MeshFile, RobotDescription
+    from voxshell.robots.description import MeshFile
 
 
-def read_link_mesh(robot: RobotDescription, link: str, file: MeshFile) -> Mesh:
+def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
     """A mesh with its scale applied, and the unit of a COLLADA file.
 
     Faces of a mesh that is mirrored are turned, so that they stay counter-clockwise seen from outside. The
     axis of a COLLADA file that points up is not heeded, as in ROS.
+
+    Args:
+        owner: Its link, for errors: "robot.urdf:7: link 'arm'".
+        file: The mesh.
 
     Raises:
         RobotError: It cannot be read; the message names the robot's file, the link and the mesh.
         MissingExtraError: It is a COLLADA file, and pycollada is not installed.
         MemoryLimitError: The system gives no more memory for it.
     """
+    if isinstance(file, MeshArrays):
+        return file.mesh
     is_collada = file.path.lower().endswith(".dae")
     if is_collada:
         _need_collada(file.path)
     try:
         mesh = read_mesh(file.path)
     except MeshError as error:
-        refuse_mesh(robot, link, file, error)
-    scale = np.array(file.scale) * (_read_unit(file.path) if is_collada else 1.0)
-    faces = mesh.faces[:, ::-1] if np.prod(scale) < 0.0 else mesh.faces
-    return Mesh(mesh.vertices * scale, faces)
+        refuse_mesh(owner, file, error)
+    affine = np.array(file.geometry_from_file)
+    unit = _read_unit(file.path) if is_collada else 1.0
+    faces = mesh.faces[:, ::-1] if np.linalg.det(affine[:, :3]) < 0.0 else mesh.faces
+    return Mesh(mesh.vertices * unit @ affine[:, :3].T + affine[:, 3], faces)
 
 
-def refuse_mesh(robot: RobotDescription, link: str, file: MeshFile, error: MeshError) -> NoReturn:
+def refuse_mesh(owner: str, file: MeshFile | MeshArrays, error: MeshError) -> NoReturn:
     """Raises what is wrong with a mesh as a :class:`RobotError` that names the link."""
     what = str(error) if file.path in str(error) else f"{file.path}: {error}"
-    line = robot.links[link].line
-    raise RobotError(f"{robot.path}:{line}: link {link!r}: {what}") from error
+    raise RobotError(f"{owner}: {what}") from error
 
 
 def _need_collada(path: str) -> None:

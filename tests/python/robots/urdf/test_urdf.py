@@ -44,7 +44,7 @@ def write(tmp_path):
 
 @pytest.fixture(scope="module")
 def example():
-    folder = Path(__file__).parents[3] / "examples/python"
+    folder = Path(__file__).parents[4] / "examples/python"
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(folder)
         yield importlib.import_module("11_urdf_gripper")

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell.urdf.description import RobotDescription
+    from voxshell.robots.description import RobotDescription
 
 
 @dataclass(eq=False)
@@ -28,12 +28,11 @@ class Lump:
 
 def find_lumps(robot: RobotDescription) -> dict[str, Lump]:
     """The lump of each link, by the link's name."""
-    root = Lump({robot.root: np.eye(4)})
-    lumps = {robot.root: root}
+    lumps = {root: Lump({root: np.eye(4)}) for root in robot.roots}
     for joint in robot.joints:
         if joint.type == "fixed":
             lump = lumps[joint.parent]
-            lump.links[joint.child] = lump.links[joint.parent] @ joint.parent_from_joint
+            lump.links[joint.child] = lump.links[joint.parent] @ joint.parent_from_child
         else:
             lump = Lump({joint.child: np.eye(4)})
         lumps[joint.child] = lump

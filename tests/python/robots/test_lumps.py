@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from voxshell.urdf.lumps import find_lumps
-from voxshell.urdf.reading import read_urdf
+from voxshell.robots.lumps import find_lumps
+from voxshell.robots.urdf.reading import read_urdf
 
 URDF = """<robot name="arm">
   <link name="base"/><link name="mount"/><link name="plate"/><link name="arm"/><link name="tip"/>

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.base.arguments import FARTHEST
 from voxshell.errors import MissingExtraError
 from voxshell.model.mass_properties import MassProperties
-from voxshell.model.shapes import Box, Capsule, Cylinder, Sphere
-from voxshell.simulation.body_shapes import compute_mass_properties
-from voxshell.urdf.description import MeshFile
-from voxshell.urdf.mesh_files import read_link_mesh
+from voxshell.robots.description import Primitive
+from voxshell.robots.mesh_files import read_link_mesh
+from voxshell.robots.solids import add_up, weigh_primitive
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
-    from voxshell.urdf.description import Collision, Primitive, RobotDescription
-    from voxshell.urdf.lumps import Lump
+    from voxshell.robots.description import Collision, RobotDescription
+    from voxshell.robots.lumps import Lump
 
 DENSITY = 1000.0
 """Of links without a mass, kg/m3: that of water, between the 300 of a robot's whole arm, which is mostly
@@ -85,7 +85,7 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
         if not parts:
             parts.append((MassProperties(GHOST_MASS, np.zeros(3), np.zeros((3, 3))), np.eye(4)))
             matter.without_shape.append(lump.first)
-        whole = _add_up(parts)
+        whole = add_up(parts)
         if not np.linalg.eigvalsh(whole.inertia)[0] > 0.0:
             # Points in a line.
             ball = np.eye(3) * _moment_of_ball(whole.mass)
@@ -109,7 +109,7 @@ def _weigh(robot: RobotDescription, link: str) -> MassProperties | None:
         solid = _weigh_collision(robot, link, collision)
         if solid is not None:
             parts.append((solid, collision.link_from_geometry))
-    return _add_up(parts) if parts else None
+    return add_up(parts) if parts else None
 
 
 def _weigh_collision(
@@ -117,10 +117,12 @@ def _weigh_collision(
 ) -> MassProperties | None:
     from trimesh.convex import convex_hull
 
-    if not isinstance(collision.geometry, MeshFile):
-        shape, volume = _measure(collision.geometry)
-        return compute_mass_properties(shape, DENSITY * volume, "solid")
-    vertices, _ = read_link_mesh(robot, link, collision.geometry)
+    if isinstance(collision.geometry, Primitive):
+        solid = weigh_primitive(collision.geometry, DENSITY)
+        return solid if solid.mass > 0.0 else None
+    vertices, _ = read_link_mesh(robot.links[link].owner, collision.geometry)
+    if np.abs(vertices).max(initial=0.0) > FARTHEST:
+        return None  # which no shape takes, either
     try:
         hull = convex_hull(vertices)
     except ImportError as error:
@@ -137,35 +139,3 @@ def _weigh_collision(
         np.asarray(hull.center_mass),
         DENSITY * np.asarray(hull.moment_inertia),
     )
-
-
-def _measure(
-    primitive: Primitive,
-) -> tuple[Box | Sphere | Cylinder | Capsule, float]:
-    """The shape and its volume, m3."""
-    match primitive.kind:
-        case "box":
-            return Box(np.array(primitive.sizes) / 2.0), math.prod(primitive.sizes)
-        case "sphere":
-            (radius,) = primitive.sizes
-            return Sphere(radius), 4.0 / 3.0 * math.pi * radius**3
-        case "cylinder":
-            radius, length = primitive.sizes
-            return Cylinder(radius, length), math.pi * radius**2 * length
-        case "capsule":
-            radius, length = primitive.sizes
-            return Capsule(radius, length), math.pi * radius**2 * (length + 4.0 / 3.0 * radius)
-
-
-def _add_up(parts: list[tuple[MassProperties, NDArray[np.float64]]]) -> MassProperties:
-    """Of parts in their places, together."""
-    mass = sum(matter.mass for matter, _ in parts)
-    centers = [place[:3, :3] @ matter.center_of_mass + place[:3, 3] for matter, place in parts]
-    masses = np.array([matter.mass for matter, _ in parts])
-    center = masses @ np.array(centers) / mass
-    inertia = np.zeros((3, 3))
-    for (matter, place), own in zip(parts, centers, strict=True):
-        lever = own - center
-        inertia += place[:3, :3] @ matter.inertia @ place[:3, :3].T
-        inertia += matter.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-    return MassProperties(mass, center, inertia)

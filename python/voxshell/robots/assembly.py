@@ -1,0 +1,244 @@
+"""Robots put into a world: their bodies, and the joints between them."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.base.arguments import as_floats
+from voxshell.base.poses import pose as make_pose
+from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
+from voxshell.model.shapes import Sphere
+from voxshell.robots.description import RobotDescription, shorten_names
+from voxshell.robots.matter import DENSITY, GHOST_MASS, Matter
+from voxshell.robots.robot import Link, Robot, RobotWarning, Strength
+from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from voxshell.model.shapes import Plane
+    from voxshell.robots.description import JointDescription
+    from voxshell.robots.lumps import Lump
+    from voxshell.simulation.body import Body
+    from voxshell.simulation.compound import Compound, Part
+    from voxshell.simulation.joints import Joint
+
+_MARKER_RADIUS = 0.005
+"""Of the ball that stands for a body without a surface, metres; it meets nothing."""
+
+_MIMIC_EFFORT = 1000.0
+"""Of a joint that follows another where the file names none for either, newtons or newton metres: beyond
+what robots' joints can do, so that it follows as gears do."""
+
+
+def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArray[np.float64]:
+    """``world_from_file``, of a loader's arguments, before anything is blamed on the file.
+
+    Raises:
+        InputTypeError: ``world`` is no world.
+        PoseError: ``pose`` is not a rigid transform.
+        SettingsError: ``friction`` is out of range.
+    """
+    world_from_file = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
+    if not isinstance(world, World):
+        raise InputTypeError(f"world must be a World, not {type(world).__name__}")
+    World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_file, friction=friction)
+    return world_from_file
+
+
+class Assembly:
+    """What a robot is made of; :meth:`add` puts it into a world.
+
+    Args:
+        robot: As its file says.
+        lumps: By the names of links.
+        matter: Of the lumps that move.
+        shapes: Of all lumps.
+        world_from_file: (4, 4).
+        friction: Of all bodies; None for that of the file.
+        apart: Lumps with shapes that do not collide with each other.
+        joints_collide: Whether the links of a joint collide, unless they are listed.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDescription,
+        lumps: dict[str, Lump],
+        matter: Matter,
+        shapes: dict[Lump, Part | Compound | Plane | None],
+        world_from_file: NDArray[np.float64],
+        *,
+        friction: float | None,
+        apart: Iterable[tuple[Lump, Lump]],
+        joints_collide: bool,
+    ) -> None:
+        self._robot = robot
+        self._lumps = lumps
+        self._matter = matter
+        self._shapes = shapes
+        self._friction = friction
+        self._apart = apart
+        self._joints_collide = joints_collide
+        self._places = {name: world_from_file @ it for name, it in robot.roots.items()}
+        for joint in robot.joints:
+            moved = joint.parent_from_child
+            if joint.start != joint.position:
+                frame = joint.child_from_joint
+                moved = moved @ frame @ _move(joint, joint.start - joint.position)
+                moved = moved @ np.linalg.inv(frame)
+            self._places[joint.child] = self._places[joint.parent] @ moved
+
+    def add(self, world: World) -> Robot:
+        """Adds bodies and joints; where it raises, the world has none of them.
+
+        Raises:
+            RobotError: The file asks for what no world takes.
+        """
+        added: list[Body] = []
+        try:
+            made = self._add(world, added)
+        except BaseException as error:
+            for each in added:
+                world.remove(each)
+            # What is wrong with the arguments has been said before.
+            if isinstance(error, (PoseError, SettingsError)):
+                raise RobotError(f"{self._robot.path}: {error}") from error
+            raise
+        return made
+
+    def _add(self, world: World, added: list[Body]) -> Robot:
+        robot = self._robot
+        bodies: dict[Lump, Body | None] = {}
+        for lump, shape in self._shapes.items():
+            own = self._matter.of_lumps.get(lump)
+            if own is None and shape is None:
+                bodies[lump] = None
+                continue
+            body = bodies[lump] = world.add(
+                Sphere(_MARKER_RADIUS) if shape is None else shape,
+                mass=0.0 if own is None else own.mass,
+                inertia="solid" if own is None else own,
+                pose=self._places[lump.first],
+                friction=self._friction_of(lump),
+                name=f"{robot.name}/{lump.first}",
+                group=1 if shape is not None else 0,
+            )
+            added.append(body)
+        links = {}
+        for name, lump in self._lumps.items():
+            body = bodies[lump]
+            offset = lump.links[name] if body is not None else self._places[name]
+            links[name] = Link(name, body, offset, robot.links[name].color)
+        for a, b in self._apart:
+            one, other = bodies[a], bodies[b]
+            assert one is not None
+            assert other is not None
+            world.set_collision(one, other, False)
+        joints: dict[str, Joint] = {}
+        ball_joints: dict[str, Joint] = {}
+        for joint in robot.joints:
+            made = self._add_joint(world, joint, links)
+            if made is not None:
+                (ball_joints if joint.type == "spherical" else joints)[joint.name] = made
+        self._let_follow(joints)
+        strengths = {it.name: Strength(it.effort, it.velocity) for it in robot.joints}
+        mimics = frozenset(joint.name for joint in robot.joints if joint.mimic is not None)
+        return Robot(world, robot.name, links, joints, ball_joints, strengths, mimics)
+
+    def _friction_of(self, lump: Lump) -> float | None:
+        """The largest of the links; None where the file has none."""
+        if self._friction is not None:
+            return self._friction
+        given = [self._robot.links[name].friction for name in lump.links]
+        return max((it for it in given if it is not None), default=None)
+
+    def _add_joint(
+        self, world: World, joint: JointDescription, links: dict[str, Link]
+    ) -> Joint | None:
+        match joint.type:
+            case "revolute" | "continuous":
+                kind = HingeJoint(joint.axis, joint.limits, joint.friction, joint.damping)
+            case "prismatic":
+                kind = SliderJoint(joint.axis, joint.limits, joint.friction, joint.damping)
+            case "spherical":
+                kind = PointJoint()
+            case _:
+                return None
+        parent, child = links[joint.parent], links[joint.child]
+        assert child.body is not None
+        parent_from_joint = joint.parent_from_child @ joint.child_from_joint
+        if joint.position != 0.0:
+            parent_from_joint = parent_from_joint @ _move(joint, -joint.position)
+        return world.add_joint(
+            kind,
+            parent.body,
+            child.body,
+            parent_from_joint=parent.body_from_link @ parent_from_joint,
+            child_from_joint=joint.child_from_joint,
+            collide=self._joints_collide,
+            name=f"{self._robot.name}/{joint.name}",
+        )
+
+    def _let_follow(self, joints: dict[str, Joint]) -> None:
+        by_name = {joint.name: joint for joint in self._robot.joints}
+        for joint in self._robot.joints:
+            if joint.mimic is not None:
+                leader, multiplier, offset = joint.mimic
+                joints[joint.name].follow(
+                    joints[leader],
+                    multiplier=multiplier,
+                    offset=offset,
+                    max_force=joint.effort or by_name[leader].effort or _MIMIC_EFFORT,
+                )
+
+    def warn(self) -> None:
+        """Says in one warning what the file left out and was completed, and what was left out of it."""
+        robot, matter = self._robot, self._matter
+        efforts = {joint.name: joint.effort for joint in robot.joints}
+        weak = [
+            joint.name
+            for joint in robot.joints
+            if joint.mimic is not None and not (joint.effort or efforts[joint.mimic[0]])
+        ]
+        hulls = "the convex hulls of its collision geometry"
+        lines = [
+            f"{text} ({shorten_names(names)})"
+            for names, text in (
+                (matter.without_mass, f"no mass: {DENSITY:g} kg/m3 of {hulls} were taken"),
+                (matter.without_shape, f"no mass and no shape: {GHOST_MASS:g} kg were taken"),
+                (matter.without_inertia, f"no valid inertia: that of {hulls} was taken"),
+                (
+                    robot.without_limits,
+                    "no <limit>, or a lower above the upper one: it moves without an end",
+                ),
+                (
+                    weak,
+                    f"no effort to follow its leader with: {_MIMIC_EFFORT:g} N or N m were taken",
+                ),
+            )
+            if names
+        ]
+        said = []
+        if lines:
+            said.append(
+                f"leaves out what a simulation needs: {'; '.join(lines)}; complete the file to be rid of "
+                "this warning"
+            )
+        if robot.left_out:
+            said.append(f"holds what is not simulated: {'; '.join(robot.left_out)}")
+        if said:
+            # Of the caller of the loader.
+            warnings.warn(f"{robot.path} {', and '.join(said)}", RobotWarning, stacklevel=3)
+
+
+def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:
+    """What a joint with an axis does when its position grows by a distance, in its frame."""
+    if joint.type != "prismatic":
+        return make_pose(axis_angle=(joint.axis, distance))
+    return make_pose(distance * np.array(joint.axis) / np.linalg.norm(joint.axis))

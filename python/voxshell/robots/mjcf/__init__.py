@@ -1,0 +1,1 @@
+"""Robots and scenes from MJCF files, the XML of MuJoCo."""

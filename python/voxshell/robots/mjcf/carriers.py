@@ -1,0 +1,40 @@
+"""Links between the joints of a body that has several."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from voxshell.model.mass_properties import MassProperties
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from voxshell.robots.lumps import Lump
+    from voxshell.robots.matter import Matter
+
+_SHARE = 0.1
+"""Of a body's matter that a carrier gets. The whole keeps its mass, center and inertia as long as it turns as
+one. Far less would make Bullet's solver converge slowly, far more would change how the last joints move."""
+
+
+def share_matter(matter: Matter, carriers: Mapping[str, str], lump_of: Mapping[str, Lump]) -> None:
+    """Gives carriers a share of the matter of their bodies.
+
+    Args:
+        matter: Of all but the carriers, which it gets.
+        carriers: The body of each, by name.
+        lump_of: By the names of links.
+    """
+    counts = Counter(carriers.values())
+    for body, count in counts.items():
+        share = min(_SHARE, 1.0 / (count + 1))
+        whole = matter.of_lumps[lump_of[body]]
+        matter.of_lumps[lump_of[body]] = _scale(whole, 1.0 - count * share)
+        for carrier, owner in carriers.items():
+            if owner == body:
+                matter.of_lumps[lump_of[carrier]] = _scale(whole, share)
+
+
+def _scale(matter: MassProperties, factor: float) -> MassProperties:
+    return MassProperties(matter.mass * factor, matter.center_of_mass, matter.inertia * factor)

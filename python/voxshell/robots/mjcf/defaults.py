@@ -1,0 +1,67 @@
+"""Default classes: attributes that elements have where they do not give them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from voxshell.robots.mjcf.compiler import ROTATIONS
+
+if TYPE_CHECKING:
+    from voxshell.robots.xml_elements import Element
+
+MAIN = "main"
+
+
+class Defaults:
+    """The default classes of a model.
+
+    Args:
+        sections: Its ``<default>`` sections.
+
+    Raises:
+        RobotError: A class has no name.
+    """
+
+    def __init__(self, sections: list[Element]) -> None:
+        self._classes: dict[str, dict[str, dict[str, str]]] = {MAIN: {}}
+        for section in sections:
+            self._read(section, section.attributes.get("class", MAIN), self._classes[MAIN])
+
+    def _read(self, element: Element, name: str, above: dict[str, dict[str, str]]) -> None:
+        own = {tag: dict(attributes) for tag, attributes in self._classes.get(name, above).items()}
+        self._classes[name] = own
+        nested: list[Element] = []
+        for child in element.children:
+            if child.tag == "default":
+                nested.append(child)
+            else:
+                own[child.tag] = {**own.get(child.tag, {}), **child.attributes}
+        for child in nested:
+            self._read(child, child.text("class"), own)
+
+    def complete(self, element: Element, child_class: str) -> Element:
+        """An element with the attributes of its class, or of the class that its body gives.
+
+        Its own rotation, in whatever form, replaces that of the class.
+
+        Raises:
+            RobotError: There is no such class.
+        """
+        name = element.attributes.get("class", child_class)
+        self.check(element, name)
+        given = self._classes[name].get(element.tag, {})
+        if not element.attributes.keys().isdisjoint(ROTATIONS):
+            given = {key: value for key, value in given.items() if key not in ROTATIONS}
+        return replace(element, attributes={**given, **element.attributes})
+
+    def check(self, element: Element, name: str) -> None:
+        """Refuses a class that is not there.
+
+        Raises:
+            RobotError: It is not.
+        """
+        if name not in self._classes:
+            element.refuse(
+                f"is of the default class {name[:60]!r}, and there is no such class; correct the name"
+            )

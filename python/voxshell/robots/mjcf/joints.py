@@ -1,0 +1,152 @@
+"""Joints of bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from voxshell.robots.description import JointDescription, JointType
+from voxshell.robots.mjcf.compiler import normalize
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.robots.mjcf.compiler import Compiler
+    from voxshell.robots.mjcf.left_out import LeftOut
+    from voxshell.robots.xml_elements import Element
+
+_TYPES: dict[str, JointType] = {
+    "free": "floating",
+    "ball": "spherical",
+    "slide": "prismatic",
+    "hinge": "revolute",
+}
+_SWITCH = ("false", "true", "auto")
+_POLYNOMIAL = range(1, 10)
+"""Numbers of a stiffness or damping; those behind the first are of higher order."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointPlace:
+    """Where a joint is: the links that it holds together, as the file has them."""
+
+    name: str
+    parent: str
+    child: str
+    parent_from_child: NDArray[np.float64]
+
+
+def type_of(element: Element) -> JointType:
+    """Of a ``<joint>`` or ``<freejoint>``.
+
+    Raises:
+        RobotError: It is of none of MuJoCo's types.
+    """
+    if element.tag == "freejoint":
+        return "floating"
+    return _TYPES[element.word("type", tuple(_TYPES), "hinge")]
+
+
+def read_joint(
+    element: Element,
+    frame: NDArray[np.float64],
+    place: JointPlace,
+    compiler: Compiler,
+    left_out: LeftOut,
+) -> JointDescription:
+    """Reads a joint.
+
+    Args:
+        element: With the attributes of its class.
+        frame: ``body_from_frame`` of the frame that it lies in.
+        place: Where it is.
+        compiler: The model's settings.
+        left_out: Notes what of it is not simulated.
+
+    Raises:
+        RobotError: A number is wrong.
+    """
+    kind = type_of(element)
+    unit = compiler.unit if kind == "revolute" else 1.0
+    child_from_joint = np.eye(4)
+    child_from_joint[:3, 3] = (
+        frame[:3, :3] @ (element.numbers("pos", (3,)) or [0.0] * 3) + frame[:3, 3]
+    )
+    axis = normalize(element, "axis", element.numbers("axis", (3,)) or [0.0, 0.0, 1.0])
+    x, y, z = (frame[:3, :3] @ axis).tolist()
+    limits = None if kind == "floating" else _read_limits(element, compiler)
+    damping, friction = _read_first(element, "damping"), element.number("frictionloss") or 0.0
+    if min(damping, friction) < 0.0:
+        element.refuse("has a damping or frictionloss below 0")
+    _note_left_out(element, kind, place.name, limits, (damping, friction), left_out)
+    has_axis = kind in ("revolute", "prismatic")
+    if limits is not None and has_axis:
+        limits = limits[0] * unit, limits[1] * unit
+    position = (element.number("ref") or 0.0) * unit if has_axis else 0.0
+    start = position
+    if limits is not None and has_axis:
+        start = min(max(position, limits[0]), limits[1])
+        if start != position:
+            left_out.note(
+                "positions beyond the limits: these joints begin at the nearest one", place.name
+            )
+    force = element.numbers("actuatorfrcrange", (2,)) or [0.0]
+    return JointDescription(
+        place.name,
+        element.where,
+        "continuous" if kind == "revolute" and limits is None else kind,
+        place.parent,
+        place.child,
+        place.parent_from_child,
+        child_from_joint,
+        position,
+        start,
+        (x, y, z),
+        limits if has_axis else None,
+        max(map(abs, force)) or None,
+        None,
+        friction,
+        damping,
+        None,
+    )
+
+
+def _read_first(element: Element, attribute: str) -> float:
+    return (element.numbers(attribute, _POLYNOMIAL) or [0.0])[0]
+
+
+def _read_limits(element: Element, compiler: Compiler) -> tuple[float, float] | None:
+    """In the file's units; None where it moves without an end."""
+    lower, upper = element.numbers("range", (2,)) or (0.0, 0.0)
+    limited = element.word("limited", _SWITCH, "auto")
+    if limited == "false" or (
+        limited == "auto" and not (compiler.limits_by_range and lower < upper)
+    ):
+        return None
+    if lower > upper or (lower == upper == 0.0):
+        element.refuse(
+            f'has <joint range="{lower:g} {upper:g}">; give a range, the lower limit first'
+        )
+    return lower, upper
+
+
+def _note_left_out(
+    element: Element,
+    kind: JointType,
+    name: str,
+    limits: tuple[float, float] | None,
+    losses: tuple[float, float],
+    left_out: LeftOut,
+) -> None:
+    for attribute in ("stiffness", "armature"):
+        if _read_first(element, attribute):
+            left_out.note(f"joint {attribute}", name)
+    if "springdamper" in element.attributes:
+        left_out.note("joint springdamper", name)
+    if kind in ("floating", "spherical") and element.tag != "freejoint":
+        if limits is not None and kind == "spherical":
+            left_out.note("limits of ball joints", name)
+        if any(losses):
+            left_out.note("damping or frictionloss of ball and free joints", name)

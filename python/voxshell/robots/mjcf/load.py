@@ -1,0 +1,151 @@
+"""Loading an MJCF file into a world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from voxshell.robots.assembly import Assembly, check_place
+from voxshell.robots.description import shorten_names
+from voxshell.robots.lumps import find_lumps
+from voxshell.robots.matter import complete_matter
+from voxshell.robots.mjcf.carriers import share_matter
+from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
+from voxshell.robots.mjcf.reading import read_mjcf
+from voxshell.robots.shapes import MeshSettings, Shaper
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import ArrayLike
+
+    from voxshell.robots.robot import Robot
+    from voxshell.simulation.world import World
+
+
+def load_mjcf(
+    world: World,
+    path: str | os.PathLike[str],
+    *,
+    pose: ArrayLike | None = None,
+    voxel_size: float | None = None,
+    resolution: int | None = None,
+    mesh_as: Literal["model", "hull"] = "model",
+    friction: float | None = None,
+    self_collision: bool = True,
+) -> Robot:
+    """Adds the bodies of an MJCF file, the XML of MuJoCo, to a world.
+
+    The result is one robot, also where the file has several root bodies, such as a table with objects: MuJoCo
+    compiles a file to one model, whose names are unique. Every body is a link of its name, and the link
+    "world" is what the file has in ``<worldbody>`` itself. Its planes, and bodies without joints there, are
+    static bodies; bodies without joints in others are one body with them. A body with several joints is a
+    chain of links: "torso/hip_x" is what the joint "hip_x" moves, and "torso" what the last one moves. The
+    links between get a tenth of the body's matter each, so that masses, centers and inertias are MuJoCo's.
+
+    Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``; those whose ``ref`` is beyond
+    their limits begin at the nearest limit, with a :class:`RobotWarning`. Bodies have the largest friction of
+    their geoms; note that Bullet multiplies the frictions of two bodies, and MuJoCo takes the larger.
+    Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
+    Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
+    Actuators, tendons, equalities, springs and armatures are not simulated; a :class:`RobotWarning` lists what the
+    file has of them. Gravity and time step are the world's.
+
+    Args:
+        world: Where to.
+        path: Of the file. Meshes and included files are looked for from its folder, and from that of the
+            file that names them.
+        pose: (4, 4) ``world_from_file``; the identity by default.
+        voxel_size: Of the models, metres; of smaller geoms their longest side.
+        resolution: Instead: voxels along the longest side of each model. Without either, 100.
+        mesh_as: "model", any mesh as it is, or "hull", its convex hull, as MuJoCo collides it.
+        friction: Coulomb coefficient of all bodies, instead of the file's.
+        self_collision: Whether the bodies of one tree may collide with each other, as the file says;
+            those of different trees always may.
+
+    Returns:
+        The robot.
+
+    Raises:
+        FileAccessError: The file cannot be read.
+        MissingExtraError: An inertia must be computed from a convex hull and scipy is not installed.
+        RobotError: The file does not describe what can be simulated; the message names the file, the line,
+            the body or geom, and what to do.
+        SettingsError: A setting is out of range.
+        PoseError: ``pose`` is not a rigid transform.
+        MemoryLimitError: A model would be too large.
+        InputTypeError: ``world`` is no world, or ``path`` no path.
+
+    Warns:
+        RobotWarning: The file holds what is not simulated, or leaves out a mass. The message lists it.
+
+    Where it raises, the world has none of the file's bodies.
+
+    Example:
+        >>> import pathlib, tempfile
+        >>> import voxshell as vx
+        >>> text = '''
+        ... <mujoco model="table">
+        ...   <worldbody>
+        ...     <geom name="floor" type="plane" size="1 1 0.1"/>
+        ...     <body name="door" pos="0 0 0.5">
+        ...       <joint name="hinge" axis="0 0 1" range="0 90" damping="0.1"/>
+        ...       <geom type="box" pos="0.2 0 0" size="0.2 0.01 0.4"/>
+        ...     </body>
+        ...     <body name="ball" pos="0 0.5 0.3"><freejoint/><geom size="0.1"/></body>
+        ...   </worldbody>
+        ... </mujoco>'''
+        >>> world = vx.World()
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "table.xml")
+        ...     _ = path.write_text(text)
+        ...     robot = vx.load_mjcf(world, path)
+        >>> list(robot.links)
+        ['world/floor', 'world', 'door', 'ball']
+        >>> robot.set_targets({"hinge": 1.0}, max_force=20.0)
+        >>> world.step(400)
+        >>> round(robot.positions["hinge"], 2)
+        1.0
+        >>> round(float(robot.links["ball"].pose[2, 3]), 2)
+        0.1
+    """
+    world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
+    settings = MeshSettings(voxel_size, resolution, mesh_as)
+    model = read_mjcf(path, world.gravity)
+    robot, filters = model.robot, model.filters
+    lump_of = find_lumps(robot)
+    lumps = list(dict.fromkeys(lump_of.values()))
+    static = {lump_of[root] for root in robot.roots}
+    carriers = {lump_of[name] for name in model.carriers}
+    matter = complete_matter(robot, (it for it in lumps if it not in static | carriers))
+    share_matter(matter, model.carriers, lump_of)
+    shaper = Shaper(robot, settings)
+    shapes = {lump: shaper.shape_of(lump) for lump in lumps}
+    meeting = [lump for lump, shape in shapes.items() if shape is not None]
+    apart, own = filters.sort_pairs(lump_of, static, meeting)
+    if not self_collision:
+        apart += own
+    assembly = Assembly(
+        robot,
+        lump_of,
+        matter,
+        shapes,
+        world_from_file,
+        friction=friction,
+        apart=apart,
+        joints_collide=True,
+    )
+    made = assembly.add(world)
+    if self_collision:
+        bodies = {lump: made.links[lump.first].body for lump in meeting}
+        pairs = ((bodies[a], bodies[b]) for a, b in own)
+        try:
+            found = keep_overlaps_apart(world, ((a, b) for a, b in pairs if a and b))
+        except BaseException:  # an interrupt, since a large model takes its time
+            made.remove()
+            raise
+        if found:
+            robot.left_out.append(
+                f"collisions of links that overlap from the beginning ({shorten_names(found)})"
+            )
+    assembly.warn()
+    return made

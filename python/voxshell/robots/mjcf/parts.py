@@ -1,0 +1,80 @@
+"""A model, or one that is attached to it: what its elements refer to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from voxshell.robots.mjcf.compiler import Compiler, read_compiler
+from voxshell.robots.mjcf.defaults import MAIN, Defaults
+from voxshell.robots.mjcf.meshes import Meshes
+
+if TYPE_CHECKING:
+    from voxshell.robots.mjcf.model_file import ModelFile
+    from voxshell.robots.xml_elements import Element
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A model by itself.
+
+    Attributes:
+        file: Its elements.
+        prefix: In front of its names.
+        compiler: Its settings.
+        defaults: Its default classes.
+        meshes: Its meshes.
+        materials: Its materials, by name.
+    """
+
+    file: ModelFile
+    prefix: str
+    compiler: Compiler
+    defaults: Defaults
+    meshes: Meshes
+    materials: dict[str, Element]
+
+    def attach(self, element: Element) -> tuple[Part, list[Element]]:
+        """The model that an ``<attach>`` names, and the elements that it puts in its place.
+
+        Raises:
+            RobotError: There is no such model or body, or its file cannot be read.
+        """
+        name = element.text("model")
+        named = [
+            model
+            for section in self.file.sections("asset")
+            for model in section.all("model")
+            if model.attributes.get("name") == name
+        ]
+        if not named:
+            element.refuse(f"attaches the model {name[:60]!r}, and <asset> has no such model")
+        part = open_part(
+            self.file.attach(named[0]), self.prefix + element.attributes.get("prefix", "")
+        )
+        sections = part.file.sections("worldbody")
+        body = element.attributes.get("body")
+        if body is None:
+            return part, [child for section in sections for child in section.children]
+        waiting = sections
+        for it in waiting:
+            if it.tag == "body" and it.attributes.get("name") == body:
+                return part, [it]
+            waiting += it.children
+        return element.refuse(f"attaches the body {body[:60]!r}, and the model has no such body")
+
+
+def open_part(file: ModelFile, prefix: str) -> Part:
+    """What the elements of a file refer to.
+
+    Raises:
+        RobotError: A setting or a class is not valid.
+    """
+    compiler = read_compiler(file.sections("compiler"))
+    defaults = Defaults(file.sections("default"))
+    materials = {
+        material.attributes.get("name", ""): defaults.complete(material, MAIN)
+        for section in file.sections("asset")
+        for material in section.all("material")
+    }
+    return Part(file, prefix, compiler, defaults, Meshes(file, compiler, defaults), materials)

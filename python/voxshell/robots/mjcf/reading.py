@@ -1,0 +1,85 @@
+"""MJCF files read and checked."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from voxshell.errors import RobotError
+from voxshell.robots.description import Inertial, RobotDescription
+from voxshell.robots.mjcf.bodies import BodyReader
+from voxshell.robots.mjcf.filters import Filters
+from voxshell.robots.mjcf.left_out import LeftOut
+from voxshell.robots.mjcf.model_file import read_model
+from voxshell.robots.mjcf.parts import open_part
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What a file says.
+
+    Attributes:
+        robot: Links and joints.
+        filters: What collides with what.
+        carriers: The body of each link between joints, by name.
+    """
+
+    robot: RobotDescription
+    filters: Filters
+    carriers: dict[str, str]
+
+
+def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
+    """Reads and checks a file.
+
+    Args:
+        path: Of the file.
+        gravity: Of the world, m/s2; another one in the file is noted as left out.
+
+    Raises:
+        FileAccessError: The file cannot be read.
+        RobotError: The file does not describe what can be simulated; the message names the file, the
+            line, the body or geom, and what to do.
+    """
+    try:
+        return _read(path, gravity)
+    except RobotError as error:
+        name = os.fsdecode(path)
+        if name in str(error):
+            raise
+        raise RobotError(f"{error} (read for {name})") from None
+
+
+def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
+    file = read_model(path)
+    name = file.root.attributes.get("model")
+    stem = os.path.splitext(os.path.basename(file.path))[0]
+    robot = RobotDescription(file.path, name or stem, {}, {})
+    if not file.sections("worldbody"):
+        robot.refuse(
+            "it has no <worldbody>: it is empty, or a part that models <include>; load one of these"
+        )
+    filters = Filters(file.root)
+    left_out = LeftOut()
+    part = open_part(file, "")
+    bodies = BodyReader(part, robot, filters, left_out)
+    if part.compiler.total_mass is not None:
+        _scale_masses(robot, part.compiler.total_mass)
+    left_out.note_option(file.root, gravity)
+    robot.left_out.extend(left_out.list())
+    return Model(robot, filters, bodies.carriers)
+
+
+def _scale_masses(robot: RobotDescription, total: float) -> None:
+    own = sum(link.inertial.mass for link in robot.links.values() if link.inertial is not None)
+    for name, link in robot.links.items():
+        it = link.inertial
+        if it is not None:
+            ratio = total / own
+            inertia = None if it.inertia is None else it.inertia * ratio
+            scaled = Inertial(it.mass * ratio, it.center, inertia)
+            robot.links[name] = replace(link, inertial=scaled)

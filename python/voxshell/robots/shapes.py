@@ -1,0 +1,138 @@
+"""Shapes of links, made of their collision geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from voxshell.base.arguments import as_integer, as_positive
+from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
+from voxshell.model.model import Model
+from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from voxshell.robots.description import MeshArrays, MeshFile, Primitive
+from voxshell.robots.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.simulation.comparison_shapes import ConvexHull
+from voxshell.simulation.compound import Compound, Part
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from voxshell.robots.description import Collision, Geometry, RobotDescription
+    from voxshell.robots.lumps import Lump
+
+_DEFAULT_RESOLUTION = 100
+
+_ELLIPSOID_SUBDIVISIONS = 4
+"""Of the triangles that stand for an ellipsoid: 5120, within 0.06 % of its largest radius."""
+
+
+@dataclass(frozen=True)
+class MeshSettings:
+    """How meshes become shapes; the arguments of the loaders.
+
+    Raises:
+        SettingsError: One is out of range.
+    """
+
+    voxel_size: float | None
+    resolution: int | None
+    mesh_as: Literal["model", "hull"]
+
+    def __post_init__(self) -> None:
+        if self.mesh_as not in ("model", "hull"):
+            raise SettingsError(f"mesh_as must be 'model' or 'hull', not {self.mesh_as!r}")
+        if self.voxel_size is not None:
+            as_positive(self.voxel_size, "voxel_size")
+        if self.resolution is not None:
+            as_integer(self.resolution, "resolution", 2, 2**31 - 1)
+
+
+class Shaper:
+    """Makes shapes of the collision geometry of links."""
+
+    def __init__(self, robot: RobotDescription, settings: MeshSettings) -> None:
+        self._robot = robot
+        self._voxel_size = settings.voxel_size
+        self._resolution = settings.resolution
+        if settings.voxel_size is None and settings.resolution is None:
+            self._resolution = _DEFAULT_RESOLUTION
+        self._mesh_as = settings.mesh_as
+        self._made: dict[tuple[Geometry, bytes], Part] = {}
+
+    def shape_of(self, lump: Lump) -> Part | Compound | Plane | None:
+        """In the lump's frame; None where no link has a surface. A plane must be alone, and in place."""
+        parts: list[tuple[Part, NDArray[np.float64]]] = []
+        for name, lump_from_link in lump.links.items():
+            for collision in self._robot.links[name].collisions:
+                geometry = collision.geometry
+                if isinstance(geometry, Primitive) and geometry.kind == "plane":
+                    return Plane()
+                place = lump_from_link @ collision.link_from_geometry
+                parts.append(self._make(name, collision, place))
+        if not parts:
+            return None
+        if len(parts) == 1 and np.array_equal(parts[0][1], np.eye(4)):
+            return parts[0][0]
+        return Compound(parts)
+
+    def _make(
+        self, link: str, collision: Collision, place: NDArray[np.float64]
+    ) -> tuple[Part, NDArray[np.float64]]:
+        geometry = collision.geometry
+        if isinstance(geometry, (MeshFile, MeshArrays)):
+            key = geometry, place.tobytes()
+            if key not in self._made:
+                self._made[key] = self._make_mesh(link, geometry, place)
+            return self._made[key], np.eye(4)
+        try:
+            return self._make_primitive(geometry), place
+        except (SettingsError, MeshError) as error:
+            raise RobotError(f"{self._robot.links[link].owner}: {error}") from error
+
+    def _make_primitive(self, geometry: Primitive) -> Part:
+        match geometry.kind:
+            case "box":
+                return Box(np.array(geometry.sizes) / 2.0)
+            case "sphere":
+                return Sphere(geometry.sizes[0])
+            case "cylinder":
+                return Cylinder(*geometry.sizes)
+            case "capsule":
+                return Capsule(*geometry.sizes)
+            case _:
+                from trimesh.creation import icosphere
+
+                ball = icosphere(subdivisions=_ELLIPSOID_SUBDIVISIONS)
+                return self._shape_mesh(ball.vertices * geometry.sizes, ball.faces)
+
+    def _make_mesh(
+        self, link: str, file: MeshFile | MeshArrays, place: NDArray[np.float64]
+    ) -> Part:
+        mesh = read_link_mesh(self._robot.links[link].owner, file)
+        vertices = mesh.vertices @ place[:3, :3].T + place[:3, 3]
+        try:
+            return self._shape_mesh(vertices, mesh.faces)
+        except MeshError as error:
+            refuse_mesh(self._robot.links[link].owner, file, error)
+        except MemoryLimitError as error:
+            raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
+
+    def _shape_mesh(self, vertices: NDArray[np.float64], faces: NDArray[np.uint32]) -> Part:
+        if self._mesh_as == "hull":
+            return _make_hull(vertices)
+        voxel_size = self._voxel_size
+        side = float(np.ptp(vertices, axis=0).max()) if len(vertices) > 0 else 0.0
+        if voxel_size is not None and side > 0.0:
+            voxel_size = min(voxel_size, side)
+        return Model.from_mesh(
+            (vertices, faces), voxel_size=voxel_size, resolution=self._resolution
+        )
+
+
+def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:
+    try:
+        return ConvexHull(vertices)
+    except MeshError as error:
+        raise MeshError(f"{error}; repair the mesh, or give it a thickness") from None

@@ -1,0 +1,130 @@
+"""Loading a URDF file into a world."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING, Literal
+
+from voxshell.robots.assembly import Assembly, check_place
+from voxshell.robots.lumps import find_lumps
+from voxshell.robots.matter import complete_matter
+from voxshell.robots.shapes import MeshSettings, Shaper
+from voxshell.robots.urdf.reading import read_urdf
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import ArrayLike
+
+    from voxshell.robots.robot import Robot
+    from voxshell.simulation.world import World
+
+
+def load_urdf(
+    world: World,
+    path: str | os.PathLike[str],
+    *,
+    pose: ArrayLike | None = None,
+    fixed_base: bool = True,
+    voxel_size: float | None = None,
+    resolution: int | None = None,
+    mesh_as: Literal["model", "hull"] = "model",
+    friction: float = 0.5,
+    self_collision: bool = False,
+) -> Robot:
+    """Adds the robot of a URDF file to a world, all joints at position 0.
+
+    Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules stay
+    what they are. Links that fixed joints hold together become one body, so that frames without a mass, such as a
+    tool's, are welcome. A mass or inertia that the file leaves out is computed from the collision
+    geometry, with a :class:`RobotWarning` that names the links. Joints have their limits, friction and damping; they move freely until they are
+    driven, but for those that mimic others, which follow them. Grippers of light fingers that hold on
+    firmly want short steps: ``World(time_step=1 / 1000)``.
+
+    Args:
+        world: Where to.
+        path: Of the file. Meshes are looked for from its folder upwards, those of ``package://`` with and
+            without the name of the package, and in the folders of ``ROS_PACKAGE_PATH``.
+        pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
+        fixed_base: Whether the root is fixed to the world; it then needs no mass.
+        voxel_size: Of the models, metres; of smaller links their longest side.
+        resolution: Instead: voxels along the longest side of each model. Without either, models
+            are built to the default tolerance of :meth:`Model.from_mesh`.
+        mesh_as: "model", any mesh as it is, or "hull", its convex hull.
+        friction: Coulomb coefficient of all links.
+        self_collision: Whether links that no joint connects collide with each other.
+
+    Returns:
+        The robot.
+
+    Raises:
+        FileAccessError: The file cannot be read.
+        MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia must be
+            computed from a mesh and scipy is not installed.
+        RobotError: The file does not describe a robot that can be simulated; the message names the
+            file, the line, the link or joint, and what to do.
+        SettingsError: A setting is out of range.
+        PoseError: ``pose`` is not a rigid transform.
+        MemoryLimitError: A model would be too large.
+        InputTypeError: ``world`` is no world, or ``path`` no path.
+
+    Warns:
+        RobotWarning: The file leaves out what a simulation needs: masses, inertias, limits, or the effort
+            of a joint that mimics another. The message says what was taken instead.
+
+    Where it raises, the world has none of the robot's bodies.
+
+    Example:
+        >>> import pathlib, tempfile
+        >>> import voxshell as vx
+        >>> text = '''
+        ... <robot name="pendulum">
+        ...   <link name="hook"/>
+        ...   <link name="bob">
+        ...     <inertial>
+        ...       <origin xyz="0 0 -0.5"/><mass value="1"/>
+        ...       <inertia ixx="0.004" iyy="0.004" izz="0.004" ixy="0" ixz="0" iyz="0"/>
+        ...     </inertial>
+        ...     <collision>
+        ...       <origin xyz="0 0 -0.5"/><geometry><sphere radius="0.1"/></geometry>
+        ...     </collision>
+        ...   </link>
+        ...   <joint name="pivot" type="continuous">
+        ...     <parent link="hook"/><child link="bob"/><axis xyz="0 1 0"/>
+        ...   </joint>
+        ... </robot>'''
+        >>> world = vx.World()
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "pendulum.urdf")
+        ...     _ = path.write_text(text)
+        ...     robot = vx.load_urdf(world, path)
+        >>> robot
+        Robot('pendulum', 2 links, 1 joint that moves)
+        >>> robot.set_targets({"pivot": 0.5}, max_force=10.0)
+        >>> world.step(200)
+        >>> round(robot.positions["pivot"], 2)
+        0.5
+    """
+    world_from_root = check_place(world, pose, friction)
+    settings = MeshSettings(voxel_size, resolution, mesh_as)
+    robot = read_urdf(path)
+    lumps = find_lumps(robot)
+    (root,) = robot.roots
+    unique = list(dict.fromkeys(lumps.values()))
+    matter = complete_matter(robot, (it for it in unique if not (fixed_base and it is lumps[root])))
+    shaper = Shaper(robot, settings)
+    shapes = {lump: shaper.shape_of(lump) for lump in unique}
+    meeting = [lump for lump, shape in shapes.items() if shape is not None]
+    assembly = Assembly(
+        robot,
+        lumps,
+        matter,
+        shapes,
+        world_from_root,
+        friction=friction,
+        apart=() if self_collision else combinations(meeting, 2),
+        joints_collide=False,
+    )
+    made = assembly.add(world)
+    assembly.warn()
+    return made

@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+import voxshell as vx
+from voxshell.robots.assembly import Assembly, check_place
+from voxshell.robots.description import (
+    Collision,
+    Inertial,
+    JointDescription,
+    LinkDescription,
+    Primitive,
+    RobotDescription,
+)
+from voxshell.robots.lumps import find_lumps
+from voxshell.robots.matter import complete_matter
+from voxshell.robots.shapes import MeshSettings, Shaper
+
+BALL = (Collision(Primitive("sphere", (0.1,)), np.eye(4)),)
+MATTER = Inertial(1.0, np.zeros(3), np.eye(3) * 0.01)
+
+
+def link(name, friction=None):
+    return LinkDescription(name, f"f:{name}", BALL, MATTER, None, friction)
+
+
+def joint(kind, parent, child, *, position=0.0, start=0.0, axis=(0.0, 2.0, 0.0)):
+    frame = vx.pose((0, 0, 0.5))
+    return JointDescription(
+        f"{child}_joint", "f:9", kind, parent, child, vx.pose((1, 0, 0)), frame, position, start,
+        axis, None, None, None, 0.0, 0.0, None,
+    )  # fmt: skip
+
+
+def add(world, links, joints, *, friction=None, place=None, apart=(), collide=True):
+    robot = RobotDescription("f", "r", {links[0].name: np.eye(4)}, {it.name: it for it in links}, joints)  # fmt: skip
+    lumps = find_lumps(robot)
+    unique = list(dict.fromkeys(lumps.values()))
+    shaper = Shaper(robot, MeshSettings(None, None, "model"))
+    return Assembly(
+        robot, lumps, complete_matter(robot, unique[1:]), {it: shaper.shape_of(it) for it in unique},
+        np.eye(4) if place is None else place, friction=friction, joints_collide=collide,
+        apart=combinations(unique, 2) if apart == "all" else apart,
+    ).add(world)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_joints_begin_where_they_should_and_read_so(kind):
+    """The file has the links at position 0.2, and the joint begins at 0.5."""
+    place = vx.pose((0, 0, 7))
+    world = vx.World(gravity=(0, 0, 0))
+    robot = add(world, [link("a"), link("b")], [joint(kind, "a", "b", position=0.2, start=0.5)], place=place)  # fmt: skip
+    assert robot.positions["b_joint"] == pytest.approx(0.5)
+    moved = vx.pose((0, 0.3, 0))
+    if kind == "revolute":
+        frame = vx.pose((0, 0, 0.5))
+        moved = frame @ vx.pose(axis_angle=((0, 1, 0), 0.3)) @ np.linalg.inv(frame)
+    np.testing.assert_allclose(robot.links["b"].pose, place @ vx.pose((1, 0, 0)) @ moved, atol=1e-9)
+
+
+def test_bodies_have_the_friction_of_the_call_or_the_largest_of_the_file():
+    links = [link("a"), link("b", 0.2), link("c", 0.7)]
+    joints = [joint("floating", "a", "b"), joint("fixed", "b", "c")]
+    by_name = {it.name: it for it in links}
+    assert len(by_name) == 3
+    robot = add(vx.World(), links, joints)
+    assert robot.links["b"].body.friction == 0.7
+    assert robot.links["a"].body.friction == 0.5
+    assert add(vx.World(), links, joints, friction=0.1).links["b"].body.friction == 0.1
+
+
+@pytest.mark.parametrize(
+    ("apart", "collide", "count"), [((), True, 1), ((), False, 0), ("all", True, 0)]
+)
+def test_links_collide_unless_they_are_apart_or_a_joint_says_so(apart, collide, count):
+    world = vx.World(gravity=(0, 0, 0))
+    near = joint("revolute", "a", "b")
+    near = JointDescription(**{**near.__dict__, "parent_from_child": vx.pose((0.1, 0, 0))})
+    add(world, [link("a"), link("b")], [near], apart=apart, collide=collide)
+    world.step()
+    assert min(len(world.contacts()), 1) == count
+
+
+def test_nothing_is_left_of_a_robot_that_fails():
+    world = vx.World()
+    with pytest.raises(vx.RobotError, match=r"^f: "):
+        add(world, [link("a"), link("b")], [joint("prismatic", "a", "b", start=1e300)])
+    assert world.bodies == []
+
+
+def test_arguments_are_checked_before_the_file():
+    world = vx.World()
+    assert check_place(world, None, 0.5).tolist() == np.eye(4).tolist()
+    with pytest.raises(vx.InputTypeError, match="world must be a World, not str"):
+        check_place("world", None, 0.5)
+    with pytest.raises(vx.PoseError):
+        check_place(world, np.zeros((4, 4)), 0.5)
+    with pytest.raises(vx.SettingsError, match="friction"):
+        check_place(world, None, -1.0)

@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.model.meshes import read_mesh
+from voxshell.robots.description import (
+    Collision,
+    LinkDescription,
+    MeshArrays,
+    Primitive,
+    RobotDescription,
+)
+from voxshell.robots.lumps import find_lumps
+from voxshell.robots.shapes import MeshSettings, Shaper
+
+
+def shape_of(*collisions: Collision, **settings):
+    link = LinkDescription("a", "robot.xml:7", collisions, None, None)
+    robot = RobotDescription("robot.xml", "robot", {"a": np.eye(4)}, {"a": link})
+    options = MeshSettings(**{"voxel_size": None, "resolution": 20, "mesh_as": "model", **settings})
+    return Shaper(robot, options).shape_of(find_lumps(robot)["a"])
+
+
+def solid(kind, *sizes, z=0.0):
+    return Collision(Primitive(kind, sizes), vx.pose((0, 0, z)))
+
+
+def test_one_primitive_in_its_place_is_itself_and_others_are_a_compound():
+    assert shape_of() is None
+    assert isinstance(shape_of(solid("box", 1, 2, 3)), vx.Box)
+    assert isinstance(shape_of(solid("sphere", 1)), vx.Sphere)
+    assert isinstance(shape_of(solid("cylinder", 1, 2)), vx.Cylinder)
+    assert isinstance(shape_of(solid("capsule", 1, 2)), vx.Capsule)
+    assert isinstance(shape_of(solid("plane")), vx.Plane)
+    moved = shape_of(solid("box", 1, 2, 3, z=1))
+    assert isinstance(moved, vx.Compound)
+    assert moved.parts[0][1][2, 3] == 1.0
+    assert len(shape_of(solid("box", 1, 2, 3), solid("sphere", 1)).parts) == 2
+
+
+@pytest.mark.parametrize(("mesh_as", "kind"), [("model", vx.Model), ("hull", vx.ConvexHull)])
+def test_ellipsoids_and_meshes_become_models_or_hulls(mesh_as, kind):
+    round_one = shape_of(solid("ellipsoid", 1, 2, 3), mesh_as=mesh_as)
+    assert isinstance(round_one, kind)
+    np.testing.assert_allclose(np.ptp(round_one.mesh.vertices, axis=0), (2, 4, 6), rtol=1e-3)
+    box = MeshArrays("box", read_mesh(trimesh.creation.box()))
+    placed = shape_of(Collision(box, vx.pose((5, 0, 0))), mesh_as=mesh_as)
+    assert isinstance(placed, kind)
+    np.testing.assert_allclose(placed.mesh.vertices.mean(axis=0), (5, 0, 0), atol=1e-6)
+
+
+def test_a_mesh_without_a_volume_is_refused_by_link_and_line():
+    flat = MeshArrays("flat", read_mesh(([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2), (1, 3, 2)])))  # fmt: skip
+    with pytest.raises(vx.RobotError, match=r"robot\.xml:7: link 'a': flat: .*give it a thickness"):
+        shape_of(Collision(flat, np.eye(4)), mesh_as="hull")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"mesh_as": "box"}, {"voxel_size": -1.0}, {"resolution": 1}, {"resolution": 2.5}]
+)
+def test_settings_are_checked(wrong):
+    with pytest.raises(vx.VoxshellError, match=next(iter(wrong))):
+        shape_of(**wrong)
