@@ -49,8 +49,8 @@ class Missing(NamedTuple):
 
 
 _ADVICE = (
-    "build the models with a smaller tolerance= or voxel_size= (voxshell.contact_bounds reports the "
-    'effect), or name the shell, as in shell="both", to silence this warning'
+    "build the models to a tolerance, without voxel_size= and resolution=, or to a smaller one "
+    "(voxshell.contact_bounds reports the effect), or filter voxshell.AccuracyWarning"
 )
 
 

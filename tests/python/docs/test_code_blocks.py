@@ -45,10 +45,6 @@ CPP_HEADERS = """
 #include <stdexcept>
 #include <vector>
 #include <btBulletDynamicsCommon.h>
-#include <voxshell/bullet/collision_configuration.h>
-#include <voxshell/bullet/convert.h>
-#include <voxshell/bullet/model_shape.h>
-#include <voxshell/model.h>
 """
 
 
