@@ -3,8 +3,9 @@
 
 usage: tools/check_wheel.py WHEEL CONSTRAINTS
 
-Installs the wheel and pybullet into a new environment in a temporary folder, and there collides two
-meshes and simulates them: alone, beside pybullet, and beside the system's Bullet where that is installed,
+Installs the wheel, and pybullet if it has a wheel for this Python, into a new environment in a temporary
+folder, and there collides two meshes and simulates them: alone, beside pybullet, and beside the system's
+Bullet where that is installed,
 with all symbols of these in everybody's sight. Fails if the world does not end the same in each
 case, if the wheel brings or loads shared libraries of Bullet, if a module shows other symbols than the one
 that Python calls, if the wheel is 6 MB or larger, if its bill of materials or a licence of what is on it
@@ -38,77 +39,7 @@ for package in distributions():
 # What is in the process with the world: a script's argument each.
 COMPANY = ("nobody", "pybullet before", "pybullet after", "the system's")
 
-SCRIPT = """
-import ctypes.util
-import os
-import sys
-import numpy as np
-import trimesh
-import voxshell as vx
-
-ball = trimesh.creation.icosphere(3, radius=0.1)
-ring = trimesh.creation.torus(major_radius=0.2, minor_radius=0.05)
-a, b = (vx.Model.from_mesh(mesh, voxel_size=0.01, cache=False) for mesh in (ball, ring))
-pose = np.eye(4)
-pose[0, 3] = 0.06
-assert len(vx.contacts(a, b, pose)) > 3
-
-
-def fall():
-    world = vx.World()
-    world.add(vx.Plane(), mass=0)
-    pose = np.eye(4)
-    pose[2, 3] = 0.3
-    body = world.add(b, mass=0.2, pose=pose)
-    world.step(300)
-    assert 0.03 < body.pose[2, 3] < 0.06, body.pose
-    return body.pose.tobytes()
-
-
-def fall_in_pybullet():
-    import pybullet
-
-    client = pybullet.connect(pybullet.DIRECT)
-    pybullet.setGravity(0, 0, -9.81)
-    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE)
-    pybullet.createMultiBody(0, plane)
-    sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
-    body = pybullet.createMultiBody(1.0, sphere, basePosition=(0, 0, 0.3))
-    for _ in range(480):
-        pybullet.stepSimulation()
-    height = pybullet.getBasePositionAndOrientation(body)[0][2]
-    assert abs(height - 0.1) < 0.005, height
-    return client
-
-
-def bullets():
-    with open("/proc/self/maps") as maps:
-        files = {line.split(maxsplit=5)[5].strip() for line in maps if line.count("/")}
-    return sorted(f for f in files if "libBullet" in f or "libLinearMath" in f)
-
-
-def load_systems():
-    for name in ("LinearMath", "BulletCollision", "BulletDynamics"):
-        for library in (name, name + "-float64"):
-            file = ctypes.util.find_library(library)
-            if file:
-                ctypes.CDLL(file, mode=os.RTLD_GLOBAL | os.RTLD_NOW)
-
-
-company = sys.argv[1]
-if company == "pybullet before":
-    sys.setdlopenflags(os.RTLD_GLOBAL | os.RTLD_NOW)
-    fall_in_pybullet()
-elif company == "the system's":
-    load_systems()
-others = bullets()
-alone = fall()
-assert bullets() == others, bullets()
-if company == "pybullet after":
-    fall_in_pybullet()
-    assert fall() == alone
-print(alone.hex())
-"""
+SCRIPT = Path(__file__).with_name("try_installed.py").read_text()
 
 
 def main(arguments: list[str]) -> int:
@@ -137,6 +68,7 @@ def main(arguments: list[str]) -> int:
             return 1
     with tempfile.TemporaryDirectory() as folder:
         python = _make_environment(Path(folder).resolve() / "env", wheel, constraints)
+        company_here = COMPANY if _add_pybullet(python, constraints) else ("nobody", "the system's")
         # Nothing of this checkout, and no settings that could bring another copy.
         environment = {"PATH": os.defpath, "HOME": folder, "LANG": "C.UTF-8"}
         licences = subprocess.run(
@@ -147,7 +79,7 @@ def main(arguments: list[str]) -> int:
             print("packages that come with it have other licences: " + "; ".join(unknown))
             return 1
         results = set()
-        for company in COMPANY:
+        for company in company_here:
             command = [str(python), "-I", "-c", SCRIPT, company]
             result = subprocess.run(
                 command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300
@@ -165,7 +97,9 @@ def main(arguments: list[str]) -> int:
         if told.returncode != 0 or told.stdout.decode().strip() not in wheel.name:
             print(f"voxshell --version said {told.stdout!r} {told.stderr!r}")
             return 1
-    print(f"{wheel.name}: {size / 1e6:.2f} MB, works alone and beside other builds of Bullet")
+    version = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    others = f" and beside {', '.join(company_here[1:])}"
+    print(f"{wheel.name}: {size / 1e6:.2f} MB, works with {version} alone{others}")
     return 0
 
 
@@ -197,18 +131,22 @@ def _shown_symbols(wheel: Path, name: str) -> set[str]:
 
 
 def _make_environment(folder: Path, wheel: Path, constraints: Path) -> Path:
-    """A new environment with the wheel and pybullet; its interpreter."""
+    """A new environment with the wheel; its interpreter."""
     venv.create(folder, with_pip=True, symlinks=True)
     python = folder / "bin" / "python"
-    arguments = ["--disable-pip-version-check", "--no-input", "--quiet"]
-    subprocess.run(
-        [
-            *(str(python), "-m", "pip", "install", *arguments, "--constraint", str(constraints)),
-            *(str(wheel), "pybullet"),
-        ],
-        check=True,
-    )
+    subprocess.run([*_install(python, constraints), str(wheel)], check=True)
     return python
+
+
+def _add_pybullet(python: Path, constraints: Path) -> bool:
+    """Whether pybullet has a wheel for this Python; to build it would take longer than all else."""
+    command = [*_install(python, constraints), "--only-binary", "pybullet", "pybullet"]
+    return subprocess.run(command, capture_output=True).returncode == 0
+
+
+def _install(python: Path, constraints: Path) -> list[str]:
+    quiet = ["--disable-pip-version-check", "--no-input", "--quiet"]
+    return [str(python), "-m", "pip", "install", *quiet, "--constraint", str(constraints)]
 
 
 if __name__ == "__main__":

@@ -66,6 +66,9 @@ void add_analytic(const F& field, Body& body) {
   } else if constexpr (std::is_same_v<F, ConvexField>) {
     const double most = 2.0 * field.reach();
     set({most, most, most}, 0.0, true);
+  } else {
+    // A plane has no sizes, and describe() knows those of grids.
+    static_assert(std::is_same_v<F, PlaneField> || std::is_same_v<F, GridField>);
   }
 }
 
