@@ -108,12 +108,25 @@ def rotated(rotation, points):
     return np.stack([dot(row, points) for row in rotation], axis=-1)
 
 
+def rounded(numbers, size):
+    """To a 2^-30th of the least power of two above `size`, then to float32. No zero is negative."""
+    quantum = 2.0 ** (np.floor(np.log2(size)) + 1.0 - 30.0)
+    return (np.rint(numbers / quantum) * quantum + 0.0).astype(F)
+
+
+def reach_of_shell(shell_body: vx.Model):
+    """Of the points' enclosing sphere, from the origin; this model has no edge segments."""
+    assert len(shell_body.shell.edges) == 0
+    x, y, z, radius = shell_body.shell.tree.spheres(1)[0].astype(float)
+    return np.sqrt(x * x + y * y + z * z) + radius
+
+
 class NumpyPlane:
     """Carried into the shell's frame in float64, then one dot product in float32."""
 
-    def __init__(self, plane: vx.Plane, rotation, translation):
-        self.normal = rotated(rotation.T, plane.normal).astype(F)
-        self.offset = F(plane.offset - dot(plane.normal, translation))
+    def __init__(self, plane: vx.Plane, rotation, translation, reach):
+        self.normal = rounded(rotated(rotation.T, plane.normal), 1.0)
+        self.offset = rounded(plane.offset - dot(plane.normal, translation), reach)
 
     def evaluate(self, points):
         normals = np.broadcast_to(normalized(self.normal), points.shape)
@@ -123,8 +136,8 @@ class NumpyPlane:
 class NumpyPosed:
     """Points are carried into the field's frame in float32, gradients back."""
 
-    def __init__(self, rotation, translation):
-        self.rotation, self.translation = rotation.astype(F), translation.astype(F)
+    def __init__(self, rotation, translation, reach):
+        self.rotation, self.translation = rounded(rotation, 1.0), rounded(translation, reach)
 
     def evaluate(self, points):
         distances, gradients = self.sample(rotated(self.rotation, points) + self.translation)
@@ -134,8 +147,8 @@ class NumpyPosed:
 
 
 class NumpyBox(NumpyPosed):
-    def __init__(self, box: vx.Box, rotation, translation):
-        super().__init__(rotation, translation)
+    def __init__(self, box: vx.Box, rotation, translation, reach):
+        super().__init__(rotation, translation, reach + np.linalg.norm(box.half_extents))
         self.half_extents = box.half_extents.astype(F)
 
     def sample(self, p):
@@ -154,9 +167,11 @@ class NumpyBox(NumpyPosed):
 class NumpyGrid(NumpyPosed):
     """A model's field, sampled through the package; its own formula is tested with the core."""
 
-    def __init__(self, model: vx.Model, rotation, translation):
-        super().__init__(rotation, translation)
+    def __init__(self, model: vx.Model, rotation, translation, reach):
         self.field = model.field
+        far = self.field.origin + self.field.voxel_size * np.array(self.field.shape)
+        size = np.linalg.norm(self.field.origin) + np.linalg.norm(far)
+        super().__init__(rotation, translation, reach + size)
 
     def sample(self, p):
         return self.field.sample(p).astype(F), self.field.gradient(p).astype(F)
@@ -168,7 +183,7 @@ def contacts_by_numpy(shell_body: vx.Model, other: Collidable, shell_pose, other
     rotation = np.stack([rotated(shell_pose[:3, :3].T, row) for row in inverse])
     translation = rotated(inverse, shell_pose[:3, 3]) - rotated(inverse, other_pose[:3, 3])
     field_type = {vx.Plane: NumpyPlane, vx.Box: NumpyBox, vx.Model: NumpyGrid}[type(other)]
-    posed = field_type(other, rotation, translation)
+    posed = field_type(other, rotation, translation, reach_of_shell(shell_body))
     points = shell_body.shell.points
     distances, normals = posed.evaluate(points)
     flat = (normals == 0).all(axis=1)
