@@ -134,15 +134,15 @@ class JointDescription:
     child: str
     parent_from_child: NDArray[np.float64]
     child_from_joint: NDArray[np.float64]
-    position: float
-    start: float
-    axis: tuple[float, float, float]
-    limits: tuple[float, float] | None
-    effort: float | None
-    velocity: float | None
-    friction: float
-    damping: float
-    mimic: tuple[str, float, float] | None
+    position: float = 0.0
+    start: float = 0.0
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    limits: tuple[float, float] | None = None
+    effort: float | None = None
+    velocity: float | None = None
+    friction: float = 0.0
+    damping: float = 0.0
+    mimic: tuple[str, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import voxshell as vx
 from parts import MM, random_rotation
 from real_geometry import NAMES, Court, make_pair
 
-POSES = 300  # a pair
+POSES = int(os.environ.get("VOXSHELL_POSES", "300"))  # a pair
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -52,7 +52,7 @@ class _Scope:
 
 @dataclass(eq=False)
 class _Body:
-    """A body as it is read: what lies in it and in its frames.
+    """A body while it is being read, with the elements that lie in it and in its frames.
 
     Attributes:
         name: Its own, or made of its number.
@@ -299,13 +299,4 @@ def _weld(body: _Body) -> JointDescription:
         body.name,
         body.above_from_body,
         np.eye(4),
-        0.0,
-        0.0,
-        (0.0, 0.0, 1.0),
-        None,
-        None,
-        None,
-        0.0,
-        0.0,
-        None,
     )

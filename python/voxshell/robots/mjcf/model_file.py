@@ -49,14 +49,9 @@ class ModelFile:
             near: The element; what it names may lie beside its own file.
         """
         name = os.path.join(folder, name.strip()).replace("\\", "/")
-        for own in (self.path, near.path):
-            candidate = os.path.join(os.path.dirname(os.path.abspath(own)), name)
-            try:
-                if os.path.isfile(candidate):
-                    return candidate
-            except ValueError:  # a NUL, or what the system's encoding does not have
-                return None
-        return None
+        folders = (os.path.dirname(os.path.abspath(own)) for own in (self.path, near.path))
+        candidates = (os.path.join(each, name) for each in folders)
+        return next(filter(os.path.isfile, candidates), None)
 
     def attach(self, element: Element) -> ModelFile:
         """Another model, by the element that names its file.

@@ -23,13 +23,8 @@ def find_mesh(robot_path: str, name: str) -> str | None:
         robot_path: Of the robot's file.
         name: As the robot's file gives it.
     """
-    for candidate in _list_candidates(robot_path, name.strip().replace("\\", "/")):
-        try:
-            if os.path.isfile(candidate):
-                return candidate
-        except ValueError:  # a NUL, or what the system's encoding does not have
-            return None
-    return None
+    candidates = _list_candidates(robot_path, name.strip().replace("\\", "/"))
+    return next(filter(os.path.isfile, candidates), None)
 
 
 def _list_candidates(robot_path: str, name: str) -> Iterator[str]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import warnings
 from pathlib import Path
 
-import pytest
 import voxshell as vx
 
 REFUSED = {
@@ -17,12 +15,10 @@ REFUSED = {
 """Files with a fault, and what the error says; tools/try_robots.py tries more packages."""
 
 
-def test_every_model_of_pybullet_loads_or_has_a_fault():
-    spec = importlib.util.find_spec("pybullet_data")
-    if spec is None or spec.origin is None:
-        pytest.skip("needs the package pybullet")
-    folder = Path(spec.origin).parent / "mjcf"
-    paths = [path for path in folder.glob("*.xml") if "<mujoco" in path.read_text()]
+def test_every_model_of_pybullet_loads_or_has_a_fault(pybullet_data: Path):
+    paths = [
+        path for path in (pybullet_data / "mjcf").glob("*.xml") if "<mujoco" in path.read_text()
+    ]
     assert len(paths) > 20
     found = {}
     for path in paths:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import warnings
-from pathlib import Path
 
-import pytest
 import voxshell as vx
 
 REFUSED = {
@@ -21,17 +18,9 @@ REFUSED = {
 """Files with a fault, and what the error says; tools/try_robots.py tries more packages."""
 
 
-@pytest.fixture(scope="module")
-def folder() -> Path:
-    spec = importlib.util.find_spec("pybullet_data")
-    if spec is None or spec.origin is None:
-        pytest.skip("needs the package pybullet")
-    return Path(spec.origin).parent
-
-
-def test_every_robot_of_pybullet_loads_or_has_a_fault(folder):
+def test_every_robot_of_pybullet_loads_or_has_a_fault(pybullet_data):
     found = {}
-    paths = [it for it in sorted(folder.rglob("*.urdf")) if "random_urdfs" not in it.parts]
+    paths = [it for it in sorted(pybullet_data.rglob("*.urdf")) if "random_urdfs" not in it.parts]
     assert len(paths) > 90
     for path in paths:
         with warnings.catch_warnings():
@@ -40,7 +29,7 @@ def test_every_robot_of_pybullet_loads_or_has_a_fault(folder):
             try:
                 vx.load_urdf(vx.World(), path, mesh_as="hull")
             except vx.RobotError as error:
-                found[path.relative_to(folder).as_posix()] = str(error)
+                found[path.relative_to(pybullet_data).as_posix()] = str(error)
     assert found.keys() == REFUSED.keys()
     for name, text in REFUSED.items():
         assert text in found[name]
