@@ -13,6 +13,7 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "kept_contacts.h"
 #include "pair_step.h"
 #include "posed_pair.h"
 #include "rolling_lever.h"
@@ -94,7 +95,8 @@ struct ModelAlgorithm::Prepared {
   PosedPair pair;
   PairStep step{};
   StepContacts of_step{};
-  bool takes_all = false;  ///< all points within the margin, not one for each segment
+  bool takes_all = false;   ///< all points within the margin, not one for each segment
+  bool carries_on = false;  ///< with the contacts of the last search
 
   static btCollisionObjectWrapper copy(const btCollisionObjectWrapper& of) {
     return {of.m_parent,
@@ -112,6 +114,7 @@ struct ModelAlgorithm::Prepared {
 /// What is kept of bodies that are near each other.
 struct ModelAlgorithm::Near {
   ContactSearch search;
+  KeptContacts kept;
   PairMemory memory;
   std::optional<Prepared> prepared;
 };
@@ -149,6 +152,14 @@ void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,
   report(pair, search.contacts(), result);
 }
 
+/// Whether the contacts of a search hold for poses near it. Those of segments and of worlds without
+/// a margin are promised to be the samples of each pose.
+bool ModelAlgorithm::may_keep(const PairStep& step) const {
+  return settings_.mode != ContactMode::kSegmented && settings_.shell == ShellRule::kAutomatic &&
+         step.rest_margin > 0.0 && step.pair->a.model() != nullptr &&
+         step.pair->b.model() != nullptr;
+}
+
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                              double time_step, StageClock* clock) {
   if (are_apart(a, b, settings_, time_step)) {
@@ -158,8 +169,8 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   }
   if (hull_) renew_hull(a, b);
   if (near_ == nullptr) near_ = std::make_unique<Near>();
-  auto& [search, memory, kept] = *near_;
-  Prepared& prepared = kept.emplace(a, b, hull_.get(), settings_.shell);
+  auto& [search, kept, memory, current] = *near_;
+  Prepared& prepared = current.emplace(a, b, hull_.get(), settings_.shell);
   PosedPair& pair = prepared.pair;
   PairStep& step = prepared.step;
   const auto describe = [&] {
@@ -170,12 +181,16 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   prepared.takes_all =
       !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
   double fraction = 0.0;  // of the step, after which contacts are looked for
-  if (step.uses_ccd && pair.has_triangles()) {
+  prepared.carries_on = kept.hold_in(step);
+  if (prepared.carries_on) {
+    kept.carry_to(step, search.contacts());
+  } else if (step.uses_ccd && pair.has_triangles()) {
     fraction = search.find_on_the_way(settings_, step);
   } else {
     const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
     const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
     if (has_swapped_roles) step = describe();
+    if (may_keep(step)) kept.keep(step, search.contacts());
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
   std::vector<Contact>& contacts = search.contacts();
@@ -208,9 +223,10 @@ void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
   const bool is_regular = prepared.takes_all && settings_.mode == ContactMode::kRegular;
   assign_manifolds(step, is_regular);
-  choose_points(step, is_regular);
+  choose_points(step, is_regular, prepared.carries_on);
   clock.end(&NarrowPhaseTimings::reduction);
   fill(step, prepared.of_step);
+  if (!prepared.carries_on) near_->kept.reduce_to(chosen_);
   clock.end(&NarrowPhaseTimings::manifold);
 }
 
@@ -288,7 +304,11 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
       idle_.push_back(old->manifold);
     }
     const bool continues = old != active_.end() && old->segment == segment.index;
-    next_.push_back({segment.index, continues ? (old++)->manifold : nullptr, 1});
+    next_.push_back({segment.index, nullptr, 1});
+    if (!continues) continue;
+    next_.back().manifold = old->manifold;
+    next_.back().rolling_lever = old->rolling_lever;
+    ++old;
   }
   for (; old != active_.end(); ++old) idle_.push_back(old->manifold);
   for (btPersistentManifold* manifold : idle_) {
@@ -301,14 +321,17 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
 }
 
 /// Those of its contacts that each of active_ is to hold.
-void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular) {
+/// @param carries_on  The contacts are those that were chosen before, and not all there are.
+void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular, bool carries_on) {
   const bool is_few = is_regular || active_.size() <= kFewSegments;
   const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
   std::span<const Contact> left(near_->search.contacts());
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    entry.rolling_lever = is_few ? rolling_lever_of(step, group, near_->search.exact()) : 0.0;
+    if (!carries_on) {
+      entry.rolling_lever = is_few ? rolling_lever_of(step, group, near_->search.exact()) : 0.0;
+    }
     entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
   }
 }

@@ -73,13 +73,14 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void renew_hull(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
   void test_contact(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                     btManifoldResult& result);
+  bool may_keep(const PairStep& step) const;
   void commit(const Prepared& prepared, StageClock& clock);
   static Segment segment_of(const PosedPair& pair, const Contact& contact, int level);
   static void report(const PosedPair& pair, std::span<const Contact> contacts,
                      btManifoldResult& result);
   void release_manifolds();
   void assign_manifolds(const PairStep& step, bool is_regular);
-  void choose_points(const PairStep& step, bool is_regular);
+  void choose_points(const PairStep& step, bool is_regular, bool carries_on);
   void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 

@@ -76,10 +76,9 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.motion = RelativeMotion::of(of_shell, of_field, world_from_shell);
   step.if_stopped = {RelativeMotion::of(of_shell, Motion{}, world_from_shell),
                      RelativeMotion::of(Motion{}, of_field, world_from_shell)};
-  const Vec3 middle =
-      pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
+  step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
   step.displacement =
-      time_step * (step.motion.velocity_at(middle) + step.motion.velocity_of_forces);
+      time_step * (step.motion.velocity_at(step.middle) + step.motion.velocity_of_forces);
   return step;
 }
 

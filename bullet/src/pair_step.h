@@ -34,7 +34,8 @@ struct PairStep {
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
   /// The same if something else stops the field's body, or the shell's.
   std::array<RelativeMotion, 2> if_stopped;
-  Vec3 displacement;  ///< of the middle of the smaller body's bounding ball by that, shell's frame
+  Vec3 middle;        ///< of the smaller body's bounding ball, shell's frame
+  Vec3 displacement;  ///< of the middle by that motion
 
   /// Whether points farther away than the rest margin may be contacts.
   bool looks_ahead() const { return margin > rest_margin; }

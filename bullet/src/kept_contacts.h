@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pair_step.h"
+#include "voxshell/contacts.h"
+#include "voxshell/model.h"
+
+namespace voxshell::bullet {
+
+/// The contacts that a pair of models was last given, and what they were searched for with. While
+/// the pair moves by far less than its rest margin, they go along with the bodies, and nothing is
+/// searched for. Decision 47.
+class KeptContacts {
+ public:
+  /// Keeps what a search in this step found, ascending by id.
+  void keep(const PairStep& step, std::span<const Contact> found);
+  /// Forgets those that are not among `chosen`.
+  void reduce_to(std::span<const Contact> chosen);
+  void forget() { asked_.reset(); }
+
+  /// Whether a search in this step would find the same contacts, but for a small fraction of the
+  /// rest margin.
+  bool hold_in(const PairStep& step) const;
+  /// Where the contacts are in this step.
+  void carry_to(const PairStep& step, std::vector<Contact>& contacts) const;
+
+ private:
+  /// What the answer of a search depends on.
+  struct Question {
+    std::array<const Model*, 2> models;
+    bool shell_is_a;
+    bool is_still;
+    bool uses_ccd;
+    double time_step;
+    double rest_margin;
+    double thickness;
+    Pose field_from_shell;
+    /// Of the shell's body as the field's sees it, and if something else stops one of them.
+    std::array<RelativeMotion, 3> motions;
+
+    static Question of(const PairStep& step);
+  };
+
+  std::optional<Question> asked_;
+  std::vector<Contact> contacts_;
+  std::vector<std::uint32_t> chosen_;  ///< room for ids
+};
+
+}  // namespace voxshell::bullet
