@@ -93,6 +93,17 @@ inline constexpr float kIdleOfMargin = 0.2f;
 inline constexpr float kCarriesOnOfMargin = 0.25f;
 /// A manifold with as many points as this need not look for more.
 inline constexpr std::size_t kCarryingPoints = 3;
+/// Contacts of a still body on more segments than that are of at most this many flat patches, or are
+/// left as they are.
+inline constexpr std::size_t kMostPatches = 4;
+/// Normals with at least this cosine are those of one patch: within a twelfth of a degree.
+inline constexpr float kSamePatch = 0.999999f;
+/// Patches shrink by at most this fraction of the smaller body's radius when points that do not
+/// span them are left out. Smaller: rims have more points. Larger: cans tip early.
+inline constexpr double kPatchShrinkOfRadius = 0.01;
+/// Points are in a patch if they are deeper than those that span it by at most this fraction of the
+/// rest margin.
+inline constexpr float kFlatOfMargin = 0.02f;
 /// On at most this many segments each has up to four points, as a body may rest on several points
 /// of one segment. Larger: more contacts than the solver needs.
 inline constexpr std::size_t kFewSegments = 4;
@@ -318,6 +329,9 @@ inline constexpr int kSeamDrops = 3;
 /// A place counts as over a face if it is beside its edge by no more than this fraction of a step.
 /// 0: where a body's edge lies along a seam, neither tile is beside it. Larger: normals of edges.
 inline constexpr double kSeamBeside = 0.1;
+/// Behind a seam the surface has the plane's normal, to this cosine: 26 degrees. Smaller: where two
+/// flush bodies carry a third by their corners, those contacts are lost.
+inline constexpr double kSeamFlush = 0.9;
 /// How often a contact is compared with all bodies beside it: two seams cross where four meet.
 inline constexpr int kSeamRounds = 2;
 /// Normals with at least this cosine are those of one plane.

@@ -14,6 +14,7 @@
 #include "contact_list.h"
 #include "contact_rule.h"
 #include "kept_contacts.h"
+#include "outer_contacts.h"
 #include "pair_step.h"
 #include "posed_pair.h"
 #include "rolling_lever.h"
@@ -117,6 +118,8 @@ struct ModelAlgorithm::Near {
   KeptContacts kept;
   PairMemory memory;
   std::optional<Prepared> prepared;
+  bool is_on_few_segments = false;  ///< at the last search; or its contacts share one manifold
+  bool is_spanned = false;          ///< by the outer contacts of its patches
 };
 
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
@@ -169,8 +172,10 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   }
   if (hull_) renew_hull(a, b);
   if (near_ == nullptr) near_ = std::make_unique<Near>();
-  auto& [search, kept, memory, current] = *near_;
-  Prepared& prepared = current.emplace(a, b, hull_.get(), settings_.shell);
+  ContactSearch& search = near_->search;
+  KeptContacts& kept = near_->kept;
+  PairMemory& memory = near_->memory;
+  Prepared& prepared = near_->prepared.emplace(a, b, hull_.get(), settings_.shell);
   PosedPair& pair = prepared.pair;
   PairStep& step = prepared.step;
   const auto describe = [&] {
@@ -222,8 +227,9 @@ void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
   }
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
   const bool is_regular = prepared.takes_all && settings_.mode == ContactMode::kRegular;
+  if (!prepared.carries_on) leave_few(step, is_regular);
   assign_manifolds(step, is_regular);
-  choose_points(step, is_regular, prepared.carries_on);
+  choose_points(step, prepared.carries_on);
   clock.end(&NarrowPhaseTimings::reduction);
   fill(step, prepared.of_step);
   if (!prepared.carries_on) near_->kept.reduce_to(chosen_);
@@ -284,6 +290,28 @@ void ModelAlgorithm::report(const PosedPair& pair, std::span<const Contact> cont
   result.setPersistentManifold(before);
 }
 
+/// Of a body that lies still on many segments, leaves the contacts that span what it lies on.
+void ModelAlgorithm::leave_few(const PairStep& step, bool is_regular) {
+  near_->is_on_few_segments = is_regular || count_segments(step) <= kFewSegments;
+  near_->is_spanned = !near_->is_on_few_segments && step.is_still &&
+                      settings_.mode == ContactMode::kAutomatic &&
+                      leave_outer(kPatchShrinkOfRadius * step.radius,
+                                  kFlatOfMargin * static_cast<float>(step.rest_margin),
+                                  near_->search.contacts());
+}
+
+std::size_t ModelAlgorithm::count_segments(const PairStep& step) const {
+  const int level = level_of(settings_, step.uses_ccd);
+  std::size_t count = 0;
+  std::uint64_t end = 0;
+  for (const Contact& contact : near_->search.contacts()) {
+    if (contact.id < end) continue;
+    end = segment_of(*step.pair, contact, level).end;
+    ++count;
+  }
+  return count;
+}
+
 /// Makes active_ the manifolds that the contacts need, each with how many they are: one for each
 /// segment that has some, or one for all.
 void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
@@ -322,8 +350,9 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
 
 /// Those of its contacts that each of active_ is to hold.
 /// @param carries_on  The contacts are those that were chosen before, and not all there are.
-void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular, bool carries_on) {
-  const bool is_few = is_regular || active_.size() <= kFewSegments;
+void ModelAlgorithm::choose_points(const PairStep& step, bool carries_on) {
+  const bool is_few = near_->is_on_few_segments;
+  const std::size_t most = is_few || near_->is_spanned ? kManifoldSize : 1;
   const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
   std::span<const Contact> left(near_->search.contacts());
   for (SegmentManifold& entry : active_) {
@@ -332,7 +361,7 @@ void ModelAlgorithm::choose_points(const PairStep& step, bool is_regular, bool c
     if (!carries_on) {
       entry.rolling_lever = is_few ? rolling_lever_of(step, group, near_->search.exact()) : 0.0;
     }
-    entry.chosen = choose(group, is_few ? kManifoldSize : 1, *entry.manifold, band);
+    entry.chosen = choose(group, most, *entry.manifold, band);
   }
 }
 

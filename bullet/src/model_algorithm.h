@@ -79,8 +79,10 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   static void report(const PosedPair& pair, std::span<const Contact> contacts,
                      btManifoldResult& result);
   void release_manifolds();
+  void leave_few(const PairStep& step, bool is_regular);
+  std::size_t count_segments(const PairStep& step) const;
   void assign_manifolds(const PairStep& step, bool is_regular);
-  void choose_points(const PairStep& step, bool is_regular, bool carries_on);
+  void choose_points(const PairStep& step, bool carries_on);
   void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
 

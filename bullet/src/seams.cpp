@@ -257,10 +257,16 @@ class Union {
   Neighbor& b_;
 };
 
-/// The seam of `other`, which the touch is with, and `beside`, if the touch is there and leans out
-/// of their plane.
+/// Whether a body lies on that side of its place, not behind a plane that it ends at.
+bool lies_towards(const Vec3& direction, const Vec3& place, double reach, Neighbor& body) {
+  if (!body.has_field()) return true;
+  return body.distance(place + reach * direction) < body.distance(place - reach * direction);
+}
+
+/// The seam of `other`, which the touch is with, and `beside`, if the touch of the body is there
+/// and leans out of their plane.
 std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double radius,
-                              Neighbor& other, Neighbor& beside) {
+                              Neighbor& body, Neighbor& other, Neighbor& beside) {
   if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
   const double step = kSeamStep * radius;
@@ -282,6 +288,9 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
   if (both.distance(behind) < 0.0) return std::nullopt;
+  // Beside a corner, what stands out may end at that very place.
+  if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
+  if (!lies_towards(upwards, touch.on_body, reach, body)) return std::nullopt;
   const double gap = above + dot(touch.on_body - place, upwards);
   // Bodies that the neighbor keeps apart arrive behind it.
   if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;
@@ -361,8 +370,7 @@ struct Seams::Scratch {
   std::vector<Correction> corrections;
 
   void find(std::span<const Touching> of_body, double time_step);
-  std::optional<Seam> seam_of(Touch touch, const btCollisionObject& other, const Motion& motion,
-                              double radius);
+  std::optional<Seam> seam_of(Touch touch, Neighbor& body, const btCollisionObject& other);
 };
 
 /// Finds the contacts of one body that are at seams.
@@ -378,13 +386,12 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
         neighbors, [&](const Neighbor& known) { return &known.body() == each.other; });
     if (!is_known) neighbors.emplace_back(*each.other, time_step);
   }
-  const Motion motion = Motion::of(body, time_step);
-  const double radius = radius_of(body);
+  Neighbor sliding(body, time_step);
   for (const Touching& each : of_body) {
     const bool is_first = each.manifold->getBody0() == &body;
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
       const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
-      if (const auto seam = seam_of(touch, *each.other, motion, radius)) {
+      if (const auto seam = seam_of(touch, sliding, *each.other)) {
         corrections.push_back({each.manifold, i, is_first, *seam});
       }
     }
@@ -392,13 +399,15 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
 }
 
 /// The seam that a touch of the body with one of its neighbors is at.
-std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject& other,
-                                            const Motion& motion, double radius) {
+std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
+                                            const btCollisionObject& other) {
+  const double radius = body.radius();
   const auto touched =
       std::ranges::find(neighbors, &other, [](const Neighbor& n) { return &n.body(); });
   const Vec3 velocity =
-      motion.velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
-  const Vec3 velocity_of_forces = motion.velocity_of_forces - touched->motion().velocity_of_forces;
+      body.motion().velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
+  const Vec3 velocity_of_forces =
+      body.motion().velocity_of_forces - touched->motion().velocity_of_forces;
   const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces, radius, *touched);
   // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
   // lean over the face of the very body that the corner is of.
@@ -410,7 +419,7 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, const btCollisionObject
       if (!beside.may_be_near(arrival.place, reach) || beside.distance(arrival.place) > reach) {
         continue;
       }
-      const auto seam = find_seam(touch, arrival, least, *touched, beside);
+      const auto seam = find_seam(touch, arrival, least, body, *touched, beside);
       if (!seam) continue;
       if (!seam->carries) return seam;
       // What leans a little over the touched face itself is a curved one's own normal.
