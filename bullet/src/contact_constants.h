@@ -96,8 +96,9 @@ inline constexpr std::size_t kCarryingPoints = 3;
 /// Contacts of a still body on more segments than that are of at most this many flat patches, or are
 /// left as they are.
 inline constexpr std::size_t kMostPatches = 4;
-/// Normals with at least this cosine are those of one patch: within a twelfth of a degree.
-inline constexpr float kSamePatch = 0.999999f;
+/// Normals within this sine of each other are those of one patch. Larger: the outermost points of a
+/// uniform model, whose edges are rounded, push aside.
+inline constexpr float kSamePatch = 1e-4f;
 /// Patches shrink by at most this fraction of the smaller body's radius when points that do not
 /// span them are left out. Smaller: rims have more points. Larger: cans tip early.
 inline constexpr double kPatchShrinkOfRadius = 0.01;

@@ -293,7 +293,9 @@ void ModelAlgorithm::report(const PosedPair& pair, std::span<const Contact> cont
 /// Of a body that lies still on many segments, leaves the contacts that span what it lies on.
 void ModelAlgorithm::leave_few(const PairStep& step, bool is_regular) {
   near_->is_on_few_segments = is_regular || count_segments(step) <= kFewSegments;
-  near_->is_spanned = !near_->is_on_few_segments && step.is_still &&
+  // Uniform models round their edges, and the outermost contacts have slanted normals.
+  const bool has_true_rims = step.pair->a.has_sharp_field() && step.pair->b.has_sharp_field();
+  near_->is_spanned = !near_->is_on_few_segments && step.is_still && has_true_rims &&
                       settings_.mode == ContactMode::kAutomatic &&
                       leave_outer(kPatchShrinkOfRadius * step.radius,
                                   kFlatOfMargin * static_cast<float>(step.rest_margin),

@@ -134,7 +134,8 @@ bool leave_outer(double tolerance, float band, std::vector<Contact>& contacts) {
   patch_of.clear();
   for (const Contact& contact : contacts) {
     const auto is_parallel = [&](const Vec3f& normal) {
-      return dot(normal, contact.normal) >= kSamePatch;
+      return squared_length(cross(normal, contact.normal)) <= kSamePatch * kSamePatch &&
+             dot(normal, contact.normal) > 0.0f;
     };
     const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
     const auto patch = std::find_if(normals.begin(), end, is_parallel);

@@ -288,9 +288,11 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
   const Vec3 behind = place - reach * aside + (step - above) * upwards;
   if (both.distance(behind) < 0.0) return std::nullopt;
-  // Beside a corner, what stands out may end at that very place.
-  if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
-  if (!lies_towards(upwards, touch.on_body, reach, body)) return std::nullopt;
+  if (touch.gap <= step) {
+    // Beside a corner, what stands out may end at that very place.
+    if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
+    if (!lies_towards(upwards, touch.on_body, reach, body)) return std::nullopt;
+  }
   const double gap = above + dot(touch.on_body - place, upwards);
   // Bodies that the neighbor keeps apart arrive behind it.
   if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;

@@ -228,5 +228,28 @@ TEST(Seams, GiveTheSameBitsInEveryRun) {
   EXPECT_EQ(run(), run());
 }
 
+// The faces in front of three bricks are in one plane, and contacts at its corners were taken for
+// those of a seam there: an upper brick sank by 0.1 mm between two lower ones.
+TEST(Seams, FlushBricksCarryAnotherByTheirCorners) {
+  Seamless world;
+  const auto brick = build_by_tolerance({0.1, 0.05, 0.03});
+  world.add_model(tile_model(), 0, {{}, {0, 0, -kHalfTile.z}});
+  std::vector<btRigidBody*> bricks;
+  for (const Vec3& at : {Vec3{-0.1, 0, 0.03}, Vec3{0.1, 0, 0.03}, Vec3{0, 0, 0.09}}) {
+    bricks.push_back(&world.add_model(brick, 1, {{}, at}));
+    bricks.back()->setActivationState(DISABLE_DEACTIVATION);
+  }
+  world.step(1, 1.0 / 200.0);
+  int carrying = 0;
+  for (int i = 0; i < world.dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *world.dispatcher.getManifoldByIndexInternal(i);
+    if (manifold.getBody0() != bricks[2] && manifold.getBody1() != bricks[2]) continue;
+    carrying += manifold.getNumContacts();
+  }
+  EXPECT_EQ(carrying, 8);
+  world.step(100, 1.0 / 200.0);
+  EXPECT_NEAR(height(*bricks[2]), 0.09, 5e-6);
+}
+
 }  // namespace
 }  // namespace voxshell::bullet

@@ -1,0 +1,178 @@
+#include "kept_contacts.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "contact_constants.h"
+#include "contact_list.h"
+#include "contact_search.h"
+#include "support/models.h"
+#include "support/two_bodies.h"
+#include "support/world.h"
+
+namespace voxshell::bullet {
+namespace {
+
+using namespace test_support;
+using voxshell::test_support::make_box;
+
+constexpr double kHalf = 0.05;
+
+std::shared_ptr<const Model> build_by_tolerance(const Vec3& half) {
+  const auto box = make_box(half);
+  auto built = Model::build(box.mesh(), {.tolerance = 1e-4, .threads = 1});
+  if (!built) std::abort();
+  return *std::move(built);
+}
+
+/// A cube that lies on a slab, whose top is at z = 0.
+struct CubeOnSlab {
+  CubeOnSlab()
+      : slab(world.add_model(build_by_tolerance({0.2, 0.2, 0.02}), 0, {{}, {0, 0, -0.02}})),
+        cube(world.add_model(build_by_tolerance({kHalf, kHalf, kHalf}), 1, {{}, {0, 0, kHalf}})) {
+    cube.applyGravity();  // without weight, no body lies still
+  }
+
+  void move(const Vec3& by, const btVector3& turn = {0, 0, 0}) {
+    btTransform pose = cube.getWorldTransform();
+    pose.setOrigin(pose.getOrigin() + to_bullet(by));
+    if (turn.length() > 0) pose.setRotation(btQuaternion(turn.normalized(), turn.length()));
+    cube.setWorldTransform(pose);
+  }
+  const PairStep& step() {
+    current.emplace(bodies.emplace(cube, slab).step());
+    return *current;
+  }
+  const std::vector<Contact>& search() {
+    step();
+    found.find_near({}, bodies->pair, current->margin, &*current, Wanted::kAll);
+    return found.contacts();
+  }
+
+  TestWorld world;
+  btRigidBody& slab;
+  btRigidBody& cube;
+  std::optional<TwoBodies> bodies;
+  std::optional<PairStep> current;
+  ContactSearch found;
+};
+
+double most_kept(const PairStep& step) { return kKeptOfMargin * step.rest_margin; }
+
+TEST(KeptContacts, HoldUntilTheBodiesHaveMoved) {
+  CubeOnSlab scene;
+  KeptContacts kept;
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+  kept.keep(scene.step(), scene.search());
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  const double most = most_kept(scene.step());
+  scene.move({0, 0, 0.9 * most});
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  scene.move({0, 0, 0.2 * most});  // since they were kept, not since the last step
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+  scene.move({0, 0, -1.1 * most});
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  const double radius = scene.step().radius;
+  scene.move({}, btVector3(0, btScalar(2.0 * most / radius), 0));
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+}
+
+TEST(KeptContacts, HoldUntilTheBodiesMoveOtherwise) {
+  CubeOnSlab scene;
+  KeptContacts kept;
+  kept.keep(scene.step(), scene.search());
+  const PairStep& step = scene.step();
+  const double slow = 0.5 * most_kept(step) / step.time_step;
+  scene.cube.setLinearVelocity(to_bullet(Vec3{slow, 0, 0}));
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  scene.cube.setLinearVelocity(to_bullet(Vec3{3.0 * slow, 0, 0}));
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+  scene.cube.setLinearVelocity({0, 0, 0});
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  scene.cube.applyCentralForce({0, 0, 50});
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+  scene.cube.clearForces();
+  scene.cube.applyGravity();
+  EXPECT_TRUE(kept.hold_in(scene.step()));
+  kept.forget();
+  EXPECT_FALSE(kept.hold_in(scene.step()));
+}
+
+TEST(KeptContacts, OfOtherBodiesOrOtherStepsDoNotHold) {
+  CubeOnSlab scene;
+  KeptContacts kept;
+  kept.keep(scene.step(), scene.search());
+  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.slab, scene.cube).step()));
+  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 100.0)));
+  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 200.0, {.margin = 1e-3})));
+  CubeOnSlab other;
+  EXPECT_FALSE(kept.hold_in(other.step()));
+}
+
+TEST(KeptContacts, GoAlongWithTheBodies) {
+  CubeOnSlab scene;
+  KeptContacts kept;
+  const std::vector<Contact> before = scene.search();
+  ASSERT_GT(before.size(), 100u);
+  kept.keep(scene.step(), before);
+  const double most = most_kept(scene.step());
+  scene.move({0.3 * most, 0, -0.2 * most},
+             btVector3(btScalar(0.1 * most / kHalf), 0, btScalar(0.1 * most / kHalf)));
+  ASSERT_TRUE(kept.hold_in(scene.step()));
+  std::vector<Contact> carried;
+  kept.carry_to(scene.step(), carried);
+  const std::vector<Contact> searched = scene.search();
+  ASSERT_EQ(carried.size(), before.size());
+  std::size_t compared = 0;
+  for (const Contact& contact : carried) {
+    const std::size_t same = find_from_id(searched, contact.id);
+    if (same == searched.size() || searched[same].id != contact.id) continue;
+    // Beside an edge, a search takes another normal once the cube has turned.
+    if (dot(searched[same].normal, contact.normal) < 0.99999f) continue;
+    ++compared;
+    EXPECT_NEAR(contact.depth, searched[same].depth, 0.02 * most);
+    EXPECT_LT(length(contact.point - searched[same].point), 2.0 * most);
+  }
+  EXPECT_GT(compared, before.size() / 2);
+}
+
+TEST(KeptContacts, AreThoseThatWereChosen) {
+  CubeOnSlab scene;
+  KeptContacts kept;
+  const std::vector<Contact> before = scene.search();
+  kept.keep(scene.step(), before);
+  const std::vector<Contact> chosen{before[7], before[2], before[30]};
+  kept.reduce_to(chosen);
+  std::vector<Contact> carried;
+  kept.carry_to(scene.step(), carried);
+  ASSERT_EQ(carried.size(), 3u);
+  EXPECT_EQ(carried[0].id, before[2].id);
+  EXPECT_EQ(carried[1].id, before[7].id);
+  EXPECT_EQ(carried[2].id, before[30].id);
+}
+
+/// A floor that rises by far less in a step than contacts are kept for still lifts the cube.
+TEST(KeptContacts, LetAFloorThatRisesSlowlyLiftABody) {
+  CubeOnSlab scene;
+  scene.cube.setActivationState(DISABLE_DEACTIVATION);
+  scene.world.step(100, 1.0 / 200.0);
+  const double start = height(scene.cube);
+  scene.slab.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  scene.slab.setActivationState(DISABLE_DEACTIVATION);
+  constexpr double kSpeed = 2e-5;  // m/s, a tenth of a micrometre a step
+  for (int i = 1; i <= 400; ++i) {
+    btTransform pose = scene.slab.getWorldTransform();
+    pose.setOrigin(pose.getOrigin() + to_bullet(Vec3{0, 0, kSpeed / 200.0}));
+    scene.slab.setWorldTransform(pose);
+    scene.world.step(1, 1.0 / 200.0);
+    EXPECT_NEAR(height(scene.cube) - start, kSpeed * i / 200.0, 2e-6);
+  }
+}
+
+}  // namespace
+}  // namespace voxshell::bullet
