@@ -69,6 +69,20 @@ void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifo
   if (keeps_directions(info)) warm_start_friction(info);
 }
 
+/// The stock solver forgets what a row gives way by when it works out the impulse for a velocity:
+/// impulses of rows that give way by more than twice what resists them diverge.
+void CoulombSolver::convertJoints(btTypedConstraint** constraints, int constraint_count,
+                                  const btContactSolverInfo& info) {
+  btSequentialImpulseConstraintSolver::convertJoints(constraints, constraint_count, info);
+  for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverNonContactConstraintPool[i];
+    const btScalar fraction = 1 / (1 + row.m_cfm);
+    row.m_jacDiagABInv *= fraction;
+    row.m_rhs *= fraction;
+    row.m_cfm *= fraction;
+  }
+}
+
 void CoulombSolver::set_surface_velocity(const btCollisionObject& body, const btVector3& velocity) {
   if (velocity.isZero()) {
     surface_velocities_.erase(&body);

@@ -20,40 +20,101 @@ constexpr double kServoGain = 0.2;
 constexpr double kErrorReduction = 0.8;
 constexpr double kStill = 1e-6;  // m/s, rad/s
 
-/// Bullet's constraint pushes across the axis at the parent's frame on the parent and at the
-/// child's on the child. The farther they are apart, the larger the torque that comes from nowhere:
-/// two boxes that turn freely flew apart within a second. Here both act at the child's frame.
-class SliderConstraint : public btGeneric6DofSpring2Constraint {
+/// Six axes and, where the joint is damped, a row that brakes along the axis of joints.
+class AxesConstraint : public btGeneric6DofSpring2Constraint {
  public:
-  using btGeneric6DofSpring2Constraint::btGeneric6DofSpring2Constraint;
+  AxesConstraint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
+                 btRigidBody& child, const btTransform& parent_from_joint,
+                 const btTransform& child_from_joint)
+      : btGeneric6DofSpring2Constraint(parent, child, parent_from_joint, child_from_joint),
+        slides_(settings.kind == JointKind::kSlider),
+        damping_(static_cast<btScalar>(settings.damping)),
+        solves_soft_rows_(solves_soft_rows) {}
 
   void getInfo1(btConstraintInfo1* info) override {
     btGeneric6DofSpring2Constraint::getInfo1(info);
     rows_ = info->m_numConstraintRows;
+    if (damping_ <= 0) return;
+    ++info->m_numConstraintRows;
   }
 
   void getInfo2(btConstraintInfo2* info) override {
     btGeneric6DofSpring2Constraint::getInfo2(info);
-    if (m_hasStaticBody) return;  // then Bullet leaves the torque out
+    if (slides_ && !m_hasStaticBody) move_to_child(*info);
+    if (damping_ > 0) damp(*info, rows_ * info->rowskip);
+  }
+
+ private:
+  /// Bullet's constraint pushes across the axis at the parent's frame on the parent and at the
+  /// child's on the child. The farther they are apart, the larger the torque that comes from
+  /// nowhere: two boxes that turn freely flew apart within a second. Here both act at the child's
+  /// frame. Of static bodies, Bullet leaves the torque out.
+  void move_to_child(btConstraintInfo2& info) const {
     const btVector3 lever = m_calculatedTransformB.getOrigin() - m_rbA.getCenterOfMassPosition();
     for (int row = 0; row < rows_; ++row) {
-      const btScalar* axis = info->m_J1linearAxis + row * info->rowskip;
+      const btScalar* axis = info.m_J1linearAxis + row * info.rowskip;
       const btVector3 direction(axis[0], axis[1], axis[2]);
       if (direction.fuzzyZero()) continue;  // a row of rotation
       const btVector3 torque = lever.cross(direction);
-      btScalar* angular = info->m_J1angularAxis + row * info->rowskip;
+      btScalar* angular = info.m_J1angularAxis + row * info.rowskip;
       for (int i = 0; i < 3; ++i) angular[i] = torque[i];
     }
   }
 
- private:
+  /// A row whose impulse is -damping * time step * the velocity after the step. The damper of
+  /// Bullet's constraint limits its impulse to what the velocity before the step asks for, and so
+  /// does nothing while another force slows the joint by more.
+  void damp(btConstraintInfo2& info, int row) const {
+    const btVector3 axis = m_calculatedTransformA.getBasis().getColumn(0);
+    const btVector3 place = m_calculatedTransformB.getOrigin();
+    const btVector3 none(0, 0, 0);
+    const btVector3 linear = slides_ ? axis : none;
+    const auto angular_of = [&](const btRigidBody& body) {
+      return slides_ ? (place - body.getCenterOfMassPosition()).cross(axis) : axis;
+    };
+    const btVector3 angular_a = angular_of(m_rbA);
+    const btVector3 angular_b = angular_of(m_rbB);
+    for (int i = 0; i < 3; ++i) {
+      info.m_J1linearAxis[row + i] = -linear[i];
+      info.m_J1angularAxis[row + i] = -angular_a[i];
+      info.m_J2linearAxis[row + i] = linear[i];
+      info.m_J2angularAxis[row + i] = angular_b[i];
+    }
+    info.m_constraintError[row] = 0;
+    const btScalar per_velocity = damping_ / info.fps;  // impulse
+    if (solves_soft_rows_) {
+      // Relative to the velocity that a unit impulse changes.
+      const btScalar change =
+          (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
+          angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
+          angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
+      if (change > 0) info.cfm[row] = 1 / (per_velocity * change);
+      return;
+    }
+    // Other solvers' impulses diverge on soft rows. This one is off by what the velocity changes
+    // by within the step.
+    const btScalar velocity = linear.dot(m_rbB.getVelocityInLocalPoint(
+                                             place - m_rbB.getCenterOfMassPosition()) -
+                                         m_rbA.getVelocityInLocalPoint(
+                                             place - m_rbA.getCenterOfMassPosition())) +
+                              (slides_ ? btScalar(0)
+                                       : axis.dot(m_rbB.getAngularVelocity() -
+                                                  m_rbA.getAngularVelocity()));
+    info.m_upperLimit[row] = per_velocity * btFabs(velocity);
+    info.m_lowerLimit[row] = -info.m_upperLimit[row];
+  }
+
+  bool slides_;
+  btScalar damping_;
+  bool solves_soft_rows_;
   int rows_ = 0;
 };
 
 }  // namespace
 
-Joint::Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& child,
-             const btTransform& parent_from_joint, const btTransform& child_from_joint)
+Joint::Joint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
+             btRigidBody& child, const btTransform& parent_from_joint,
+             const btTransform& child_from_joint)
     : settings_(settings),
       parent_(parent),
       child_(child),
@@ -64,13 +125,8 @@ Joint::Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& ch
         parent, child, parent_from_joint.getOrigin(), child_from_joint.getOrigin());
     constraint_->setParam(BT_CONSTRAINT_ERP, kErrorReduction);
   } else {
-    std::unique_ptr<btGeneric6DofSpring2Constraint> axes;
-    if (settings.kind == JointKind::kSlider) {
-      axes = std::make_unique<SliderConstraint>(parent, child, parent_from_joint, child_from_joint);
-    } else {
-      axes = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, parent_from_joint,
-                                                              child_from_joint);
-    }
+    auto axes = std::make_unique<AxesConstraint>(settings, solves_soft_rows, parent, child,
+                                                 parent_from_joint, child_from_joint);
     axes_ = axes.get();
     constexpr int kAxes = 6;
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -157,12 +213,6 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
     btRotationalLimitMotor2& axis = *axes_->getRotationalLimitMotor(0);
     axis.m_loLimit = is_limited() ? turns - upper : 1.0;
     axis.m_hiLimit = is_limited() ? turns - lower : -1.0;
-  }
-  if (settings_.damping > 0.0) {
-    const int axis = settings_.kind == JointKind::kSlider ? 0 : 3;
-    axes_->enableSpring(axis, true);
-    axes_->setStiffness(axis, 0.0);
-    axes_->setDamping(axis, settings_.damping);
   }
 
   double velocity = 0.0;

@@ -60,8 +60,10 @@ struct JointReaction {
 class Joint {
  public:
   /// `parent_from_joint` and `child_from_joint` are in the frames of Bullet's bodies.
-  Joint(const JointSettings& settings, btRigidBody& parent, btRigidBody& child,
-        const btTransform& parent_from_joint, const btTransform& child_from_joint);
+  /// `solves_soft_rows` says that the solver is CoulombSolver.
+  Joint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
+        btRigidBody& child, const btTransform& parent_from_joint,
+        const btTransform& child_from_joint);
 
   const JointSettings& settings() const { return settings_; }
   btTypedConstraint& constraint() { return *constraint_; }

@@ -16,6 +16,7 @@
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/momentum_world.h"
 #include "voxshell/bullet/seamless_world.h"
+#include "voxshell/bullet/sleepy_world.h"
 
 namespace voxshell::python {
 using bullet::from_bullet;
@@ -88,7 +89,8 @@ void Simulation::make_world() {
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
   world_ =
-      std::make_unique<bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>(
+      std::make_unique<bullet::SleepyWorld<
+          bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>>(
           dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
@@ -164,12 +166,7 @@ void Simulation::remove_body(std::size_t body) {
     const JointSettings& settings = joints_[joint].settings();
     if (settings.parent == number || settings.child == number) remove_joint(joint);
   }
-  // What lies on it must notice.
-  for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
-    if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();
-    if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
-  }
+  wake_touching(body);
   world_->removeRigidBody(&removed.rigid_body);
   removed.material.surface_velocity = {};
   move_surface(removed);
@@ -181,6 +178,16 @@ void Simulation::remove_body(std::size_t body) {
   }
   std::erase_if(apart_,
                 [&](const auto& pair) { return pair.first == number || pair.second == number; });
+}
+
+/// What lies on a body, or carries it, must notice that it changes.
+void Simulation::wake_touching(std::size_t body) {
+  const int number = static_cast<int>(body);
+  for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
+    if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();
+    if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
+  }
 }
 
 btRigidBody& Simulation::body_or_world(int number) {
@@ -195,8 +202,8 @@ std::size_t Simulation::add_joint(const JointSettings& settings) {
           : bodies_[static_cast<std::size_t>(settings.parent)].body_from_geometry;
   const Body& child = bodies_[static_cast<std::size_t>(settings.child)];
   const std::size_t number = joints_.add(std::make_unique<Joint>(
-      settings, body_or_world(settings.parent), body_or_world(settings.child),
-      to_bullet(parent_from_geometry * settings.parent_from_joint),
+      settings, settings_.solver == ConstraintSolver::kCoulomb, body_or_world(settings.parent),
+      body_or_world(settings.child), to_bullet(parent_from_geometry * settings.parent_from_joint),
       to_bullet(child.body_from_geometry * settings.child_from_joint)));
   world_->addConstraint(&joints_[number].constraint());
   update_pairs(child);
@@ -363,6 +370,7 @@ Pose Simulation::world_from_geometry(std::size_t body) const {
 void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   btRigidBody& rigid_body = bodies_[body].rigid_body;
   const btTransform world_from_body = to_bullet(pose * bodies_[body].body_from_geometry.inverse());
+  const bool is_moved = !(rigid_body.getWorldTransform() == world_from_body);
   if (bodies_[body].motion == Motion::kKinematic) {
     // The place that it had after the last step stays, for its velocity.
     rigid_body.setWorldTransform(world_from_body);
@@ -370,7 +378,14 @@ void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
     rigid_body.setCenterOfMassTransform(world_from_body);
   }
   rigid_body.activate();
-  if (rigid_body.isInWorld()) world_->updateSingleAabb(&rigid_body);
+  if (!rigid_body.isInWorld()) return;
+  world_->updateSingleAabb(&rigid_body);
+  if (!is_moved) return;
+  wake_touching(body);
+  if (bodies_[body].motion == Motion::kKinematic) return;
+  // Friction remembers where a body at rest was held, and would pull it back there.
+  broadphase_->getOverlappingPairCache()->cleanProxyFromPairs(rigid_body.getBroadphaseProxy(),
+                                                              dispatcher_.get());
 }
 
 Vec3 Simulation::linear_velocity(std::size_t body) const {
@@ -440,6 +455,7 @@ void Simulation::set_material(std::size_t number, const BodyMaterial& material) 
       material.group != body.material.group || material.mask != body.material.mask;
   body.material = material;
   move_surface(body);
+  wake_touching(number);
   if (meets_others) update_pairs(body);
   body.rigid_body.activate();
 }

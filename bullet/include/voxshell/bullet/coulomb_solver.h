@@ -54,6 +54,8 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
 
   void convertContacts(btPersistentManifold** manifolds, int manifold_count,
                        const btContactSolverInfo& info) override;
+  void convertJoints(btTypedConstraint** constraints, int constraint_count,
+                     const btContactSolverInfo& info) override;
 
   btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int body_count,
                                 btPersistentManifold** manifolds, int manifold_count,
