@@ -93,17 +93,19 @@ inline constexpr float kIdleOfMargin = 0.2f;
 inline constexpr float kCarriesOnOfMargin = 0.25f;
 /// A manifold with as many points as this need not look for more.
 inline constexpr std::size_t kCarryingPoints = 3;
-/// Contacts of a still body on more segments than that are of at most this many flat patches, or are
-/// left as they are.
-inline constexpr std::size_t kMostPatches = 4;
+/// Contacts of a still body are of at most this many flat patches, or are left as they are.
+inline constexpr std::size_t kMostPatches = 8;
+/// Contacts whose normals lean by up to eight degrees are on the rim of a patch that has this many
+/// times as many, and get its normal. Larger: bodies without friction are pushed aside.
+inline constexpr std::size_t kRimOfPatch = 8;
 /// Normals within this sine of each other are those of one patch. Larger: the outermost points of a
 /// uniform model, whose edges are rounded, push aside.
 inline constexpr float kSamePatch = 1e-4f;
 /// Patches shrink by at most this fraction of the smaller body's radius when points that do not
 /// span them are left out. Smaller: rims have more points. Larger: cans tip early.
 inline constexpr double kPatchShrinkOfRadius = 0.01;
-/// Points are in a patch if they are deeper than those that span it by at most this fraction of the
-/// rest margin.
+/// Points are in a patch if they are deeper than the plane of those that span it by at most this
+/// fraction of the rest margin. Larger: bodies are carried beside their deepest point.
 inline constexpr float kFlatOfMargin = 0.02f;
 /// On at most this many segments each has up to four points, as a body may rest on several points
 /// of one segment. Larger: more contacts than the solver needs.

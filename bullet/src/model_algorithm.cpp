@@ -118,8 +118,8 @@ struct ModelAlgorithm::Near {
   KeptContacts kept;
   PairMemory memory;
   std::optional<Prepared> prepared;
-  bool is_on_few_segments = false;  ///< at the last search; or its contacts share one manifold
-  bool is_spanned = false;          ///< by the outer contacts of its patches
+  bool is_on_few_segments = false;  ///< at the last search; or the contacts share one manifold
+  bool is_spanned = false;          ///< the contacts are the outer ones of flat patches
 };
 
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
@@ -163,6 +163,21 @@ bool ModelAlgorithm::may_keep(const PairStep& step) const {
          step.pair->b.model() != nullptr;
 }
 
+/// Of a body that lies still, leaves the contacts that span what it lies on. Uniform models round
+/// their edges, and their outermost contacts have slanted normals.
+void ModelAlgorithm::span_patches(const PairStep& step) {
+  near_->is_spanned = false;
+  if (!step.is_still || settings_.mode != ContactMode::kAutomatic ||
+      !step.pair->a.has_sharp_field() || !step.pair->b.has_sharp_field() ||
+      step.pair->has_triangles()) {
+    return;
+  }
+  near_->is_on_few_segments = count_segments(step) <= kFewSegments;
+  near_->is_spanned = leave_outer(kPatchShrinkOfRadius * step.radius,
+                                  kFlatOfMargin * static_cast<float>(step.rest_margin),
+                                  near_->search.contacts());
+}
+
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                              double time_step, StageClock* clock) {
   if (are_apart(a, b, settings_, time_step)) {
@@ -195,6 +210,7 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
     const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
     const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
     if (has_swapped_roles) step = describe();
+    span_patches(step);
     if (may_keep(step)) kept.keep(step, search.contacts());
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
@@ -227,7 +243,9 @@ void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
   }
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
   const bool is_regular = prepared.takes_all && settings_.mode == ContactMode::kRegular;
-  if (!prepared.carries_on) leave_few(step, is_regular);
+  if (!prepared.carries_on && !near_->is_spanned) {
+    near_->is_on_few_segments = is_regular || count_segments(step) <= kFewSegments;
+  }
   assign_manifolds(step, is_regular);
   choose_points(step, prepared.carries_on);
   clock.end(&NarrowPhaseTimings::reduction);
@@ -288,18 +306,6 @@ void ModelAlgorithm::report(const PosedPair& pair, std::span<const Contact> cont
                            static_cast<btScalar>(-contact.depth));
   }
   result.setPersistentManifold(before);
-}
-
-/// Of a body that lies still on many segments, leaves the contacts that span what it lies on.
-void ModelAlgorithm::leave_few(const PairStep& step, bool is_regular) {
-  near_->is_on_few_segments = is_regular || count_segments(step) <= kFewSegments;
-  // Uniform models round their edges, and the outermost contacts have slanted normals.
-  const bool has_true_rims = step.pair->a.has_sharp_field() && step.pair->b.has_sharp_field();
-  near_->is_spanned = !near_->is_on_few_segments && step.is_still && has_true_rims &&
-                      settings_.mode == ContactMode::kAutomatic &&
-                      leave_outer(kPatchShrinkOfRadius * step.radius,
-                                  kFlatOfMargin * static_cast<float>(step.rest_margin),
-                                  near_->search.contacts());
 }
 
 std::size_t ModelAlgorithm::count_segments(const PairStep& step) const {

@@ -79,7 +79,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   static void report(const PosedPair& pair, std::span<const Contact> contacts,
                      btManifoldResult& result);
   void release_manifolds();
-  void leave_few(const PairStep& step, bool is_regular);
+  void span_patches(const PairStep& step);
   std::size_t count_segments(const PairStep& step) const;
   void assign_manifolds(const PairStep& step, bool is_regular);
   void choose_points(const PairStep& step, bool carries_on);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <span>
 
 #include "contact_constants.h"
 #include "flatness.h"
@@ -29,10 +29,59 @@ double squared_distance(const Placed& a, const Placed& b) {
   return (a.u - b.u) * (a.u - b.u) + (a.v - b.v) * (a.v - b.v);
 }
 
-/// Lists kept from step to step, as settled ones take no memory.
+/// The places of one patch, and those that span it.
 class PatchHull {
  public:
   std::vector<Placed>& places() { return places_; }
+
+  /// Whether no place is deeper than a plane through the depths of those that were marked by more
+  /// than `band`.
+  bool is_flat(std::span<const Contact> contacts, std::span<const std::uint8_t> is_outer,
+               float band) const {
+    const auto depth_of = [&](const Placed& place) {
+      return static_cast<double>(contacts[place.index].depth);
+    };
+    Placed mean{};
+    double mean_depth = 0.0;
+    double count = 0.0;
+    for (const Placed& place : places_) {
+      if (is_outer[place.index] == 0) continue;
+      mean.u += place.u;
+      mean.v += place.v;
+      mean_depth += depth_of(place);
+      count += 1.0;
+    }
+    mean = {mean.u / count, mean.v / count, 0};
+    mean_depth /= count;
+    double uu = 0.0;
+    double uv = 0.0;
+    double vv = 0.0;
+    double ud = 0.0;
+    double vd = 0.0;
+    for (const Placed& place : places_) {
+      if (is_outer[place.index] == 0) continue;
+      const double u = place.u - mean.u;
+      const double v = place.v - mean.v;
+      const double d = depth_of(place) - mean_depth;
+      uu += u * u;
+      uv += u * v;
+      vv += v * v;
+      ud += u * d;
+      vd += v * d;
+    }
+    // Places in a row tell nothing of the slope across it.
+    const double least = 1e-6 * (uu + vv);
+    uu += least;
+    vv += least;
+    const double determinant = uu * vv - uv * uv;
+    const double slope_u = determinant > 0.0 ? (vv * ud - uv * vd) / determinant : 0.0;
+    const double slope_v = determinant > 0.0 ? (uu * vd - uv * ud) / determinant : 0.0;
+    return std::ranges::all_of(places_, [&](const Placed& place) {
+      const double plane = mean_depth + slope_u * (place.u - mean.u) + slope_v * (place.v - mean.v);
+      return is_outer[place.index] != 0 ||
+             depth_of(place) <= plane + static_cast<double>(band);
+    });
+  }
 
   /// Marks the places that span all of them to a tolerance.
   void mark(double tolerance, std::vector<std::uint8_t>& is_outer) {
@@ -123,52 +172,85 @@ class PatchHull {
   std::vector<Line> lines_;
 };
 
+/// Contacts whose normals are the same.
+struct Patch {
+  Vec3f normal;
+  std::size_t count = 0;
+};
+
+/// The patches of a list of contacts.
+class Patches {
+ public:
+  /// False if there are too many.
+  bool find(std::span<const Contact> contacts) {
+    count_ = 0;
+    patch_of_.clear();
+    for (const Contact& contact : contacts) {
+      std::size_t patch = 0;
+      while (patch < count_ && !is_same(patches_[patch].normal, contact.normal)) ++patch;
+      if (patch == count_) {
+        if (count_ == kMostPatches) return false;
+        patches_[count_++] = {contact.normal, 0};
+      }
+      ++patches_[patch].count;
+      patch_of_.push_back(static_cast<std::uint8_t>(patch));
+    }
+    for (std::size_t patch = 0; patch < count_; ++patch) patch_of_patch_[patch] = owner_of(patch);
+    return true;
+  }
+
+  std::size_t count() const { return count_; }
+  std::size_t of(std::size_t contact) const { return patch_of_patch_[patch_of_[contact]]; }
+  const Vec3f& normal(std::size_t patch) const { return patches_[patch].normal; }
+
+ private:
+  static bool is_same(const Vec3f& a, const Vec3f& b) {
+    return squared_length(cross(a, b)) <= kSamePatch * kSamePatch && dot(a, b) > 0.0f;
+  }
+  /// Some places on the rim of a patch have slanted normals: those of the edge that they are on.
+  std::size_t owner_of(std::size_t patch) const {
+    for (std::size_t other = 0; other < count_; ++other) {
+      const bool is_rim = kRimOfPatch * patches_[patch].count <= patches_[other].count;
+      if (is_rim && -dot(patches_[patch].normal, patches_[other].normal) <= kFacingCosine) {
+        return other;
+      }
+    }
+    return patch;
+  }
+
+  std::array<Patch, kMostPatches> patches_;
+  std::array<std::size_t, kMostPatches> patch_of_patch_{};
+  std::size_t count_ = 0;
+  std::vector<std::uint8_t> patch_of_;  ///< of each contact
+};
+
 }  // namespace
 
 bool leave_outer(double tolerance, float band, std::vector<Contact>& contacts) {
+  // Kept from step to step, as settled ones take no memory.
+  thread_local Patches patches;
   thread_local PatchHull hull;
-  thread_local std::vector<std::uint8_t> patch_of;
   thread_local std::vector<std::uint8_t> is_outer;
-  std::array<Vec3f, kMostPatches> normals;
-  std::size_t count = 0;
-  patch_of.clear();
-  for (const Contact& contact : contacts) {
-    const auto is_parallel = [&](const Vec3f& normal) {
-      return squared_length(cross(normal, contact.normal)) <= kSamePatch * kSamePatch &&
-             dot(normal, contact.normal) > 0.0f;
-    };
-    const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
-    const auto patch = std::find_if(normals.begin(), end, is_parallel);
-    if (patch == end) {
-      if (count == kMostPatches) return false;
-      normals[count++] = contact.normal;
-    }
-    patch_of.push_back(static_cast<std::uint8_t>(patch - normals.begin()));
-  }
+  if (!patches.find(contacts)) return false;
   is_outer.assign(contacts.size(), 0);
-  for (std::size_t patch = 0; patch < count; ++patch) {
-    const auto tangents = tangents_of(static_cast<Vec3>(normals[patch]));
+  for (std::size_t patch = 0; patch < patches.count(); ++patch) {
+    const auto tangents = tangents_of(static_cast<Vec3>(patches.normal(patch)));
     std::vector<Placed>& places = hull.places();
     places.clear();
     for (std::size_t i = 0; i < contacts.size(); ++i) {
-      if (patch_of[i] != patch) continue;
+      if (patches.of(i) != patch) continue;
       const auto point = static_cast<Vec3>(contacts[i].point);
       places.push_back(
           {dot(tangents[0], point), dot(tangents[1], point), static_cast<std::uint32_t>(i)});
     }
+    if (places.empty()) continue;
     hull.mark(tolerance, is_outer);
-    float least = std::numeric_limits<float>::infinity();
-    float deepest = -least;
-    for (const Placed& place : places) {
-      const float depth = contacts[place.index].depth;
-      if (is_outer[place.index] != 0) least = std::min(least, depth);
-      deepest = std::max(deepest, depth);
-    }
-    if (deepest > least + band) return false;
+    if (!hull.is_flat(contacts, is_outer, band)) return false;
   }
   std::size_t left = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     contacts[left] = contacts[i];
+    contacts[left].normal = patches.normal(patches.of(i));
     left += is_outer[i];
   }
   contacts.resize(left);

@@ -124,6 +124,29 @@ TEST(OuterContacts, AreThoseOfEachPatch) {
   EXPECT_EQ(contacts.size(), 8u);
 }
 
+TEST(OuterContacts, OnARimHaveTheNormalOfThePatch) {
+  std::vector<Contact> contacts = square(9);
+  contacts[8].normal = static_cast<Vec3f>(normalized(Vec3{0.02, 0.01, 1}));
+  ASSERT_TRUE(leave_outer(kTolerance, kBand, contacts));
+  ASSERT_EQ(ids_of(contacts), (std::vector<std::uint32_t>{0, 3 * 8, 3 * 72, 3 * 80}));
+  for (const Contact& contact : contacts) EXPECT_EQ(contact.normal, kUp);
+}
+
+TEST(OuterContacts, OfTwoFacesOfAWedgeKeepTheirNormals) {
+  std::vector<Contact> contacts = square(5);
+  const auto leaning = static_cast<Vec3f>(normalized(Vec3{0.1, 0, 1}));
+  for (Contact contact : square(5)) {
+    contact.point.x += 0.1f;
+    contact.normal = leaning;
+    contacts.push_back(contact);
+  }
+  contacts = numbered(std::move(contacts));
+  ASSERT_TRUE(leave_outer(kTolerance, kBand, contacts));
+  EXPECT_EQ(contacts.size(), 8u);
+  EXPECT_EQ(contacts.front().normal, kUp);
+  EXPECT_EQ(contacts.back().normal, leaning);
+}
+
 TEST(OuterContacts, AreAllWhereSurfacesAreCurved) {
   std::vector<Contact> contacts;
   for (int i = 0; i < 20; ++i) {
@@ -133,6 +156,22 @@ TEST(OuterContacts, AreAllWhereSurfacesAreCurved) {
   }
   EXPECT_FALSE(leave_outer(kTolerance, kBand, contacts));
   EXPECT_EQ(contacts.size(), 20u);
+}
+
+TEST(OuterContacts, OfATiltedPatchAreItsCorners) {
+  std::vector<Contact> contacts = square(9);
+  for (Contact& contact : contacts) contact.depth = 0.01f * contact.point.x;
+  ASSERT_TRUE(leave_outer(kTolerance, kBand, contacts));
+  EXPECT_EQ(contacts.size(), 4u);
+}
+
+TEST(OuterContacts, OfATiltedRowAreItsEnds) {
+  std::vector<Contact> contacts;
+  for (int i = 0; i < 20; ++i) {
+    contacts.push_back(contact_at(0.01 * i, 0.003 * i, 0.0, kUp, 1e-3f * static_cast<float>(i)));
+  }
+  ASSERT_TRUE(leave_outer(kTolerance, kBand, contacts));
+  EXPECT_EQ(contacts.size(), 2u);
 }
 
 TEST(OuterContacts, AreAllWhereOneWithinIsDeeper) {
