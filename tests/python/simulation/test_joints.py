@@ -235,7 +235,7 @@ def test_motors_wake_their_bodies(bar):
         (lambda: vx.HingeJoint(axis=(0, 0, 0)), "axis must not be zero"),
         (lambda: vx.HingeJoint(axis=(0, 0)), r"axis must be \(3,\)"),
         (lambda: vx.SliderJoint(limits=(1.0, 0.0)), "the lower first, not 1 and 0"),
-        (lambda: vx.SliderJoint(limits=(0.0, math.inf)), "pass None for none"),
+        (lambda: vx.SliderJoint(limits=(0.0, math.inf)), "pass None for no limits"),
         (lambda: vx.HingeJoint(friction=-1.0), "friction must be at least 0"),
         (lambda: vx.HingeJoint(damping=math.nan), "damping must be finite"),
     ],
@@ -266,7 +266,7 @@ def test_wrong_uses_are_refused(bar):
         world.add_joint(hinge, None, body, child_from_joint=at(), world_from_joint=at())
     slippery = vx.World(solver="nncg")
     loose = slippery.add(bar)
-    with pytest.raises(vx.SettingsError, match="'nncg' does not hold joints"):
+    with pytest.raises(vx.SettingsError, match="'nncg' does not support joints"):
         slippery.add_joint(hinge, None, loose)
     assert world.joints == []
     joint = world.add_joint(vx.HingeJoint(limits=(0, 1)), None, body, name="elbow")
