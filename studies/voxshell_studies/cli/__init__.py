@@ -15,7 +15,7 @@ reproduce.command(peers)
 
 
 def add_commands(app: App) -> None:
-    """Adds ``reproduce`` and ``simulate drop``; the entry point of the group ``voxshell.commands``."""
+    """Add ``reproduce`` and ``simulate drop``; the entry point of the group ``voxshell.commands``."""
     app.command(reproduce)
     simulate = app["simulate"]
     usage = "voxshell simulate drop [OPTIONS] [MESH]"

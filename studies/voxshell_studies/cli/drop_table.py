@@ -73,7 +73,7 @@ def explain(runs: list[DropRun], steps: int) -> str:
 
 
 def format_ratio(ratio: float | None) -> str:
-    """A multiple below or above one: "137", "1/4.0", "1/339".
+    """Return a multiple below or above one: "137", "1/4.0", "1/339".
 
     Example:
         >>> [format_ratio(r) for r in (137.2, 1.0, 0.25, 0.00295, None)]
@@ -86,6 +86,6 @@ def format_ratio(ratio: float | None) -> str:
 
 
 def _format_thousandths(value: float, decimals: int, sign: str = "") -> str:
-    """Millimetres of metres; whole ones where there are many, as of bodies that were thrown off."""
+    """Millimeters of meters; whole ones where there are many, as of bodies that were thrown off."""
     number = value * 1e3
     return f"{number:{sign}.{decimals if abs(number) < 100.0 else 0}f}"

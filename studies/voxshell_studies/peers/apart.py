@@ -50,7 +50,7 @@ def run_apart(
     limit: float,
     log: Path,
 ) -> Ending:
-    """Runs a generator in a fresh process and hands over what it yields, as soon as it does.
+    """Run a generator in a fresh process and hands over what it yields, as soon as it does.
 
     Args:
         work: A generator function at a module's top level.

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 CASE_MARGIN = 0.0
-"""Bullet's collision margin where contacts are asked for, metres: any other is part of the depths."""
+"""Bullet's collision margin where contacts are asked for, meters: any other is part of the depths."""
 
 
 def set_up(job: Job, variant: str) -> Worlds:
-    """A contender that steps a world.
+    """Return a contender that steps a world.
 
     Args:
         job: What to do.
@@ -78,7 +78,7 @@ class Worlds:
             self.settings["parts"] = len(job.parts)
 
     def meet(self, case: Case) -> _Query | None:
-        """The pair of a case."""
+        """Return the pair of a case."""
         if case.other == "body":
             if not self._has_pairs:
                 return None
@@ -87,7 +87,7 @@ class Worlds:
         return _Query(self._world(1.0 / 200.0), self._asked, ground, pose)
 
     def drop(self, other: Other, rate: float) -> _Fall | None:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         world = self._world(1.0 / rate, gravity=True)
         ground, pose = self._grounds[other]
         world.add(ground, mass=0.0, pose=pose)
@@ -150,5 +150,5 @@ def _make_shape(job: Job, variant: str, margin: float) -> Shape:
 
 
 def _hull_of(job: Job) -> NDArray[np.float64]:
-    """The vertices of the hull alone: those inside cost time."""
+    """Return the vertices of the hull alone: those inside cost time."""
     return ConvexHull(job.mesh.vertices).mesh.vertices

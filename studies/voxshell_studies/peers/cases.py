@@ -18,30 +18,30 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LENGTH = 0.3
-"""Of the bunny's longest side, metres."""
+"""Of the bunny's longest side, meters."""
 
 MASS = 1.0
 """Kilograms."""
 
 BOX_HALF_EXTENTS = (0.3, 0.3, 0.025)
-"""Of the box, metres: a slab 5 cm thick."""
+"""Of the box, meters: a slab 5 cm thick."""
 
 GROUND_DEPTH = 0.001
-"""Of the lowest vertex in the plane and in the box, metres."""
+"""Of the lowest vertex in the plane and in the box, meters."""
 
 PAIR_OFFSETS = ((0.0015, 0.265626), (0.0736, 0.149471))
-"""Depth of the deepest vertex or face centre of either bunny in the other, as libigl has it, and
-distance along x at which two bunnies with the same axes have it; both metres."""
+"""Depth of the deepest vertex or face center of either bunny in the other, as libigl has it, and
+distance along x at which two bunnies with the same axes have it; both meters."""
 
 POSES = 32
 """A case has so many, around the first."""
 
 SHIFT, TURN = 1e-4, 5e-4
-"""Largest move of the body away from the first pose, metres along each axis and radians about it:
+"""Largest move of the body away from the first pose, meters along each axis and radians about it:
 what a body does from one step of a haptic loop to the next."""
 
 DROP_HEIGHT = 0.5
-"""Of the lowest vertex over the ground, metres."""
+"""Of the lowest vertex over the ground, meters."""
 
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """The bunny's y axis points up."""
@@ -86,7 +86,7 @@ QUICK = PeersSettings(
 
 
 def make_job(settings: PeersSettings) -> Job:
-    """The bunny at all poses.
+    """Return the bunny at all poses.
 
     Raises:
         MeshError: The bunny is not installed.
@@ -106,7 +106,7 @@ def make_job(settings: PeersSettings) -> Job:
 
 
 def load_body() -> tuple[Mesh, MassProperties]:
-    """The bunny, scaled, its centre of mass at the origin, and its mass properties as a solid."""
+    """Return the bunny, scaled, its center of mass at the origin, and its mass properties as a solid."""
     import trimesh
 
     mesh = read_mesh(find_bunny())

@@ -17,12 +17,12 @@ MOST_CONTACTS = 1_000_000
 """All there are."""
 
 BREAK_DISTANCE = 0.0
-"""Metres up to which volumes that are apart are looked into: 1 mm by default, for the same contacts in
+"""Meters up to which volumes that are apart are looked into: 1 mm by default, for the same contacts in
 three times the time."""
 
 
 def set_up(job: Job, variant: str) -> Coal:
-    """A contender that asks ``coal.collide`` for all contacts; ``variant`` is not used."""
+    """Return a contender that asks ``coal.collide`` for all contacts; ``variant`` is not used."""
     return Coal(job)
 
 
@@ -50,7 +50,7 @@ class Coal:
         self._body.endModel()
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         match case.other:
             case "plane":
                 other = self._coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)

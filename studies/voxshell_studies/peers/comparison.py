@@ -54,7 +54,7 @@ class Comparison:
     environment: dict[str, object]
 
     def true_depth(self, case: Case) -> float:
-        """By libigl, or as the case was set up, metres."""
+        """By libigl, or as the case was set up, meters."""
         return self.truths[case.key].depth if case.key in self.truths else case.depth
 
 
@@ -66,7 +66,7 @@ def compare(
     skip_slow: bool = False,
     progress: Progress = lambda name, stage, fraction: None,
 ) -> Comparison:
-    """Measures peers.
+    """Measure peers.
 
     Args:
         settings: How much.
@@ -107,7 +107,7 @@ def compare(
 def measure_peer(
     peer: Peer, job: Job, *, limit: float, log: Path, progress: Progress
 ) -> PeerResult:
-    """Measures one peer in a process of its own; whatever happens there, this returns a row."""
+    """Measure one peer in a process of its own; whatever happens there, this returns a row."""
     row = PeerResult(peer.key, peer.label, "measured", load=os.getloadavg()[0])
     expected = len(job.cases) + 2 * len(job.rates)
 

@@ -19,7 +19,7 @@ MOST_CONTACTS = 1_000_000
 
 
 def set_up(job: Job, variant: str) -> Fcl:
-    """A contender that asks ``fcl.collide`` for all contacts; ``variant`` is not used."""
+    """Return a contender that asks ``fcl.collide`` for all contacts; ``variant`` is not used."""
     return Fcl(job)
 
 
@@ -39,7 +39,7 @@ class Fcl:
         self._body.endModel()
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         match case.other:
             case "plane":
                 other = self._fcl.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)

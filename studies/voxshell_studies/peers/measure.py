@@ -22,7 +22,7 @@ MOST_PASSES = 200
 """Over the poses of a case: enough for a p99."""
 
 SUNK = 0.005
-"""Of bodies that end deeper than this it is not said that they rest, metres."""
+"""Of bodies that end deeper than this it is not said that they rest, meters."""
 
 REST_SPEED, REST_SPIN = 0.01, 0.1
 """A body at rest is slower than this, m/s and rad/s."""
@@ -52,7 +52,7 @@ def measure(contender: Contender, job: Job) -> Iterator[CaseResult | DropResult]
 
 
 def measure_case(query: Query, case: Case, seconds: float) -> CaseResult:
-    """The answer at the first pose, and times over passes through all poses."""
+    """Return the answer at the first pose, and times over passes through all poses."""
     query.ask(case.poses[0])
     contacts, depth = query.answer()
     passes: list[list[float]] = []
@@ -84,7 +84,7 @@ def follow_drop(contender: Contender, job: Job, other: Other, rate: float) -> Dr
 def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) -> DropResult:
     """What became of a body that fell.
 
-    "through": its centre ended below the surface. "off": beyond the box's sides. "sinks": its
+    "through": its center ended below the surface. "off": beyond the box's sides. "sinks": its
     lowest vertex is deeper than :data:`SUNK`. "moves": it did not come to rest. Else it "rests".
     "unstable": a pose is not finite.
 

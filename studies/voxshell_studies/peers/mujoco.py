@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 _PLANE_GRID = 1.0
-"""Spacing of the lines drawn on a plane, metres: MuJoCo asks for one."""
+"""Spacing of the lines drawn on a plane, meters: MuJoCo asks for one."""
 
 
 def set_up(job: Job, variant: str) -> MuJoCo:
-    """A contender that asks ``mj_collision`` and steps with ``mj_step``.
+    """Return a contender that asks ``mj_collision`` and steps with ``mj_step``.
 
     Args:
         job: What to do.
@@ -46,11 +46,11 @@ class MuJoCo:
             self.settings["sdf_iterations"] = int(option.sdf_iterations)
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         return _Query(self._mujoco, self._compile(case.other, 0.005), case)
 
     def drop(self, other: Other, rate: float) -> _Fall:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         return _Fall(self._mujoco, self._compile(other, 1.0 / rate), self._job.drop_pose)
 
     def _compile(self, other: Other, time_step: float) -> Any:
@@ -136,7 +136,7 @@ class _Fall:
 
 
 def _position(mujoco: Any, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A pose as MuJoCo has it: place, then quaternion with the real part first."""
+    """Return a pose as MuJoCo has it: place, then quaternion with the real part first."""
     position = np.empty(7)
     position[:3] = pose[:3, 3]
     mujoco.mju_mat2Quat(position[3:], np.ascontiguousarray(pose[:3, :3]).ravel())

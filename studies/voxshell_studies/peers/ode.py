@@ -26,7 +26,7 @@ MOST_DROP_CONTACTS = 1024
 """That a step of a drop solves for: with 64, all may be of one foot, and the body tumbles on."""
 
 SURFACE_LAYER, CORRECTING_SPEED, CFM, ITERATIONS = 1e-4, 0.5, 1e-5, 50
-"""Of drops: depth that is left alone, metres; fastest way out of the rest, m/s; softness of contacts;
+"""Of drops: depth that is left alone, meters; fastest way out of the rest, m/s; softness of contacts;
 of QuickStep. With these the bunny rests at 200 to 20 Hz; with ODE's defaults at none of them."""
 
 FRICTION = 0.5
@@ -109,12 +109,12 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 
 
 def set_up(job: Job, variant: str) -> Ode:
-    """A contender that asks ``dCollide``; ``variant`` is not used."""
+    """Return a contender that asks ``dCollide``; ``variant`` is not used."""
     return Ode(job)
 
 
 def load_ode() -> Any:
-    """The C library, with types.
+    """Return the C library, with types.
 
     Raises:
         MissingExtraError: It is not installed, or not in double precision.
@@ -164,14 +164,14 @@ class Ode:
         ode.dGeomTriMeshDataPreprocess(self._mesh)
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         other = self._make_other(case.other)
         if case.other != "plane":  # ODE's planes cannot be placed
             _place(self._ode, "dGeom", other, case.other_pose)
         return _Query(self._ode, self._make_body(), other)
 
     def drop(self, other: Other, rate: float) -> _Fall:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         ground = self._make_other(other)
         if other == "box":
             below = np.eye(4)
@@ -274,7 +274,7 @@ class _Fall:
 
 
 def _place(ode: Any, kind: str, thing: int, pose: NDArray[np.float64]) -> None:
-    """Puts a geom or a body at a pose."""
+    """Put a geom or a body at a pose."""
     rotation = np.zeros((3, 4))
     rotation[:, :3] = pose[:3, :3]
     getattr(ode, f"{kind}SetPosition")(thing, *pose[:3, 3])

@@ -25,7 +25,7 @@ POINTS = 34_835
 
 
 def set_up(job: Job, variant: str) -> Queries:
-    """A contender that asks :func:`voxshell.contacts`.
+    """Return a contender that asks :func:`voxshell.contacts`.
 
     Args:
         job: What to do.
@@ -48,7 +48,7 @@ class Queries:
         }
 
     def meet(self, case: Case) -> _Query | None:
-        """The pair of a case."""
+        """Return the pair of a case."""
         if case.other == "body":
             return _Query(self._body, self._body, case) if self._has_pairs else None
         ground, ground_pose = self._grounds[case.other]
@@ -93,7 +93,7 @@ class _Query:
 def make_shapes(
     job: Job, variant: str
 ) -> tuple[Model, dict[str, tuple[Model | Plane | Box, NDArray[np.float64]]]]:
-    """The body's model; and what stands for the plane and the box, each with its pose.
+    """Return the body's model; and what stands for the plane and the box, each with its pose.
 
     Built, not found in the cache: preparation is timed.
     """
@@ -110,7 +110,7 @@ def make_shapes(
 
 
 def describe_models(body: Model, variant: str) -> dict[str, object]:
-    """The settings of the models, for the table."""
+    """Return the settings of the models, for the table."""
     return {
         "voxel_size": body.field.voxel_size,
         "points": len(body.shell),

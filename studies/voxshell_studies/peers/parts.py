@@ -26,7 +26,7 @@ RECIPE = RECIPES["coacd"]
 def fetch_parts(
     mesh: Mesh, *, limit: float, log: Path, only_kept: bool
 ) -> tuple[Parts | None, Ending]:
-    """The parts of a mesh, kept beside the models in the cache.
+    """Return the parts of a mesh, kept beside the models in the cache.
 
     Args:
         mesh: Closed.
@@ -50,7 +50,7 @@ def fetch_parts(
 
 
 def decompose(mesh: Mesh) -> Iterator[Parts]:
-    """Runs CoACD, on all cores.
+    """Run CoACD, on all cores.
 
     Raises:
         MissingExtraError: It is not installed.

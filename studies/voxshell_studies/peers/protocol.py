@@ -1,7 +1,7 @@
 """What every peer is given and what it must give back.
 
-Lengths are metres, times seconds. World frame: z up, the ground's surface at z = 0. Body frame: the
-origin is the centre of mass.
+Lengths are meters, times seconds. World frame: z up, the ground's surface at z = 0. Body frame: the
+origin is the center of mass.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Case:
         key: Short name.
         label: For people.
         other: What the body meets.
-        depth: How deep the body is in the other in the first pose, metres, as it was set up.
+        depth: How deep the body is in the other in the first pose, meters, as it was set up.
         poses: (k, 4, 4) ``world_from_body``; the first is answered, all are timed.
         other_pose: (4, 4) ``world_from_other``.
     """
@@ -56,7 +56,7 @@ class Job:
     Attributes:
         mesh: The body, closed, in its body frame.
         mass_properties: Of the body.
-        box_half_extents: Of the box, metres.
+        box_half_extents: Of the box, meters.
         cases: Pairs to ask about.
         case_seconds: How long to repeat a case's poses; each pose is asked about once at least.
         drop_pose: (4, 4) ``world_from_body`` from which the body falls.
@@ -80,11 +80,11 @@ class Query(Protocol):
     """A pair, ready to be asked about."""
 
     def ask(self, pose: NDArray[np.float64]) -> float:
-        """Finds the contacts with the body at a pose; returns the seconds that this took."""
+        """Find the contacts with the body at a pose; returns the seconds that this took."""
         ...
 
     def answer(self) -> tuple[int, float | None]:
-        """How many contacts the last question gave, and the deepest depth reported, metres.
+        """Return how many contacts the last question gave, and the deepest depth reported, meters.
 
         None: this peer reports no depths.
         """
@@ -95,7 +95,7 @@ class Fall(Protocol):
     """A drop, ready to be followed."""
 
     def step(self) -> NDArray[np.float64]:
-        """Advances by a time step; returns ``world_from_body``, (4, 4); not finite if it blew up."""
+        """Advance by a time step; returns ``world_from_body``, (4, 4); not finite if it blew up."""
         ...
 
 
@@ -107,11 +107,11 @@ class Contender(Protocol):
     timed: str
 
     def meet(self, case: Case) -> Query | None:
-        """The pair of a case; None where this peer has nothing to measure there."""
+        """Return the pair of a case; None where this peer has nothing to measure there."""
         ...
 
     def drop(self, other: Other, rate: float) -> Fall | None:
-        """The body above the plane or box, in steps of 1 / rate; None: it does no dynamics."""
+        """Return the body above the plane or box, in steps of 1 / rate; None: it does no dynamics."""
         ...
 
 
@@ -126,7 +126,7 @@ class CaseResult:
             work's turns are taken out.
         queries: How many were timed.
         contacts: In the first pose.
-        depth: The deepest depth reported there, metres; None where the peer reports none.
+        depth: The deepest depth reported there, meters; None where the peer reports none.
         problem: Why there are no figures; empty where there are.
     """
 
@@ -149,8 +149,8 @@ class DropResult:
         rate: Steps a second.
         outcome: "rests", "moves", "sinks", "through", "off" or "unstable"; see
             :func:`voxshell_studies.peers.measure.judge_drop`. Empty where there was a problem.
-        deepest: How far the mesh's lowest vertex was below the surface at worst, metres.
-        rest_height: Height of the mesh's lowest vertex at the end, metres.
+        deepest: How far the mesh's lowest vertex was below the surface at worst, meters.
+        rest_height: Height of the mesh's lowest vertex at the end, meters.
         speed, spin: Largest in the last second, m/s and rad/s.
         problem: Why there is no outcome; empty where there is one.
     """
@@ -197,7 +197,7 @@ class PeerResult:
 
 
 def load_library(module: str, package: str) -> Any:
-    """Imports the library of a peer.
+    """Import the library of a peer.
 
     Raises:
         MissingExtraError: It is not installed, or cannot be loaded.
@@ -211,7 +211,7 @@ def load_library(module: str, package: str) -> Any:
 
 
 def seconds_of(call: Callable[[], object]) -> float:
-    """How long a call takes."""
+    """Return how long a call takes."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start

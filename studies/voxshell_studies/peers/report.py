@@ -33,7 +33,7 @@ GROUNDS = ("plane", "box")
 
 
 def write_results(out: Path, comparison: Comparison, command: str) -> None:
-    """Writes ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
+    """Write ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
     make_folder(out)
     write_json(out / "peers.json", describe(comparison) | {"command": command})
     _write_csv(out / "cases.csv", list_cases(comparison))
@@ -69,7 +69,7 @@ def describe(comparison: Comparison) -> dict[str, object]:
 
 
 def list_cases(comparison: Comparison) -> list[dict[str, object]]:
-    """A row a peer and case: times, their ratio to ours, contacts, depth and its error."""
+    """Return a row a peer and case: times, their ratio to ours, contacts, depth and its error."""
     rows = []
     for peer in comparison.peers:
         for case in comparison.cases:
@@ -97,7 +97,7 @@ def list_cases(comparison: Comparison) -> list[dict[str, object]]:
 
 
 def list_drops(comparison: Comparison) -> list[dict[str, object]]:
-    """A row a peer, ground and rate."""
+    """Return a row a peer, ground and rate."""
     return [{"peer": peer.key, **asdict(drop)} for peer in comparison.peers for drop in peer.drops]
 
 
@@ -136,7 +136,7 @@ def format_times(
 
 
 def format_ratio(ratio: float) -> str:
-    """A ratio with two significant digits, as "12x" (slower) or "1/13" (faster).
+    """Return a ratio with two significant digits, as "12x" (slower) or "1/13" (faster).
 
     Example:
         >>> [format_ratio(ratio) for ratio in (0.0754, 0.5, 1.0, 12.3, 1234.0)]
@@ -177,7 +177,7 @@ def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
 
 
 def format_drop(drop: DropResult | None) -> str:
-    """The result, and the height of the lowest vertex, millimeters: "rests -0.10"."""
+    """Return the result, and the height of the lowest vertex, millimeters: "rests -0.10"."""
     if drop is None:
         return "-"
     if drop.problem:
@@ -197,7 +197,7 @@ def format_preparation(peer: PeerResult) -> str:
 
 
 def describe_truth(comparison: Comparison) -> str:
-    """The origin of the true depths."""
+    """Return the origin of the true depths."""
     if comparison.truth_problem:
         return (
             f"computed once with libigl when the poses were made (not available in this run: "
@@ -208,7 +208,7 @@ def describe_truth(comparison: Comparison) -> str:
 
 
 def describe_load(peers: list[PeerResult]) -> str:
-    """The load of the machine: a load above the number of cores means that other work competed."""
+    """Return the load of the machine: a load above the number of cores means that other work competed."""
     loads = [peer.load for peer in peers]
     if not loads:
         return "nothing measured"
@@ -222,7 +222,7 @@ def describe_load(peers: list[PeerResult]) -> str:
 
 
 def write_markdown(comparison: Comparison, command: str) -> str:
-    """The page: the setup, the tables, the settings of each engine."""
+    """Return the page: the setup, the tables, the settings of each engine."""
     measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
     lines = [
         "# Comparison with other engines",

@@ -76,7 +76,7 @@ class Prepared:
 
 
 def work(peer: Peer, job: Job) -> Iterator[Prepared | CaseResult | DropResult]:
-    """Sets a peer up and measures it."""
+    """Set a peer up and measures it."""
     module = importlib.import_module(peer.module)
     start = time.perf_counter()
     contender: Contender = module.set_up(job, peer.variant)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Truth:
-    """Of one case, in its first pose. Metres; 0 where there is no overlap.
+    """Of one case, in its first pose. Meters; 0 where there is no overlap.
 
     Attributes:
         case: Its key.
@@ -41,7 +41,7 @@ class Truth:
 
 
 def find_truths(job: Job) -> Iterator[Truth]:
-    """Samples are all vertices and the centres of all faces.
+    """Samples are all vertices and the centers of all faces.
 
     Raises:
         MissingExtraError: libigl is not installed.

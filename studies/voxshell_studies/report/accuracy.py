@@ -26,7 +26,7 @@ TOUCHING_VOLUME = 1e-12
 
 
 def describe(settings: AccuracySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"Two bunnies of {settings.size * 1e3:g} mm are in {settings.poses} relative poses, from "
         f"{-settings.least_depth * 1e3:g} mm apart to {settings.most_depth * 1e3:g} mm in each other. "
@@ -38,7 +38,7 @@ def describe(settings: AccuracySettings) -> str:
 
 
 def reduce(settings: AccuracySettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     table = results["depths"]["depths"]
     overlap = table["volume"] > TOUCHING_VOLUME
     rows = []

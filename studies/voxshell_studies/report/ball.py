@@ -33,7 +33,7 @@ PUBLISHED_DEPTHS = {
     "low": (6.8, 9.5, 20.1),
     "high": (3.5, 4.0, 19.2),
 }
-"""Millimetres, for the published restitutions (the table of the ball in section 5.3)."""
+"""Millimeters, for the published restitutions (the table of the ball in section 5.3)."""
 
 PUBLISHED_RESTITUTIONS = (0.1, 0.5, 0.9)
 ROUNDING = 1e-6
@@ -43,7 +43,7 @@ ELASTIC_GAIN = 5.0
 """Per cent that an elastic ball may gain."""
 
 APEX_TOLERANCE = 0.005
-"""Metres: what a step of the published fall can move the apex."""
+"""Meters: what a step of the published fall can move the apex."""
 
 LABELS = {"bullet": "Bullet's sphere", "low": "VPS, {low} points", "high": "VPS, {high} points"}
 COLORS = {"bullet": PEERS[1], "low": OURS_COARSE, "high": OURS}
@@ -52,7 +52,7 @@ ROUGHLY = 0.05
 
 
 def describe(settings: BallSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"A ball of radius {settings.radius:g} m and {settings.mass:g} kg falls from a center height of "
         f"{settings.height:g} m at {settings.rate:g} Hz, with g {settings.gravity:g} m/s2, onto a block "
@@ -69,7 +69,7 @@ def describe(settings: BallSettings) -> str:
 
 
 def reduce(settings: BallSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     return [
         *_rows_of_contacts(settings, results),
         *_rows_of_apexes(settings, results),
@@ -122,12 +122,12 @@ def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _compute_ideal_apex(settings: BallSettings, restitution: float) -> float:
-    """Of the centre after the first rebound, metres."""
+    """Of the center after the first rebound, meters."""
     return settings.radius + restitution**2 * (settings.height - settings.radius)
 
 
 def _measure_apex(settings: BallSettings, fall: Columns) -> tuple[float, float]:
-    """Height of the first apex, NaN without one, and the height that its turning is worth, metres."""
+    """Height of the first apex, NaN without one, and the height that its turning is worth, meters."""
     apex = ball.find_apex(fall)
     if apex is None:
         return float("nan"), 0.0
@@ -135,7 +135,7 @@ def _measure_apex(settings: BallSettings, fall: Columns) -> tuple[float, float]:
 
 
 def _rows_of_following(settings: BallSettings, results: Results) -> list[Row]:
-    """How far the shells' balls are off Bullet's, until that is at its first apex."""
+    """Return how far the shells' balls are off Bullet's, until that is at its first apex."""
     limit = ROUGHLY * (settings.height - settings.radius)
     rows = []
     for method in ("low", "high"):
@@ -183,7 +183,7 @@ def _rows_of_depths(settings: BallSettings, results: Results) -> list[Row]:
                 if method == "high" and restitution < 0.9:
                     reproduced = 3.0 <= here <= 5.0
                 else:
-                    # The published start height is known to a step's way, not to a millimetre.
+                    # The published start height is known to a step's way, not to a millimeter.
                     reproduced = bool(spread.min() - 1.0 <= published <= spread.max() + 1.0)
             rows.append(
                 Row(
@@ -205,7 +205,7 @@ def _rows_of_depths(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _explain_depth(settings: BallSettings, method: str) -> str:
-    """Where the published depth would have to come from, in numbers of the free fall."""
+    """Return where the published depth would have to come from, in numbers of the free fall."""
     # Bullet moves a body by its new speed.
     step = 1.0 / settings.rate
     count = np.arange(settings.steps + 1)
@@ -289,7 +289,7 @@ def _judge_runs(settings: BallSettings, runs: Columns, who: str) -> list[Row]:
 
 
 def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
-    """What the coarse ball does when it lands on a point beside its centre: it turns."""
+    """What the coarse ball does when it lands on a point beside its center: it turns."""
     who = f"{_label(settings, 'low')} as its mesh lies"
     rows = [
         Row(
@@ -324,7 +324,7 @@ def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _measure_first_contact(fall: Tables) -> float:
-    """How far the first contact of the first restitution's fall is beside the ball's centre, metres."""
+    """Return how far the first contact of the first restitution's fall is beside the ball's center, meters."""
     contacts = fall["contacts_0"]
     first = int(contacts["frame"].argmin())
     centre = read_poses({"poses": fall["poses_0"]}, "ball")[contacts["frame"][first], :2, 3]
@@ -351,7 +351,7 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
 def _panels(
     settings: BallSettings, path: Path, height: float, x: str, y: str
 ) -> Iterator[list[tuple[Axes, float]]]:
-    """A figure, in inches of height, with a panel for each restitution."""
+    """Yield a figure, in inches of height, with a panel for each restitution."""
     with open_figure(path, width=11, height=height) as figure:
         columns = figure.subplots(1, len(settings.restitutions), sharey=True, squeeze=False)[0]
         yield list(zip(columns, settings.restitutions, strict=True))

@@ -71,7 +71,7 @@ SEEN = 2e-4
 
 
 def describe(settings: BunnyFallSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     first, last = FULL_OPERATION
     return (
         f"The bunny of {settings.size * 1e3:g} mm and {settings.mass:g} kg falls {settings.height:g} m "
@@ -90,7 +90,7 @@ def describe(settings: BunnyFallSettings) -> str:
 
 
 def reduce(settings: BunnyFallSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     falls = {name: results[name] for name in results if name.startswith("orientation")}
     methods = bunny.methods_of(falls["orientation-0"])
     own = {method.key: _median_time(falls, "steps", method.key) for method in methods}
@@ -417,7 +417,7 @@ def _summaries(runs: list[DropRun]) -> Any:
 
 
 def _find_surface(tables: Any, key: str) -> Mesh | None:
-    """The triangles of hull or decomposition; None for the other methods."""
+    """Return the triangles of hull or decomposition; None for the other methods."""
     hulls = read_hulls(tables["hulls"], key)
     return ConvexDecomposition(hulls).mesh if hulls else None
 

@@ -45,7 +45,7 @@ MOST_DECADES = 3.0
 
 
 def describe(settings: EverydaySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     rates = sorted({rate for scene in settings.chosen for rate in settings.rates_of(scene)})
     ran = ", ".join(ENGINE_NAMES[engine] for engine in ENGINES if engine in settings.engines)
     return (
@@ -58,7 +58,7 @@ def describe(settings: EverydaySettings) -> str:
 
 
 def reduce(settings: EverydaySettings, results: Results) -> list[Row]:
-    """The verdicts: how many measures hold, then each measure, good and bad alike."""
+    """Return the verdicts: how many measures hold, then each measure, good and bad alike."""
     lines = make_lines(settings, results)
     return [*_summarize(settings, lines), *(_make_row(line) for line in lines)]
 
@@ -214,7 +214,7 @@ def _draw_errors(lines: Sequence[Line], path: Path) -> None:
 
 
 def _count_decades(error: float, bar: float) -> float:
-    """The logarithm of an error over its bar; of a bar of 0, all or nothing."""
+    """Return the logarithm of an error over its bar; of a bar of 0, all or nothing."""
     if bar == 0.0 or error == 0.0 or np.isinf(error):
         return MOST_DECADES if error > bar else -MOST_DECADES
     return float(np.clip(np.log10(error / bar), -MOST_DECADES, MOST_DECADES))

@@ -65,7 +65,7 @@ class Line:
     by_rate: dict[Engine, dict[float, float]]
 
     def holds(self, engine: Engine, rate: float | None = None) -> bool | None:
-        """Whether an engine's worst error, at a rate or all, is within the bar; None where it did not run."""
+        """Return whether an engine's worst error, at a rate or all, is within the bar; None where it did not run."""
         if engine not in self.worst:
             return None
         error = self.worst[engine].error
@@ -96,7 +96,7 @@ class Line:
 
 
 def make_lines(settings: EverydaySettings, results: Results) -> list[Line]:
-    """A line a measure, of the scenes that voxshell ran, in the order of the list."""
+    """Return a line a measure, of the scenes that voxshell ran, in the order of the list."""
     lines = []
     for scene in settings.chosen:
         tables = {
@@ -131,7 +131,7 @@ def make_lines(settings: EverydaySettings, results: Results) -> list[Line]:
 
 
 def format_error(measure: Measure, error: float | None) -> str:
-    """An error in the measure's unit, in per cent where it is relative, in words where it is yes or no."""
+    """Return an error in the measure's unit, in per cent where it is relative, in words where it is yes or no."""
     if error is None:
         return ""
     if measure.bar == 0.0 and measure.unit == "":
@@ -149,14 +149,14 @@ def format_error(measure: Measure, error: float | None) -> str:
 
 
 def format_bar(measure: Measure) -> str:
-    """The bar with its unit."""
+    """Return the bar with its unit."""
     if measure.bar == 0.0:
         return "right" if measure.unit == "" else "0"
     return f"<= {format_error(measure, measure.bar)}"
 
 
 def count_holding(lines: Sequence[Line], engine: Engine, rate: float | None) -> tuple[int, int]:
-    """Measures within their bars, and how many an engine ran, at a rate or at all."""
+    """Measure within their bars, and how many an engine ran, at a rate or at all."""
     told = [held for line in lines if (held := line.holds(engine, rate)) is not None]
     return sum(told), len(told)
 

@@ -20,7 +20,7 @@ FAINT = "#999999"
 
 @contextmanager
 def open_figure(path: Path, *, width: float = 10.0, height: float = 5.0) -> Iterator[Any]:
-    """A matplotlib figure that is written when the block ends, inches.
+    """Yield a matplotlib figure that is written when the block ends, inches.
 
     Raises:
         MissingExtraError: matplotlib is not installed.

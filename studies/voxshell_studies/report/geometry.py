@@ -58,11 +58,11 @@ _GROUPS = {
     "inside": "bodies within others",
 }
 _SHOWN_LEAST = 1e-6
-"""Metres: smaller errors are drawn here."""
+"""Meters: smaller errors are drawn here."""
 
 
 def describe(settings: GeometrySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     held_out = sum(SCENES[name].held_out for name in settings.chosen)
     compared = (
         f" Two of {COMPARED}, 1 mm deep in each other, are queried in {settings.compared_poses} poses. "
@@ -85,7 +85,7 @@ def describe(settings: GeometrySettings) -> str:
 
 
 def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     chosen = [SCENES[name] for name in settings.chosen]
     scenes = {scene.name: results[name_scene(scene.name)] for scene in chosen}
     pairs = {
@@ -208,7 +208,7 @@ def _judge_unseen(group: str, chosen: list[GeometryScene], results: Results) -> 
 
 
 def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
-    """How far off the true first touch the first contact is."""
+    """Return how far off the true first touch the first contact is."""
     onset = _correct(table)
     worst = float(onset[np.argmax(np.abs(onset))]) if len(onset) else np.nan
     notes = []
@@ -235,12 +235,12 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
 
 
 def _correct(table: Columns) -> NDArray[np.float64]:
-    """First contacts beyond the first touch as lengths of the shortest separating translation, metres."""
+    """First contacts beyond the first touch as lengths of the shortest separating translation, meters."""
     return table["onset"] * table["slope"]
 
 
 def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
-    """How far the deepest contact is off the true depth.
+    """Return how far the deepest contact is off the true depth.
 
     Where edges cross or a body is wedged in, no place is as deep as the shortest separating translation is
     long: anything from the deepest place to that is right.
@@ -263,12 +263,12 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
 
 
 def _deepest(table: Columns) -> NDArray[np.float64]:
-    """The deepest contact of each pose, 0 where there is none."""
+    """Return the deepest contact of each pose, 0 where there is none."""
     return np.where(table["count"] > 0.0, table["deepest"], 0.0)
 
 
 def _leave_out_ambiguous(table: Columns) -> tuple[Columns, str]:
-    """The contacts whose depth and normal are said to be clear, and how many others there are."""
+    """Return the contacts whose depth and normal are said to be clear, and how many others there are."""
     is_clear = table["ambiguous"] == 0.0
     left_out = len(is_clear) - int(is_clear.sum())
     said = f"; {left_out:,} more say that they are ambiguous" if left_out else ""
@@ -376,7 +376,7 @@ def _judge_coincident(table: Columns) -> Row:
 
 
 def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Picture]:
-    """How far off the first touch each first contact is, a line a scene."""
+    """Return how far off the first touch each first contact is, a line a scene."""
     scenes = [SCENES[name] for name in settings.chosen]
     with open_figure(folder / "onset.png", width=10, height=1.2 + 0.2 * len(scenes)) as figure:
         axes = figure.subplots()

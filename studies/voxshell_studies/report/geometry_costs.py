@@ -21,7 +21,7 @@ QUERY_BAR, MEMORY_BAR, BUILD_BAR = 1.3, 1.0, 1.5
 
 
 def judge_builds(table: Columns) -> list[Row]:
-    """Whether default builds are fast and small, or warn."""
+    """Return whether default builds are fast and small, or warn."""
     within = (table["seconds"] <= SECONDS_BAR) & (table["bytes"] <= BYTES_BAR)
     broken = ~within & (table["warnings"] == 0.0)
     names = [body for body, fails in zip(BUILT, broken, strict=False) if fails]
@@ -54,7 +54,7 @@ def judge_builds(table: Columns) -> list[Row]:
 
 
 def judge_costs(settings: GeometrySettings, tables: Tables) -> list[Row]:
-    """A model to a tolerance over a uniform one whose field is no more exact."""
+    """Return a model to a tolerance over a uniform one whose field is no more exact."""
     builds, queries = tables["builds"], tables["queries"]
     seconds, size, points, segments, tolerance, field, shell = (
         [float(np.median(builds[column][builds["kind"] == kind])) for kind in range(len(KINDS))]

@@ -24,13 +24,13 @@ SETTLED = 0.3
 """Part of the run after which the nut may not move any more."""
 
 MOST_CREEP = 1e-4
-"""Metres."""
+"""Meters."""
 
 LEAST_CLEARANCE = 0.9
 """Of what is meant: edges cut into threads, and models round them off."""
 
 HEAD_ROOM = 0.001
-"""Metres over the bolt's head, from where on the nut is no longer on the thread alone."""
+"""Meters over the bolt's head, from where on the nut is no longer on the thread alone."""
 
 LABELS = {
     "voxshell": "VPS",
@@ -41,7 +41,7 @@ LABELS = {
 
 
 def describe(settings: BoltSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"A nut of size M{settings.radius * 2e3:g} has a clearance of {settings.clearance * 1e3:g} mm "
         f"along the radius and {settings.compute_clearance() * 1e3:.2f} mm across the flanks. It is "
@@ -54,7 +54,7 @@ def describe(settings: BoltSettings) -> str:
 
 
 def reduce(settings: BoltSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     # Flanks lean by 45 degrees: along the axis there is as much play as along the radius, twice.
     play = settings.clearance + settings.voxel_size

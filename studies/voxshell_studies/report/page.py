@@ -50,7 +50,7 @@ code { font-size: .85rem; } details { margin: .6rem 0; }
 
 
 def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
-    """Writes the page, the rows, and the verdicts as a text.
+    """Write the page, the rows, and the verdicts as a text.
 
     Args:
         out: The folder that the experiments' folders are in.

@@ -29,8 +29,8 @@ class Camera:
     """A parallel view.
 
     Attributes:
-        target: What is in the middle, metres, world frame.
-        width: Metres from the left edge to the right one.
+        target: What is in the middle, meters, world frame.
+        width: Meters from the left edge to the right one.
         pixels: Width and height of the picture.
         azimuth: From which side, degrees about z; 0 looks along y.
         elevation: From how far above, degrees.
@@ -44,14 +44,14 @@ class Camera:
 
     @property
     def axes(self) -> NDArray[np.float64]:
-        """Rows: right, up, and towards the viewer, world frame."""
+        """Rows: right, up, and toward the viewer, world frame."""
         turn, tilt = np.radians([self.azimuth, self.elevation])
         right = np.array([np.cos(turn), np.sin(turn), 0.0])
         back = np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
         return np.stack([right, np.cross(back, right), back])
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of points (n, 3): column and row, in pixels painted, and nearness, metres, (n, 3)."""
+        """Of points (n, 3): column and row, in pixels painted, and nearness, meters, (n, 3)."""
         seen = (points - np.array(self.target)) @ self.axes.T
         scale = _SMOOTHING * self.pixels[0] / self.width
         seen[:, 0] = 0.5 * _SMOOTHING * self.pixels[0] + scale * seen[:, 0]
@@ -91,7 +91,7 @@ class Canvas:
         self._draw = draw.Draw(self._image)
 
     def paint_floor(self, low: Sequence[float], high: Sequence[float], height: float = 0.0) -> None:
-        """A grey rectangle at a height, between corners (x, y), metres."""
+        """A gray rectangle at a height, between corners (x, y), meters."""
         corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
         flat = self.camera.project(np.array([(*corner, height) for corner in corners]))
         self._draw.polygon([tuple(p) for p in flat[:, :2].tolist()], fill=(226, 229, 234))
@@ -116,7 +116,7 @@ class Canvas:
         flat = seen[order, :, :2].reshape(-1, 6).tolist()
         for place, shade, edge in zip(flat, shades[order].tolist(), edges[order], strict=True):
             color = tuple(shade)
-            # The outline closes the hair of background between neighbours.
+            # The outline closes the hair of background between neighbors.
             outline = tuple(c // 2 for c in color) if edge else color
             self._draw.polygon(place, fill=color, outline=outline)
 
@@ -130,10 +130,10 @@ class Canvas:
         """Points of a surface that face the viewer, as discs.
 
         Args:
-            points: (n, 3) metres, world frame.
+            points: (n, 3) meters, world frame.
             normals: (n, 3) unit, outward.
             colors: (n, 3), 0 to 255.
-            radius: Metres.
+            radius: Meters.
         """
         front = normals @ self.camera.axes[2] > 0.0
         seen = self.camera.project(points[front])
@@ -152,13 +152,13 @@ class Canvas:
         )
 
     def finish(self) -> Any:
-        """The picture."""
+        """Return the picture."""
         image, _ = _import_pillow()
         return self._image.resize(self.camera.pixels, image.Resampling.BOX)
 
 
 def thin_out(mesh: Mesh, cell: float) -> Mesh:
-    """The mesh with all vertices in a cube of the given edge, metres, made one: for small pictures.
+    """Return the mesh with all vertices in a cube of the given edge, meters, made one: for small pictures.
 
     Example:
         >>> import trimesh
@@ -193,12 +193,12 @@ def join_row(pictures: Sequence[Any], columns: int | None = None) -> Any:
 
 
 def save_row(pictures: Sequence[Any], path: Path, columns: int | None = None) -> None:
-    """Writes what :func:`join_row` makes."""
+    """Write what :func:`join_row` makes."""
     save_picture(join_row(pictures, columns), path)
 
 
 def save_picture(picture: Any, path: Path, **options: Any) -> None:
-    """Writes a picture of Pillow's, whole or not at all.
+    """Write a picture of Pillow's, whole or not at all.
 
     Args:
         picture: What to write.
@@ -211,7 +211,7 @@ def save_picture(picture: Any, path: Path, **options: Any) -> None:
 
 
 def make_hue(number: int) -> tuple[int, int, int]:
-    """Colours far apart for neighbouring numbers: hues by the golden ratio."""
+    """Color far apart for neighboring numbers: hues by the golden ratio."""
     red, green, blue = colorsys.hsv_to_rgb((0.13 + 0.618034 * number) % 1.0, 0.55, 0.95)
     return round(255 * red), round(255 * green), round(255 * blue)
 

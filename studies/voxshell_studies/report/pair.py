@@ -41,7 +41,7 @@ LABELS = {method.key: method.label for method in METHODS} | {
 
 
 def describe(settings: PairSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"Two bunnies of {settings.size * 1e3:g} mm overlap by {settings.least_depth * 1e3:g} to "
         f"{settings.most_depth * 1e3:g} mm in {settings.poses} relative poses, the same for every method "
@@ -67,7 +67,7 @@ def _describe_rest(settings: PairSettings) -> str:
 
 
 def reduce(settings: PairSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     times = {key: _median(results, key) for key in (*pair.PAIRED, "collide", "coal")}
     over_gimpact = times["gimpact"] / times["vps-fine"]
     over_parts = times["decomposition"] / times["vps-fine"]
@@ -131,7 +131,7 @@ def _tell_part(
     poses: str,
     bars: Mapping[tuple[str, str], float | None],
 ) -> list[Row]:
-    """The ratios of bodies that rest or fall.
+    """Return the ratios of bodies that rest or fall.
 
     Args:
         results: Of the experiment.
@@ -182,7 +182,7 @@ def _explain_fine(results: Results) -> str:
 
 
 def _deepest(results: Results, key: str) -> float:
-    """Of all poses, millimetres."""
+    """Of all poses, millimeters."""
     found = results["times"]["contacts"]
     return float(found["depth"][found["method"] == key].max()) * 1e3
 

@@ -39,7 +39,7 @@ DRAWN_ERROR = 0.004
 
 
 def describe(settings: PourSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     inside = " x ".join(f"{1e2 * side:g}" for side in settings.bin_size)
     return (
         f"{settings.count} bodies of {settings.size * 1e3:g} mm, with {len(settings.build_model().shell.points):,} "
@@ -52,7 +52,7 @@ def describe(settings: PourSettings) -> str:
 
 
 def reduce(settings: PourSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     tables = results["pour"]
     ends = tables["ends"]
     rows = []
@@ -137,7 +137,7 @@ def draw(settings: PourSettings, results: Results, folder: Path) -> list[Picture
 
 
 def _shades(count: int) -> list[tuple[int, int, int]]:
-    """Colours that tell neighbours apart."""
+    """Color that tell neighbors apart."""
     palette = [as_rgb(color) for color in (OURS, *PEERS, OURS_COARSE, OURS_PLANE)]
     return [palette[number % len(palette)] for number in range(count)]
 

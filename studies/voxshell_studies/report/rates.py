@@ -37,7 +37,7 @@ HELD_TO = ("level 4", "level 5", "regular", "auto")
 
 
 def describe(settings: RatesSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny with {settings.fine_points:,} points falls {settings.height:g} m in "
         f"{settings.orientations} orientations. Each run takes {settings.seconds:g} s and at least "
@@ -52,7 +52,7 @@ def describe(settings: RatesSettings) -> str:
 
 
 def is_carried(runs: Columns, ground: str) -> NDArray[np.bool_]:
-    """Whether the centre of mass is above the surface at the end, and not beside the slab."""
+    """Return whether the center of mass is above the surface at the end, and not beside the slab."""
     over = np.isfinite(runs["middle"]) & (runs["middle"] > 0.0)
     if ground == "slab":
         over &= runs["sideways"] < rates.SLAB_HALF_EXTENTS[0]
@@ -60,7 +60,7 @@ def is_carried(runs: Columns, ground: str) -> NDArray[np.bool_]:
 
 
 def reduce(settings: RatesSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     return [
         *_rows_as_published(results),
         *_rows_of_ours(settings, results),
@@ -281,12 +281,12 @@ def _tell_depths(runs: Columns, key: str, limit: float) -> str:
 
 
 def _deepest_above(runs: Columns, key: str, rate: float) -> float:
-    """At all rates above one, metres."""
+    """At all rates above one, meters."""
     return float(runs[key][runs["rate"] > rate].max(initial=0.0))
 
 
 def _fell_through(runs: Columns, ground: str) -> NDArray[np.bool_]:
-    """Whether the body ends below the ground; one that bounced over the slab's edge did not."""
+    """Return whether the body ends below the ground; one that bounced over the slab's edge did not."""
     beside = runs["sideways"] >= rates.SLAB_HALF_EXTENTS[0] if ground == "slab" else False
     return ~(runs["middle"] > 0.0) & ~np.asarray(beside)
 

@@ -30,7 +30,7 @@ ROLLING = 0.1
 """rad/s: more than any body here trembles by that lies on its contacts."""
 
 MOST_DRIFT = 1e-4
-"""Metres in ten seconds."""
+"""Meters in ten seconds."""
 
 ROLLER_NAMES = {
     "fine": "VPS fine",
@@ -51,7 +51,7 @@ GROUND_NAMES = {"voxels": "block of voxels", "plane": "analytic plane"}
 
 
 def describe(settings: RestSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny is released {settings.height * 1e2:g} cm above the ground in {settings.orientations} "
         f"orientations, at {settings.rate:g} Hz, with the fine and the coarse shell and every contact "
@@ -71,7 +71,7 @@ def describe(settings: RestSettings) -> str:
 
 
 def reduce(settings: RestSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     others = _tell_others(settings, results)
     for held, beside in rest.HULLS.items():

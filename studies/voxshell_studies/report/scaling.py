@@ -32,7 +32,7 @@ ENGINE_NAMES: dict[Engine, str] = {
 
 
 def describe(settings: ScalingSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny is {settings.depth * 1e3:g} mm deep in a block of voxels and moves back and forth by "
         f"{settings.shift * 1e3:g} mm, for {settings.steps} steps in {settings.orientations} "
@@ -48,7 +48,7 @@ def describe(settings: ScalingSettings) -> str:
 
 
 def reduce(settings: ScalingSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     points, seconds = _by(results, "points", "points")
     exponent = float(np.polyfit(np.log(points), np.log(seconds), 1)[0])

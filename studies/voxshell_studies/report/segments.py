@@ -38,7 +38,7 @@ SPEED_UP = 30.0
 
 
 def describe(settings: SegmentsSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny falls {settings.height:g} m onto a block of voxels at {settings.rate:g} Hz in "
         f"{settings.orientations} orientations, with {settings.coarse_points} and "
@@ -52,7 +52,7 @@ def describe(settings: SegmentsSettings) -> str:
 
 
 def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     for shell in ("coarse", "fine"):
         who = "low" if shell == "coarse" else "high"
@@ -114,7 +114,7 @@ def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
 
 
 def _tell_growth(settings: SegmentsSettings, results: Results, shell: str, table: str) -> str:
-    """How much longer each stage takes at the highest level than at the lowest."""
+    """Return how much longer each stage takes at the highest level than at the lowest."""
     growth = {
         stage: 1e6 * float(means[-1] - means[0])
         for stage in STAGES

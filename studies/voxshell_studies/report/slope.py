@@ -27,7 +27,7 @@ LABELS = {
 
 
 def describe(settings: SlopeSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     size = " x ".join(f"{2e2 * half:g}" for half in settings.half_extents)
     return (
         f"A model of a box of {size} cm lies on a plane, and gravity is inclined. Bisection finds the "
@@ -38,7 +38,7 @@ def describe(settings: SlopeSettings) -> str:
 
 
 def reduce(settings: SlopeSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     del settings
     rows = []
     for kind in slope.KINDS:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def describe(settings: StackSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"{settings.count} spheres of radius {settings.radius:g} m and {settings.mass:g} kg stand on an "
         f"analytic plane, one exactly above the other. Each is rotated at random ({settings.seeds} "
@@ -46,7 +46,7 @@ def describe(settings: StackSettings) -> str:
 
 
 def reduce(settings: StackSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     for rule in stack.RULES:
         medians = [_median(results, f"{rule}-{points}") for points in settings.resolutions]
