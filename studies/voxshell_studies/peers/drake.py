@@ -16,25 +16,25 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 MODULUS = 1e7
-"""Hydroelastic modulus of what is compliant, pascals: the body's weight sinks in by micrometers."""
+"""Hydroelastic modulus of compliant bodies, pascals: the body sinks by micrometers."""
 
 SLAB = 0.05
 """Thickness of the compliant layer of a half-space, meters."""
 
 RESOLUTION_HINT = 0.01
-"""Longest edge of the meshes that Drake makes of shapes, meters."""
+"""Longest edge of the meshes that Drake makes from shapes, meters."""
 
 FRICTION = 0.5
-"""As that of the other peers' bodies."""
+"""Friction, equal to that of the other peers' bodies."""
 
 
 def set_up(job: Job, variant: str) -> Drake:
-    """Return a contender that asks ``ComputeContactSurfaces``; ``variant`` is not used."""
+    """Return a contender that calls ``ComputeContactSurfaces``; ``variant`` is not used."""
     return Drake(job)
 
 
 class Drake:
-    """The body as a rigid mesh; what it meets is compliant."""
+    """The body as a rigid mesh; the other bodies are compliant."""
 
     timed = "ComputeContactSurfaces called from Python, polygons"
 

@@ -21,14 +21,14 @@ RESOLUTION = 300
 """Voxels along the body's longest side."""
 
 POINTS = 34_835
-"""Of the shell: as many as the bunny has vertices."""
+"""Number of points of the shell: as many as the bunny's vertices."""
 
 
 def set_up(job: Job, variant: str) -> Queries:
-    """Return a contender that asks :func:`voxshell.contacts`.
+    """Return a contender that calls :func:`voxshell.contacts`.
 
     Args:
-        job: What to do.
+        job: The job.
         variant: "voxels": the ground is a model, a slab; "analytic": a plane or a box.
     """
     return Queries(job, variant)
@@ -55,7 +55,7 @@ class Queries:
         return _Query(self._body, ground, case, ground_pose)
 
     def drop(self, other: Other, rate: float) -> None:
-        """Queries do no dynamics."""
+        """Return None: queries have no dynamics."""
 
 
 class _Query:
@@ -93,9 +93,9 @@ class _Query:
 def make_shapes(
     job: Job, variant: str
 ) -> tuple[Model, dict[str, tuple[Model | Plane | Box, NDArray[np.float64]]]]:
-    """Return the body's model; and what stands for the plane and the box, each with its pose.
+    """Return the body's model, and the shapes for the plane and the box, each with its pose.
 
-    Built, not found in the cache: preparation is timed.
+    Models are built without the cache, because preparation is timed.
     """
     import numpy as np
 
