@@ -1,4 +1,4 @@
-"""What low rates say."""
+"""Report of low rates."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns
 
 PUBLISHED_LOWEST = {1: 30.0, 4: 10.0, 5: 10.0}
-"""Steps a second down to which a level holds, about (section 5.3)."""
+"""Approximate lowest steps per second at which a level holds (section 5.3)."""
 
 GROUNDS = {"plane": "half-space", "slab": "slab of 5 cm"}
 LOW_RATE = 5.0
 DEPTHS = {"deepest after the first contact": "later_depth", "deepest at rest": "rest_depth"}
 HELD_TO = ("level 4", "level 5", "regular", "auto")
-"""Modes that the bars are for: fewer contacts cannot carry a body at any rate."""
+"""Modes with bars: fewer contacts cannot carry a body at any rate."""
 
 
 def describe(settings: RatesSettings) -> str:
@@ -168,7 +168,7 @@ def _rows_of_throws(settings: RatesSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Picture]:
-    """Depth at rest over rates, and the lowest rate of each level."""
+    """Draw depth at rest over rates, and the lowest rate of each level."""
     shades = ("#c7e9c0", "#8fd08f", "#4fae72", "#238b57", "#00522e", "#5c6bc0", "#c2410c")
     with open_figure(folder / "rates.png", width=12, height=7.5) as figure:
         panels = figure.subplots(2, 2, sharex=True, sharey=True)
@@ -281,7 +281,7 @@ def _tell_depths(runs: Columns, key: str, limit: float) -> str:
 
 
 def _deepest_above(runs: Columns, key: str, rate: float) -> float:
-    """At all rates above one, meters."""
+    """Return the largest depth at rates above a given one, meters."""
     return float(runs[key][runs["rate"] > rate].max(initial=0.0))
 
 

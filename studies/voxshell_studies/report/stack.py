@@ -1,4 +1,4 @@
-"""What the stack of spheres says."""
+"""Report of the stack of spheres."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def reduce(settings: StackSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: StackSettings, results: Results, folder: Path) -> list[Picture]:
-    """Time to collapse over points, height of the top over time, a replay."""
+    """Draw time to collapse over points, height of the top over time, and a replay."""
     with open_figure(folder / "collapse.png", width=11, height=4) as figure:
         left, right = figure.subplots(1, 2)
         for rule, color in (("published", "#43aa8b"), ("voxshell", OURS)):
