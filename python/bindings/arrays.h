@@ -17,7 +17,7 @@
 
 namespace voxshell::python {
 
-/// What the package hands over: it has checked shape and type, and converted, before.
+/// Arrays from the package, which has checked and converted shape and type before.
 using PointsArray = nanobind::ndarray<const double, nanobind::shape<-1, 3>, nanobind::c_contig,
                                       nanobind::device::cpu>;
 using FacesArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>,
@@ -25,7 +25,7 @@ using FacesArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>
 
 inline Vec3 read_row(const double* row) { return {row[0], row[1], row[2]}; }
 
-/// Copies, for the core to work on while other threads may change the array.
+/// Copies, which the core can use while other threads change the array.
 inline std::vector<Vec3> read_points(const PointsArray& array) {
   std::vector<Vec3> points(array.shape(0));
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = read_row(array.data() + 3 * i);
@@ -40,7 +40,7 @@ inline std::vector<Triangle> read_triangles(const FacesArray& array) {
   return triangles;
 }
 
-/// Read-only views. Returned from a property they keep its object alive.
+/// Read-only views. If a property returns them, they keep its object alive.
 template <class T>
 using Row = nanobind::ndarray<nanobind::numpy, const T, nanobind::ndim<1>>;
 template <class T, int Columns>
@@ -51,7 +51,7 @@ Row<T> view(std::span<const T> values) {
   return Row<T>(values.data(), {values.size()});
 }
 
-/// One row of `Columns` scalars T an item: vectors, triangles, spheres.
+/// One row of `Columns` scalars for each T: vectors, triangles, spheres.
 template <class T, int Columns, class Item>
 Rows<T, Columns> view_rows(std::span<const Item> items) {
   static_assert(sizeof(Item) == sizeof(T) * Columns && alignof(Item) == alignof(T));
@@ -59,7 +59,7 @@ Rows<T, Columns> view_rows(std::span<const Item> items) {
                           {items.size(), std::size_t{Columns}});
 }
 
-/// A new array that owns `values`; read-only where T is const.
+/// A new array that owns `values`; read-only if T is const.
 template <class T, class... Shape>
 nanobind::ndarray<nanobind::numpy, T, Shape...> release(std::vector<std::remove_const_t<T>> values,
                                                         std::initializer_list<std::size_t> shape) {

@@ -19,7 +19,7 @@ class BuildWatch {
   bool report(std::string_view stage, double fraction) {
     if (raised_ != nullptr) return false;
     const nanobind::gil_scoped_acquire acquired;
-    const OrdinaryFloats floats;  // for the build to go on with, whatever Python leaves behind
+    const OrdinaryFloats floats;  // Python code may change the state, but the build needs it
     try {
       if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
       if (!callback_.is_none()) {
@@ -31,7 +31,7 @@ class BuildWatch {
     return raised_ == nullptr;
   }
 
-  /// Continues what was raised, if anything was. Needs the GIL.
+  /// Rethrows the exception, if there was one. Needs the GIL.
   void rethrow() const {
     if (raised_ != nullptr) std::rethrow_exception(raised_);
   }

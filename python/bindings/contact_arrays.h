@@ -7,7 +7,7 @@
 
 namespace voxshell::python {
 
-/// The properties that sets and batches of contacts share.
+/// The properties that contact sets and batches share.
 template <class Set>
 void def_contact_arrays(nanobind::class_<Set>& set) {
   const auto rows = [&](const char* name, std::vector<Vec3> ContactArrays::* array) {
@@ -23,7 +23,7 @@ void def_contact_arrays(nanobind::class_<Set>& set) {
       .def_prop_ro("segments", [](const Set& s) { return view(std::span(s.arrays.segments)); })
       .def_prop_ro(
           "shells", [](const Set& s) { return view(std::span(s.arrays.shells)); },
-          "0: a's point, 1: b's.")
+          "0: a's shell, 1: b's shell.")
       .def_prop_ro("inner", [](const Set& s) { return view(std::span(s.arrays.inner)); });
 }
 

@@ -85,8 +85,7 @@ ContactSet subset(const ContactSet& set, std::vector<ShellContact> chosen) {
   return result;
 }
 
-/// The contacts of all shells in one frame: the shell's where there is one, a's where there are
-/// two.
+/// The contacts of all shells in one frame: the shell's frame for a single shell, a's for both.
 std::vector<Contact> in_one_frame(const ContactSet& set) {
   std::vector<Contact> contacts;
   contacts.reserve(set.contacts.size());
@@ -114,7 +113,7 @@ ContactSet deepest_per_segment(const ContactSet& set) {
       chosen.push_back({shell_body, of_shell.front()});
       continue;
     }
-    // The core expects ids to ascend, which those of a manifold do not.
+    // The core expects ascending ids, but a manifold's order differs.
     std::sort(of_shell.begin(), of_shell.end(),
               [](const Contact& a, const Contact& b) { return a.id < b.id; });
     std::vector<std::uint32_t> deepest;
@@ -165,13 +164,13 @@ void bind_contact_set(nb::module_& module) {
   set.def("__len__", [](const ContactSet& s) { return s.contacts.size(); })
       .def_prop_ro("role", [](const ContactSet& s) { return s.scene.role; })
       .def("find_ambiguous", &find_ambiguous, InOrdinaryFloats(),
-           "Whether each contact's depth and normal are arbitrary.")
+           "Return for each contact whether its depth and normal are ambiguous.")
       .def_ro("exact", &ContactSet::is_exact)
       .def_ro("depth_bound", &ContactSet::depth_bound)
       .def("manifold", &select_manifold, nb::arg("max_points"), InOrdinaryFloats(),
-           "At most 4 of them, in the order chosen.")
+           "Return at most 4 contacts, in the order of choice.")
       .def("deepest_per_segment", &deepest_per_segment, InOrdinaryFloats(),
-           "A's, then b's, each ascending by id.");
+           "Return those of a's shell, then of b's, each in ascending order of ids.");
 }
 
 }  // namespace voxshell::python

@@ -9,7 +9,7 @@
 
 namespace voxshell::python {
 
-/// A contact of either body's shell.
+/// A contact with the body whose shell it belongs to.
 struct ShellContact {
   PairBody shell_body;
   Contact contact;
@@ -23,22 +23,22 @@ struct ContactArrays {
   std::vector<double> depths;
   std::vector<std::int64_t> ids;
   std::vector<std::int64_t> segments;
-  std::vector<std::uint8_t> shells;  ///< 0: a's, 1: b's
-  std::vector<std::uint8_t> inner;   ///< 1: of a place inside its body
+  std::vector<std::uint8_t> shells;  ///< 0: a's shell, 1: b's shell
+  std::vector<std::uint8_t> inner;   ///< 1: at a place deep inside its body
 
   void reserve(std::size_t count);
   void append(const ShellContact& of_shell, const Bodies& bodies, const PairPose& pose, int level);
 };
 
-/// What the contacts of one pose have in common.
+/// Properties that the contacts of one pose share.
 struct ContactScene {
   SharedBodies bodies;
   PairPose pose;
   int level;
-  Role role;  ///< whose points were asked about
+  Role role;  ///< whose points were tested
 };
 
-/// Contacts of one pose. The core's own are kept, for subsets to be chosen from.
+/// Contacts of one pose. The core's contacts are kept, to choose subsets from.
 struct ContactSet {
   ContactScene scene;
   bool is_exact = true;
@@ -55,14 +55,14 @@ inline void append(std::vector<ShellContact>& to, PairBody shell_body,
   for (const Contact& contact : contacts) to.push_back({shell_body, contact});
 }
 
-/// Where either body's inner point is inside the other, its contact; a's before b's.
+/// The contacts of inner points that are inside the other body; a's before b's.
 std::vector<ShellContact> find_inner_contacts(const Bodies& bodies, const PairPose& pose,
                                               float margin);
 
-/// Those of the set that select_manifold() picks, in the order chosen.
+/// The contacts that select_manifold() chooses from the set, in the order of choice.
 ContactSet select_manifold(const ContactSet& set, std::size_t max_points);
 
-/// Of several shells' contacts, each ascending by id, the deepest; of equally deep ones the first.
+/// The deepest of several shells' contacts, each in ascending order of ids; the first if equal.
 void keep_deepest(std::vector<ShellContact>& contacts, std::size_t max_points);
 
 }  // namespace voxshell::python

@@ -43,7 +43,7 @@ PosePairs read_pose_pairs(std::size_t count, const OptionalPoses& a_poses,
   return {read_poses(a_poses, count, "a_poses"), read_poses(b_poses, count, "b_poses")};
 }
 
-/// The poses that found nothing, of bodies that may lie inside the ones asked about.
+/// The poses without contacts in which the tested bodies may enclose others.
 template <class IsEmpty>
 std::vector<std::size_t> find_enclosed(const Bodies& bodies, const PosePairs& poses, PairBody inner,
                                        const IsEmpty& is_empty) {
@@ -67,8 +67,8 @@ struct ContactBatchSet {
   SharedBodies bodies;
   int level;
   PosePairs poses;
-  std::vector<Role> roles;            ///< one a pose
-  std::vector<std::int64_t> offsets;  ///< one more
+  std::vector<Role> roles;            ///< one per pose
+  std::vector<std::int64_t> offsets;  ///< one more than poses
   std::vector<ShellContact> contacts;
   ContactArrays arrays;
 
@@ -90,7 +90,7 @@ struct Part {
   }
 };
 
-/// `parts` are of all poses, `swapped` of those that `enclosed` lists.
+/// `parts` has all poses, `swapped` those that `enclosed` lists.
 ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level, float margin,
                       std::size_t max_points, Role role, bool asks_inside,
                       const std::vector<Part>& parts, const std::vector<std::size_t>& enclosed,
@@ -126,7 +126,7 @@ ContactBatchSet merge(const SharedBodies& bodies, PosePairs poses, int level, fl
   return set;
 }
 
-/// Reports a stage of the core's by another name.
+/// Reports a stage of the core under another name.
 Progress report_as(BuildWatch& watch, std::string_view name) {
   return [&watch, name](std::string_view, double fraction) { return watch.report(name, fraction); };
 }
@@ -260,12 +260,12 @@ void bind_batch(nb::module_& module) {
              nb::arg("a_poses").none(), nb::arg("b_poses").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("max_points").none(), nb::arg("threads"),
              nb::arg("progress").none(), InOrdinaryFloats(),
-             "(count, 4, 4) poses; one that is to stand for all is (1, 4, 4).");
+             "Poses are (count, 4, 4); a single pose that applies to all is (1, 4, 4).");
   module.def("collide_batch", &collide_batch, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("count"),
              nb::arg("a_poses").none(), nb::arg("b_poses").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("threads"), nb::arg("progress").none(), InOrdinaryFloats(),
-             "(k,) bool.");
+             "Return (k,) bool.");
 }
 
 }  // namespace voxshell::python

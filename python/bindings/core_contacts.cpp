@@ -24,7 +24,7 @@ namespace {
 
 enum class Search { kTree, kFlat };
 
-/// Asks about one shell after another and gathers what they find.
+/// Queries one shell after another and collects their contacts.
 template <Search kSearch>
 class Asking {
  public:
@@ -85,7 +85,7 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
     asking.ask(inner);
     role = role_of(inner);
   }
-  // A search that may have missed contacts does not know that there are none.
+  // After an incomplete search, it is not certain that there are no contacts.
   const bool is_empty = asking.contacts.empty() && asking.is_exact;
   if (roles.asks_inside && options.max_points > 0 && is_empty) {
     asking.contacts = find_inner_contacts(bodies.view(), pose, margin);
@@ -97,7 +97,7 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
   return set;
 }
 
-/// What `find` picks from each shell's contacts without listing the others.
+/// What `find` chooses from each shell's contacts without listing the others.
 template <class Find>
 ContactSet pick_contacts(const SharedBodies& bodies, const PairPose& pose, const Roles& roles,
                          float margin, int level, SharedScratch* scratch, const Find& find) {
@@ -130,7 +130,7 @@ ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
   const Roles roles = choose_roles(bodies.view(), shells);
   const nb::gil_scoped_release released;
   if (roles.role() == Role::kBoth) {
-    // The second point of a manifold depends on the first, which may be of the other shell.
+    // The second point of a manifold depends on the first, which may belong to the other shell.
     const auto list = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
                           QueryScratch& own) {
       return find_contacts(field, shell, field_from_shell, {.margin = margin}, own);
@@ -178,8 +178,8 @@ bool collide(const Field& field_a, const Model* model_a, const Field& field_b, c
   return roles.may_swap && is_enclosed(bodies, pose, inner) && touches(inner);
 }
 
-/// Role, what it may miss, what a alone, b alone and both may miss; of the smaller body the
-/// thickness and the shortest side; and the thickness of the thinner one.
+/// Role; what the role, a, b and both may miss; thickness and shortest side of the smaller body;
+/// and thickness of the thinner body.
 std::tuple<Role, double, double, double, double, double, double, double> role_of_pair(
     const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
     ShellChoice shells) {
@@ -207,27 +207,30 @@ void def_contacts(nb::module_& module, const char* name, Function function, cons
 }  // namespace
 
 void bind_contacts(nb::module_& module) {
-  nb::class_<SharedScratch>(module, "QueryScratch", "Threads that share one take turns.")
+  nb::class_<SharedScratch>(module, "QueryScratch",
+                            "Memory of queries. Threads that share one take turns.")
       .def(nb::init<>());
-  def_contacts(module, "contacts", &contacts<Search::kTree>, "By the point-sphere tree.");
-  def_contacts(module, "contacts_flat", &contacts<Search::kFlat>, "By the flat loop.");
+  def_contacts(module, "contacts", &contacts<Search::kTree>,
+               "Find contacts with the point-sphere tree.");
+  def_contacts(module, "contacts_flat", &contacts<Search::kFlat>,
+               "Find contacts with the flat loop.");
   module.def("manifold", &manifold, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("margin"), nb::arg("max_points"),
              nb::arg("scratch").none(), InOrdinaryFloats(),
-             "By branch and bound; of both shells, from the list of all.");
+             "Find a manifold by branch and bound; for both shells, from all contacts.");
   module.def("deepest_per_segment", &deepest_per_segment, nb::arg("field_a"),
              nb::arg("model_a").none(), nb::arg("field_b"), nb::arg("model_b").none(),
              nb::arg("a_pose").none(), nb::arg("b_pose").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("level"), nb::arg("scratch").none(), InOrdinaryFloats(),
-             "By branch and bound, of each shell.");
+             "Find the deepest contacts by branch and bound, for each shell.");
   module.def("role", &role_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("shells"), InOrdinaryFloats(),
-             "Role; metres: what it, a, b and both may miss, the smaller body's thickness and "
-             "shortest side, and the thinner one's thickness.");
+             "Return the role, and in meters what it, a, b and both may miss, the smaller body's "
+             "thickness and shortest side, and the thinner body's thickness.");
   module.def("pair_bounds", &bounds_of_pair, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("role"), InOrdinaryFloats(),
-             "Overlap and clearance, metres.");
+             "Return overlap and clearance, meters.");
   module.def("collide", &collide, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
              nb::arg("shells"), nb::arg("margin"), InOrdinaryFloats());

@@ -21,7 +21,7 @@ using Coordinates = std::array<double, 3>;
 
 Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// Distance, point on a, point on b, normal, whether the point is of a's shell.
+/// Distance, point on a, point on b, normal, and whether the element belongs to a's shell.
 using Nearest = std::tuple<double, Coordinates, Coordinates, Coordinates, bool>;
 
 std::optional<Nearest> distance(const Field& field_a, const Model* model_a, const Field& field_b,
@@ -68,7 +68,8 @@ void bind_distance(nb::module_& module) {
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("a_pose").none(),
              nb::arg("b_pose").none(), nb::arg("shells"), nb::arg("max_distance"),
              nb::arg("scratch").none(), InOrdinaryFloats(),
-             "Distance, point on a, point on b, normal, whether a's shell is nearest; or None.");
+             "Return distance, point on a, point on b, normal, and whether a's shell is nearest; "
+             "or None.");
 }
 
 }  // namespace voxshell::python

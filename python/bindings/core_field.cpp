@@ -21,9 +21,9 @@ namespace nb = nanobind;
 namespace voxshell::python {
 namespace {
 
-/// A field locates its cell by converting coordinates to integers: they must be ordinary numbers.
+/// A field converts coordinates to integers to find the cell, so they must be ordinary numbers.
 bool is_usable(const Vec3& p) {
-  constexpr double kFarthest = 1e15;  // metres: squares still fit float32
+  constexpr double kFarthest = 1e15;  // meters: squares still fit float32
   return std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && std::abs(p.z) <= kFarthest;
 }
 
@@ -91,11 +91,11 @@ std::tuple<Field, std::size_t> make_convex_field(const PointsArray& vertices,
 void bind_field(nb::module_& module) {
   nb::class_<Field>(module, "Field", "A signed distance field of any kind.")
       .def("sample", &sample, nb::arg("points"), InOrdinaryFloats(),
-           "Signed distances, metres, (n,).")
+           "Return signed distances, meters, (n,).")
       .def("gradient", &gradient, nb::arg("points"), InOrdinaryFloats(),
-           "Gradients of the distance, (n, 3).");
+           "Return gradients of the distance, (n, 3).");
 
-  nb::class_<GridField>(module, "GridField", "What only a sampled field has.")
+  nb::class_<GridField>(module, "GridField", "Properties that only a sampled field has.")
       .def_prop_ro("shape", &GridField::shape)
       .def_prop_ro("voxel_size", &GridField::voxel_size)
       .def_prop_ro(
@@ -148,7 +148,7 @@ void bind_field(nb::module_& module) {
       "cone_field", [](double radius, double height) { return Field(ConeField{radius, height}); },
       nb::arg("radius"), nb::arg("height"), InOrdinaryFloats());
   module.def("convex_field", &make_convex_field, nb::arg("vertices"), nb::arg("faces"),
-             InOrdinaryFloats(), "The field and how many faces it has.");
+             InOrdinaryFloats(), "Return the field and its number of faces.");
 }
 
 }  // namespace voxshell::python

@@ -60,7 +60,7 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
   return unwrap(std::move(result));
 }
 
-/// Of a file, as the system has it: any bytes.
+/// A file name in the system's encoding, which may be any bytes.
 std::string read_path(const nb::bytes& path) { return {path.c_str(), path.size()}; }
 
 void save(const Model& model, const nb::bytes& path) {
@@ -99,7 +99,7 @@ using Coordinates = std::array<double, 3>;
 
 Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// Centre of mass and inertia tensor at 1 kg.
+/// Center of mass and inertia tensor at 1 kg.
 std::tuple<Coordinates, std::array<Coordinates, 3>> to_tuple(const MassProperties& m) {
   return {to_coordinates(m.centre_of_mass),
           {to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
@@ -124,10 +124,10 @@ void bind_model(nb::module_& module) {
                   "sign: str, open: str, sheet_thickness: float, threads: int, progress: "
                   "collections.abc.Callable[[str, float], object] "
                   "| None) -> Model"),
-          "0 (padding: below 0) leaves a setting to the core.")
+          "Build a model. With 0 (padding: below 0) the core chooses a setting.")
       .def("save", &save, nb::arg("path"), InOrdinaryFloats())
       .def_static("load", &load, nb::arg("path"), InOrdinaryFloats())
-      .def("to_bytes", &to_bytes, InOrdinaryFloats(), "As `save` writes them.")
+      .def("to_bytes", &to_bytes, InOrdinaryFloats(), "Return the bytes that `save` writes.")
       .def_static("from_bytes", &from_bytes, nb::arg("content"), InOrdinaryFloats())
       .def_prop_ro("vertices",
                    [](const Model& m) { return view_rows<double, 3>(m.mesh().vertices()); })
@@ -157,8 +157,8 @@ void bind_model(nb::module_& module) {
             return std::tuple{a.places, of(a.distance), of(a.normal), of(a.coverage),
                               a.gap,    a.is_sharp,     a.curvature};
           },
-          "Places, and median, 99 % and worst of distance, normal and coverage; gap, is_sharp, "
-          "curvature.")
+          "Number of places; median, 99 % and worst of distance, normal and coverage; gap; "
+          "is_sharp; curvature.")
       .def_prop_ro(
           "openings",
           [](const Model& m) {
@@ -174,16 +174,16 @@ void bind_model(nb::module_& module) {
           "0.")
       .def_prop_ro(
           "tolerance", [](const Model& m) { return m.settings().tolerance; },
-          "Metres; 0 if the model is uniform.")
-      .def_prop_ro("thickness", &Model::thickness, "Where the body is thinnest, metres.")
+          "Meters; 0 if the model is uniform.")
+      .def_prop_ro("thickness", &Model::thickness, "Thickness of the thinnest walls, meters.")
       .def_prop_ro(
           "solid_mass_properties",
           [](const Model& m) { return to_tuple(m.solid_mass_properties()); },
-          "Centre of mass and inertia tensor about it, at 1 kg.")
+          "Center of mass and inertia tensor about it, at 1 kg.")
       .def_prop_ro(
           "surface_mass_properties",
           [](const Model& m) { return to_tuple(m.surface_mass_properties()); },
-          "Centre of mass and inertia tensor about it, at 1 kg.");
+          "Center of mass and inertia tensor about it, at 1 kg.");
 }
 
 }  // namespace voxshell::python

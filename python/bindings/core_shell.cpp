@@ -20,7 +20,7 @@ auto compute_segments(const PointSphereTree& tree, int level) {
   return release<std::int64_t, nb::ndim<1>>(std::move(segments), {tree.point_count()});
 }
 
-/// Both ends of each segment, (m, 2, 3); none where there are no edges.
+/// Both ends of each segment, (m, 2, 3); empty without edges.
 auto copy_edges(const PointShell& shell) {
   std::vector<float> ends;
   const EdgeSegments* edges = shell.edges();
@@ -36,7 +36,7 @@ auto copy_edges(const PointShell& shell) {
   return release<const float, nb::shape<-1, 2, 3>>(std::move(ends), {count, 2, 3});
 }
 
-/// The tree holds them coordinate by coordinate.
+/// The tree stores points coordinate by coordinate.
 auto copy_points(const PointShell& shell) {
   const BucketPoints points = shell.points();
   std::vector<float> rows;
@@ -50,7 +50,7 @@ auto copy_points(const PointShell& shell) {
 void bind_shell(nb::module_& module) {
   nb::class_<PointShell>(module, "PointShell", "Points on a surface, in the order of their tree.")
       .def("__len__", &PointShell::size)
-      // An array of its own: the default of properties would have it refer to the shell's memory.
+      // A separate array: by default, a property's array would refer to the shell's memory.
       .def_prop_ro("points", &copy_points, nb::rv_policy::automatic)
       .def_prop_ro("normals", [](const PointShell& s) { return view_rows<float, 3>(s.normals()); })
       .def_prop_ro("areas", [](const PointShell& s) { return view(s.areas()); })
@@ -66,9 +66,9 @@ void bind_shell(nb::module_& module) {
           "spheres",
           [](const PointSphereTree& t, int level) { return view_rows<float, 4>(t.spheres(level)); },
           nb::arg("level"), nb::rv_policy::reference_internal,
-          "Centres and radii, (m, 4); level 1 to levels.")
+          "Return centers and radii, (m, 4); level 1 to levels.")
       .def("segments", &compute_segments, nb::arg("level"),
-           "The cluster of each point, (n,); level 1 to deepest_level.");
+           "Return the cluster of each point, (n,); level 1 to deepest_level.");
 }
 
 }  // namespace voxshell::python

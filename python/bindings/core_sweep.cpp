@@ -30,8 +30,8 @@ namespace nb = nanobind;
 namespace voxshell::python {
 namespace {
 
-/// What counts as touching, of the shortest side of the smaller body; and of the sizes of both
-/// models' voxels where they have no tolerance.
+/// Default tolerance, as a fraction of the shortest side of the smaller body, and of the voxel
+/// sizes of both models if they have no tolerance.
 constexpr double kToleranceOfSide = 1e-3;
 constexpr double kToleranceOfVoxel = 0.1;
 
@@ -48,7 +48,7 @@ struct PairSweep {
   std::optional<ShellContact> nearest;
 };
 
-/// Whose elements are swept, and what counts as touching.
+/// The shell to sweep, and the tolerance.
 struct Question {
   Bodies bodies;
   Roles roles;
@@ -56,7 +56,7 @@ struct Question {
   double tolerance;
 };
 
-/// To which a body's own surface is known, metres.
+/// The error of a body's own surface, meters.
 double tolerance_of(const Model* model) {
   if (model == nullptr) return 0.0;
   const double tolerance = model->settings().tolerance;
@@ -73,12 +73,12 @@ Question make_question(const Field& field_a, const Model* model_a, const Field& 
   return {bodies, roles, margin, tolerance.value_or(std::max(kToleranceOfSide * side, of_models))};
 }
 
-/// `scratch_of(body)` is for queries about that body's shell.
+/// `scratch_of(body)` is the scratch for that body's shell.
 template <class ScratchOf>
 PairSweep sweep_pair(const Question& question, const PairMotion& motion,
                      const ScratchOf& scratch_of) {
   const Bodies& bodies = question.bodies;
-  // With the shell of fewest points, either may be asked, pose by pose.
+  // With the shell of fewest points, the role may change between poses.
   const PairBody first = question.roles.shell_bodies[0];
   const bool asks_other = question.roles.shell_bodies.size() > 1 ||
                           (question.roles.may_swap && bodies.shell_of(other(first)) != nullptr);
@@ -98,12 +98,12 @@ PairSweep sweep_pair(const Question& question, const PairMotion& motion,
   ask(first);
   if (asks_other) ask(other(first));
   if (result.fraction > 0.0 && question.roles.asks_inside) {
-    // One that begins inside the other.
+    // One body is inside the other at the start.
     const auto inside = find_inner_contacts(bodies, motion.at(0.0), question.margin);
     if (!inside.empty()) return {0.0, inside[0]};
   }
   if (result.nearest && asks_other) {
-    // The shell that stops later, or nowhere, may be the nearer one all the same.
+    // The shell that stops later, or never, may still be the nearer one.
     const PairBody body = other(result.nearest->shell_body);
     const auto scratch = scratch_of(body);
     const auto nearer = find_nearest(*bodies.field_of(other(body)), *bodies.shell_of(body),
@@ -130,7 +130,7 @@ using Numbers = nb::ndarray<nb::numpy, double>;
 using Sweeps = std::tuple<Numbers, Numbers, Numbers, Numbers, Numbers,
                           nb::ndarray<nb::numpy, std::int64_t>, Numbers, Numbers>;
 
-/// Of vectors or matrices, in one array of that shape.
+/// An array of the shape of vectors or matrices.
 template <class Item>
 Numbers release_numbers(const std::vector<Item>& items, std::initializer_list<std::size_t> shape) {
   static_assert(sizeof(Item) % sizeof(double) == 0);
@@ -139,8 +139,8 @@ Numbers release_numbers(const std::vector<Item>& items, std::initializer_list<st
   return release<double>(std::vector<double>(first, first + count), shape);
 }
 
-/// Sweeps as parallel arrays, in the world frame. Where nothing touches: an infinite distance,
-/// points and normals that are not numbers, and no shell.
+/// Sweeps as parallel arrays, in the world frame. If nothing touches: an infinite distance, points
+/// and normals of NaN, and no shell.
 class SweepArrays {
  public:
   explicit SweepArrays(std::size_t count)
@@ -192,7 +192,7 @@ class SweepArrays {
   std::vector<Vec3> points_a_;
   std::vector<Vec3> points_b_;
   std::vector<Vec3> normals_;
-  std::vector<std::int64_t> shells_;  ///< 0: a's, 1: b's
+  std::vector<std::int64_t> shells_;  ///< 0: a's shell, 1: b's shell
   std::vector<Matrix> a_poses_;
   std::vector<Matrix> b_poses_;
 };
@@ -275,17 +275,18 @@ void bind_sweep(nb::module_& module) {
              nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("a_end").none(),
              nb::arg("b_pose").none(), nb::arg("b_end").none(), nb::arg("shells"),
              nb::arg("margin"), nb::arg("tolerance").none(), nb::arg("scratch").none(),
-             InOrdinaryFloats(), "As sweep_batch() of one. Without an end, a body stays.");
+             InOrdinaryFloats(),
+             "Call sweep_batch() for one motion. Without an end, a body does not move.");
   module.def("sweep_batch", &sweep_batch, nb::arg("field_a"), nb::arg("model_a").none(),
              nb::arg("field_b"), nb::arg("model_b").none(), nb::arg("count"),
              nb::arg("a_poses").none(), nb::arg("a_ends").none(), nb::arg("b_poses").none(),
              nb::arg("b_ends").none(), nb::arg("shells"), nb::arg("margin"),
              nb::arg("tolerance").none(), nb::arg("threads"), nb::arg("progress").none(),
              InOrdinaryFloats(),
-             "Fractions, distances, points on a and b, normals, shells (0: a's, 1: b's, -1: none), "
-             "poses of a and b.");
+             "Return fractions, distances, points on a and b, normals, shells (0: a's, 1: b's, "
+             "-1: none), and poses of a and b.");
   module.def("interpolate", &interpolate, nb::arg("start").none(), nb::arg("end").none(),
-             nb::arg("at"), InOrdinaryFloats(), "(k, 4, 4).");
+             nb::arg("at"), InOrdinaryFloats(), "Return (k, 4, 4) poses.");
 }
 
 }  // namespace voxshell::python

@@ -17,10 +17,11 @@ namespace {
 
 using Coordinates = std::array<double, 3>;
 
-/// Without negative zeros.
+/// Replaces negative zeros.
 Coordinates to_coordinates(const Vec3& v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
 
-/// On a, about a's origin, from what the core says of the shell's body; all in the world frame.
+/// Wrench on a about a's origin, from the core's wrench on the shell's body; all in the world
+/// frame.
 Wrench on_a(const Wrench& on_shell, PairBody shell_body, const PairPose& pose) {
   const Pose& world_from_shell = pose.world_from(shell_body);
   const Vec3 force = world_from_shell.rotate(on_shell.force);
@@ -50,8 +51,8 @@ std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const Model* mo
     result.force += of_shell.force;
     result.torque += of_shell.torque;
   };
-  // The surfaces of both shells are the same layer of springs: their mean counts it once, and is
-  // continuous as each of them is.
+  // The surfaces of both shells represent the same layer of springs. Their mean counts it once, and
+  // is continuous because both are.
   const double weight = 1.0 / static_cast<double>(roles.shell_bodies.size());
   for (const PairBody body : roles.shell_bodies) ask(body, weight);
   const PairBody inner = other(roles.shell_bodies[0]);
@@ -62,10 +63,11 @@ std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const Model* mo
 }  // namespace
 
 void bind_wrench(nb::module_& module) {
-  module.def("wrench", &wrench, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
-             nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
-             nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(), InOrdinaryFloats(),
-             "Force and torque on a about its origin, world frame; of both shells, the mean.");
+  module.def(
+      "wrench", &wrench, nb::arg("field_a"), nb::arg("model_a").none(), nb::arg("field_b"),
+      nb::arg("model_b").none(), nb::arg("a_pose").none(), nb::arg("b_pose").none(),
+      nb::arg("shells"), nb::arg("stiffness"), nb::arg("scratch").none(), InOrdinaryFloats(),
+      "Return force and torque on a about its origin, world frame; for both shells the mean.");
 }
 
 }  // namespace voxshell::python

@@ -31,7 +31,7 @@ const char* exception_name(ErrorCode code) {
 /// Sets Python's error indicator.
 void set_exception(const char* name, std::string_view text) {
   const nanobind::object type = nanobind::module_::import_("voxshell.errors").attr(name);
-  // The name of a file may be of any bytes.
+  // The name of a file may be any bytes.
   const auto message = nanobind::steal(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
   if (message) PyErr_SetObject(type.ptr(), message.ptr());

@@ -9,14 +9,14 @@
 
 namespace voxshell::python {
 
-/// Throws the Python exception of voxshell.errors that stands for an error of the core. The one
-/// place where they meet. Needs the GIL.
+/// Throws the Python exception of voxshell.errors for an error of the core. This is the only place
+/// that maps them. Needs the GIL.
 [[noreturn]] void raise(const Error& error);
 
-/// From now on, exceptions of C++ arrive in Python as those of voxshell.errors.
+/// Registers the translation of C++ exceptions to those of voxshell.errors.
 void translate_exceptions();
 
-/// The value of a result, or its error raised. A `subject` says which argument is meant.
+/// Returns the value of a result, or raises its error. `subject` names the argument.
 template <class T>
 T unwrap(Result<T> result, const char* subject = nullptr) {
   if (result) return *std::move(result);

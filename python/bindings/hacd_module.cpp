@@ -14,7 +14,7 @@ namespace nb = nanobind;
 using HullArray = nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>;
 using HullPoints = std::vector<HACD::Vec3<HACD::Real>>;
 
-/// Weights and switches as in Bullet's own demo of HACD (ConvexDecompositionDemo).
+/// Weights and switches from Bullet's own demo of HACD (ConvexDecompositionDemo).
 std::vector<HullPoints> run_hacd(HullPoints points, std::vector<HACD::Vec3<long>> triangles,
                                  std::size_t clusters, std::size_t vertices, double concavity) {
   HACD::HACD hacd;
@@ -69,14 +69,14 @@ std::vector<HullArray> decompose(const voxshell::python::PointsArray& vertices,
 }  // namespace
 
 NB_MODULE(_hacd, module) {
-  module.doc() = "HACD of Bullet's extras, to compare with: voxshell_studies.convex_parts.";
+  module.doc() = "HACD from Bullet's extras, a baseline for voxshell_studies.convex_parts.";
   module.def("decompose", &decompose, nb::arg("vertices"), nb::arg("faces"), nb::kw_only(),
              nb::arg("clusters"), nb::arg("hull_vertices"), nb::arg("concavity"),
-             "The points of convex hulls that stand for a closed mesh.\n\n"
+             "Return the points of convex hulls that approximate a closed mesh.\n\n"
              "Args:\n"
              "    vertices: (n, 3) float64, any unit.\n"
              "    faces: (m, 3) uint32.\n"
-             "    clusters: How many hulls at least.\n"
-             "    hull_vertices: Of a hull, at most.\n"
-             "    concavity: Left at most, where the mesh's size is 1000.");
+             "    clusters: Smallest number of hulls.\n"
+             "    hull_vertices: Largest number of vertices of a hull.\n"
+             "    concavity: Largest remaining concavity, for a mesh of size 1000.");
 }

@@ -8,11 +8,11 @@
 
 namespace voxshell::python {
 
-/// For the definitions of functions that compute: whatever floating-point state another library has
-/// left in the thread, they give the same bits.
+/// Add it to the definitions of functions that compute. They then give the same bits, whatever
+/// floating-point state another library has left in the thread.
 using InOrdinaryFloats = nanobind::call_guard<OrdinaryFloats>;
 
-/// A number of Python's that is rounded to float32 where it is used. As a float it would be rounded
+/// A Python number that is rounded to float32 where it is used. A float argument would be rounded
 /// before InOrdinaryFloats begins.
 struct RoundedInside {
   double number = 0.0;

@@ -16,7 +16,7 @@ using PosesArray = nanobind::ndarray<const double, nanobind::shape<-1, 4, 4>, na
                                      nanobind::device::cpu>;
 using OptionalPoses = std::optional<PosesArray>;
 
-/// `count` poses. An array of one pose, or none for the identity, stands for every one.
+/// `count` poses. A single pose applies to all; null is the identity.
 inline std::vector<Pose> read_poses(const OptionalPoses& array, std::size_t count,
                                     const char* name) {
   if (!array) return std::vector<Pose>(count);

@@ -31,8 +31,8 @@ WorldContact to_world(const Contact& contact, PairBody shell_body, const PairPos
   const Pose& world_from_shell = pose.world_from(shell_body);
   const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
   const Vec3 outwards = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
-  // The field's outward normal leads from the shell's point to the field's surface. Adding to zero
-  // and subtracting from it leave no negative zeros.
+  // The field's outward normal points from the shell's point to the field's surface. Adding to zero
+  // and subtracting from it avoid negative zeros.
   const Vec3 on_field = on_shell + static_cast<double>(contact.depth) * outwards;
   if (shell_body == PairBody::kA) return {on_shell, on_field, outwards + Vec3{}};
   return {on_field, on_shell, Vec3{} - outwards};

@@ -18,12 +18,12 @@
 namespace voxshell::python {
 
 using SharedField = std::shared_ptr<const Field>;
-/// None of an analytic field.
+/// Null for an analytic field.
 using SharedModel = std::shared_ptr<const Model>;
-/// None is the identity.
+/// Null is the identity.
 using OptionalPose = std::optional<PoseMatrix>;
 
-/// From 16 numbers by rows. Errors name the pose. These need the GIL.
+/// From 16 numbers by rows. Errors name the pose. These functions need the GIL.
 Pose read_matrix(const double* matrix, const std::string& name);
 Pose read_pose(const OptionalPose& pose, const char* name);
 
@@ -38,7 +38,7 @@ inline Participant make_participant(const Field& field, const Model* model) {
           .inner_point = &model->inner_point()};
 }
 
-/// What a query is asked about; its caller's arguments keep them alive, without the GIL as well.
+/// The bodies of a query. The caller's arguments keep them alive, also without the GIL.
 struct Bodies {
   Participant a;
   Participant b;
@@ -51,7 +51,7 @@ struct Bodies {
   const Field* field_of(PairBody body) const { return participant(body).field; }
 };
 
-/// The same, kept alive for what outlives the call.
+/// The same bodies, kept alive for results that outlive the call.
 struct SharedBodies {
   SharedField field_a;
   SharedModel model_a;
@@ -63,17 +63,17 @@ struct SharedBodies {
   const Field* field_of(PairBody body) const { return view().field_of(body); }
 };
 
-/// Whose points to ask about, in this order. `may_swap`: where they find nothing and enclose the
-/// other body, the other's.
+/// The bodies whose points to test, in this order. `may_swap`: if these find nothing and enclose
+/// the other body, test the other body's points.
 struct Roles {
-  std::span<const PairBody> shell_bodies;  ///< one or two, of a constant
+  std::span<const PairBody> shell_bodies;  ///< one or two, static data
   bool may_swap;
-  bool asks_inside;  ///< where they find nothing, whether either body's inner point is in the other
+  bool asks_inside;  ///< if nothing is found, test whether an inner point is in the other body
 
   Role role() const { return shell_bodies.size() == 2 ? Role::kBoth : role_of(shell_bodies[0]); }
 };
 
-/// Raises SettingsError where a body that is asked for has no shell. Needs the GIL.
+/// Raises SettingsError if a requested body has no shell. Needs the GIL.
 Roles choose_roles(const Bodies& bodies, ShellChoice choice);
 
 struct PairPose {
@@ -83,7 +83,7 @@ struct PairPose {
   const Pose& world_from(PairBody body) const {
     return body == PairBody::kA ? world_from_a : world_from_b;
   }
-  /// The frame of the other body from that of `shell_body`.
+  /// Transforms from the frame of `shell_body` to that of the other body.
   Pose field_from_shell(PairBody shell_body) const {
     return world_from(other(shell_body)).inverse() * world_from(shell_body);
   }
@@ -94,7 +94,7 @@ inline bool is_enclosed(const Bodies& bodies, const PairPose& pose, PairBody inn
                                pose.field_from_shell(inner));
 }
 
-/// A contact's points and normal in the world frame: the normal is on b and points towards a.
+/// A contact's points and normal in the world frame: the normal is on b and points toward a.
 struct WorldContact {
   Vec3 point_a;
   Vec3 point_b;

@@ -8,7 +8,7 @@
 
 namespace voxshell::python {
 
-/// What `scratch=` takes: one QueryScratch for each body's shell, so that a query of both begins
+/// The Python class QueryScratch: one scratch for each body's shell, so that a query of both starts
 /// where each of them ended.
 struct SharedScratch {
   std::mutex mutex;
@@ -16,8 +16,8 @@ struct SharedScratch {
   QueryScratch of_b;
 };
 
-/// The caller's scratch for one query, locked; or, where there is none, one of its own. Without the
-/// GIL, or a thread that waits would keep the one that works from ending.
+/// The caller's scratch for one query, locked, or a temporary one. Lock it without the GIL:
+/// otherwise a waiting thread would block the one that holds the lock.
 class LockedScratch {
  public:
   LockedScratch(SharedScratch* shared, PairBody shell_body) {

@@ -1,9 +1,9 @@
 """Collision of any mesh with any mesh at haptic rates, exactly as sampled.
 
-A mesh is made ready once, as a :class:`Model`: a signed distance field, a shell of points on the
-surface and mass properties. Models, and the analytic shapes (:class:`Plane`, :class:`Box`,
-:class:`Sphere`, :class:`Capsule`, :class:`Cylinder`, :class:`Cone`, :class:`ConvexPolyhedron`), then
-collide in any pose:
+A :class:`Model` is built once from a mesh. It consists of a signed distance field, a shell of
+points on the surface, and mass properties. Models and analytic shapes (:class:`Plane`,
+:class:`Box`, :class:`Sphere`, :class:`Capsule`, :class:`Cylinder`, :class:`Cone`,
+:class:`ConvexPolyhedron`) collide in any pose:
 
     >>> import numpy as np
     >>> import trimesh
@@ -15,11 +15,11 @@ collide in any pose:
     >>> float(contacts.depths.max())
     0.001...
 
-In a :class:`World` they fall, bounce and rest by the physics of stock Bullet.
+In a :class:`World`, stock Bullet simulates them.
 
-Conventions: metres, kilograms, seconds, radians; right-handed frames; poses are 4x4
-``world_from_body`` matrices; signed distances are negative inside; depths are positive inside;
-a contact's normal is on body b and points towards body a.
+Conventions: units are meters, kilograms, seconds and radians. Frames are right-handed, and poses
+are 4x4 ``world_from_body`` matrices. Signed distances are negative inside, and depths are positive
+inside. The normal of a contact is on body b and points toward body a.
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Loads what needs Bullet, when it is first asked for."""
+    """Import names that need Bullet on first use."""
     if name not in __all__:
         raise AttributeError(f"module 'voxshell' has no attribute {name!r}")
     from voxshell import simulation

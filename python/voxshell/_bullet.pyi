@@ -40,15 +40,19 @@ class CompoundGeometry:
     def __init__(self, arg: Sequence[tuple[ModelGeometry | PlaneGeometry | BoxGeometry | SphereGeometry | CapsuleGeometry | CylinderGeometry | ConeGeometry | GImpactGeometry | HullsGeometry, Annotated[NDArray[numpy.float64], dict(shape=(4, 4))]]], /) -> None: ...
 
 def triangulate_hulls(hulls: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
-    """Vertices (n, 3) and triangles (m, 3) of the hulls of sets of points."""
+    """
+    Return vertices (n, 3) and triangles (m, 3) of the hulls of sets of points.
+    """
 
 def mesh_mass_properties(vertices: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.uint32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], kind: str) -> tuple[list[float], list[list[float]]]:
     """
-    Centre of mass and inertia tensor about it at 1 kg, of kind 'solid' or 'surface'.
+    Return center of mass and inertia tensor about it at 1 kg; kind is 'solid' or 'surface'.
     """
 
 def sample_hull(points: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
-    """Vertices of the hull in the 42 directions of btShapeHull, (n, 3)."""
+    """
+    Return vertices of the hull in the 42 directions of btShapeHull, (n, 3).
+    """
 
 class JointKind(enum.Enum):
     FIXED = 0

@@ -17,13 +17,13 @@ class Field:
     """A signed distance field of any kind."""
 
     def sample(self, points: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
-        """Signed distances, metres, (n,)."""
+        """Return signed distances, meters, (n,)."""
 
     def gradient(self, points: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
-        """Gradients of the distance, (n, 3)."""
+        """Return gradients of the distance, (n, 3)."""
 
 class GridField:
-    """What only a sampled field has."""
+    """Properties that only a sampled field has."""
 
     @property
     def shape(self) -> list[int]: ...
@@ -74,7 +74,7 @@ def cylinder_field(radius: float, length: float) -> Field: ...
 def cone_field(radius: float, height: float) -> Field: ...
 
 def convex_field(vertices: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.uint32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> tuple[Field, int]:
-    """The field and how many faces it has."""
+    """Return the field and its number of faces."""
 
 class PointShell:
     """Points on a surface, in the order of their tree."""
@@ -112,17 +112,17 @@ class PointSphereTree:
     def levels(self) -> int: ...
 
     def spheres(self, level: int) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 4), writable=False)]:
-        """Centres and radii, (m, 4); level 1 to levels."""
+        """Return centers and radii, (m, 4); level 1 to levels."""
 
     def segments(self, level: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
-        """The cluster of each point, (n,); level 1 to deepest_level."""
+        """Return the cluster of each point, (n,); level 1 to deepest_level."""
 
 class Model:
     """Field, shell and mass properties of a mesh."""
 
     @staticmethod
     def build(vertices: numpy.typing.NDArray[numpy.float64], faces: numpy.typing.NDArray[numpy.uint32], *, tolerance: float, voxel_size: float, resolution: int, point_spacing: float, target_points: int, padding: float, sign: str, open: str, sheet_thickness: float, threads: int, progress: Callable[[str, float], object] | None) -> Model:
-        """0 (padding: below 0) leaves a setting to the core."""
+        """Build a model. With 0 (padding: below 0) the core chooses a setting."""
 
     def save(self, path: bytes) -> None: ...
 
@@ -130,7 +130,7 @@ class Model:
     def load(path: bytes) -> Model: ...
 
     def to_bytes(self) -> bytes:
-        """As `save` writes them."""
+        """Return the bytes that `save` writes."""
 
     @staticmethod
     def from_bytes(content: bytes) -> Model: ...
@@ -156,7 +156,7 @@ class Model:
     @property
     def accuracy(self) -> tuple[int, list[float], list[float], list[float], float, bool, float]:
         """
-        Places, and median, 99 % and worst of distance, normal and coverage; gap, is_sharp, curvature.
+        Number of places; median, 99 % and worst of distance, normal and coverage; gap; is_sharp; curvature.
         """
 
     @property
@@ -167,19 +167,19 @@ class Model:
 
     @property
     def tolerance(self) -> float:
-        """Metres; 0 if the model is uniform."""
+        """Meters; 0 if the model is uniform."""
 
     @property
     def thickness(self) -> float:
-        """Where the body is thinnest, metres."""
+        """Thickness of the thinnest walls, meters."""
 
     @property
     def solid_mass_properties(self) -> tuple[list[float], list[list[float]]]:
-        """Centre of mass and inertia tensor about it, at 1 kg."""
+        """Center of mass and inertia tensor about it, at 1 kg."""
 
     @property
     def surface_mass_properties(self) -> tuple[list[float], list[list[float]]]:
-        """Centre of mass and inertia tensor about it, at 1 kg."""
+        """Center of mass and inertia tensor about it, at 1 kg."""
 
 class Shells(enum.Enum):
     AUTOMATIC = 0
@@ -222,7 +222,7 @@ class ContactSet:
 
     @property
     def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
-        """0: a's point, 1: b's."""
+        """0: a's shell, 1: b's shell."""
 
     @property
     def inner(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]: ...
@@ -233,7 +233,7 @@ class ContactSet:
     def role(self) -> Role: ...
 
     def find_ambiguous(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
-        """Whether each contact's depth and normal are arbitrary."""
+        """Return for each contact whether its depth and normal are ambiguous."""
 
     @property
     def exact(self) -> bool: ...
@@ -242,57 +242,63 @@ class ContactSet:
     def depth_bound(self) -> float: ...
 
     def manifold(self, max_points: int) -> ContactSet:
-        """At most 4 of them, in the order chosen."""
+        """Return at most 4 contacts, in the order of choice."""
 
     def deepest_per_segment(self) -> ContactSet:
-        """A's, then b's, each ascending by id."""
+        """
+        Return those of a's shell, then of b's, each in ascending order of ids.
+        """
 
 class QueryScratch:
-    """Threads that share one take turns."""
+    """Memory of queries. Threads that share one take turns."""
 
     def __init__(self) -> None: ...
 
 def contacts(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
-    """By the point-sphere tree."""
+    """Find contacts with the point-sphere tree."""
 
 def contacts_flat(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, max_points: int | None, budget: int | None, scratch: QueryScratch | None) -> ContactSet:
-    """By the flat loop."""
+    """Find contacts with the flat loop."""
 
 def manifold(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, max_points: int, scratch: QueryScratch | None) -> ContactSet:
-    """By branch and bound; of both shells, from the list of all."""
+    """
+    Find a manifold by branch and bound; for both shells, from all contacts.
+    """
 
 def deepest_per_segment(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, level: int, scratch: QueryScratch | None) -> ContactSet:
-    """By branch and bound, of each shell."""
+    """Find the deepest contacts by branch and bound, for each shell."""
 
 def role(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, shells: Shells) -> tuple[Role, float, float, float, float, float, float, float]:
     """
-    Role; metres: what it, a, b and both may miss, the smaller body's thickness and shortest side, and the thinner one's thickness.
+    Return the role, and in meters what it, a, b and both may miss, the smaller body's thickness and shortest side, and the thinner body's thickness.
     """
 
 def pair_bounds(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, role: Role) -> tuple[float, float]:
-    """Overlap and clearance, metres."""
+    """Return overlap and clearance, meters."""
 
 def collide(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float) -> bool: ...
 
 def distance(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, max_distance: float, scratch: QueryScratch | None) -> tuple[float, list[float], list[float], list[float], bool] | None:
     """
-    Distance, point on a, point on b, normal, whether a's shell is nearest; or None.
+    Return distance, point on a, point on b, normal, and whether a's shell is nearest; or None.
     """
 
 def sweep(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, a_end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, margin: float, tolerance: float | None, scratch: QueryScratch | None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int64], NDArray[numpy.float64], NDArray[numpy.float64]]:
-    """As sweep_batch() of one. Without an end, a body stays."""
+    """
+    Call sweep_batch() for one motion. Without an end, a body does not move.
+    """
 
 def sweep_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, a_ends: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_ends: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, tolerance: float | None, threads: int, progress: object | None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.int64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
-    Fractions, distances, points on a and b, normals, shells (0: a's, 1: b's, -1: none), poses of a and b.
+    Return fractions, distances, points on a and b, normals, shells (0: a's, 1: b's, -1: none), and poses of a and b.
     """
 
 def interpolate(start: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, end: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, at: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
-    """(k, 4, 4)."""
+    """Return (k, 4, 4) poses."""
 
 def wrench(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, a_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, b_pose: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))] | None, shells: Shells, stiffness: float, scratch: QueryScratch | None) -> tuple[list[float], list[float]]:
     """
-    Force and torque on a about its origin, world frame; of both shells, the mean.
+    Return force and torque on a about its origin, world frame; for both shells the mean.
     """
 
 class ContactBatch:
@@ -318,7 +324,7 @@ class ContactBatch:
 
     @property
     def shells(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]:
-        """0: a's point, 1: b's."""
+        """0: a's shell, 1: b's shell."""
 
     @property
     def inner(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,), writable=False)]: ...
@@ -331,7 +337,9 @@ class ContactBatch:
     def at(self, arg: int, /) -> ContactSet: ...
 
 def contacts_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, level: int, max_points: int | None, threads: int, progress: object | None) -> ContactBatch:
-    """(count, 4, 4) poses; one that is to stand for all is (1, 4, 4)."""
+    """
+    Poses are (count, 4, 4); a single pose that applies to all is (1, 4, 4).
+    """
 
 def collide_batch(field_a: Field, model_a: Model | None, field_b: Field, model_b: Model | None, count: int, a_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, b_poses: Annotated[NDArray[numpy.float64], dict(shape=(None, 4, 4), order='C', device='cpu', writable=False)] | None, shells: Shells, margin: float, threads: int, progress: object | None) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
-    """(k,) bool."""
+    """Return (k,) bool."""

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 
 class VoxshellError(Exception):
-    """Base of every error that voxshell raises on bad input or a failed job."""
+    """Base class of all errors that voxshell raises for bad input or failed operations."""
 
 
 class MeshError(VoxshellError, ValueError):
-    """A mesh cannot be read or used; the message says what is wrong, how much of it and where."""
+    """A mesh cannot be read or used. The message says what is wrong, how often and where."""
 
 
 class PoseError(VoxshellError, ValueError):
-    """A pose is in no form that :func:`voxshell.pose` lists, is not rigid, or is not finite."""
+    """A pose is in no format that :func:`voxshell.pose` lists, is not rigid, or is not finite."""
 
 
 class SettingsError(VoxshellError, ValueError):
@@ -20,11 +20,11 @@ class SettingsError(VoxshellError, ValueError):
 
 
 class MemoryLimitError(VoxshellError, ValueError):
-    """A request would exceed the memory limit, or the system gives no more memory."""
+    """An operation would exceed the memory limit, or the system has no memory left."""
 
 
 class ModelFileError(VoxshellError, ValueError):
-    """A model file is damaged, or is none, or is of a version that this package does not read."""
+    """A file is damaged, is not a model file, or has a version that this package does not read."""
 
 
 class FileAccessError(VoxshellError, OSError):
@@ -32,15 +32,15 @@ class FileAccessError(VoxshellError, OSError):
 
 
 class InputTypeError(VoxshellError, TypeError):
-    """An argument is of a type that the function does not take."""
+    """An argument has a type that the function does not accept."""
 
 
 class RobotError(VoxshellError, ValueError):
-    """A robot's file cannot be simulated; the message names it, the link or joint, and what to do."""
+    """A robot's file cannot be simulated. The message names the place in the file and a remedy."""
 
 
 class RecordingError(VoxshellError, ValueError):
-    """A recording, or a request to replay one, does not make sense."""
+    """A recording is invalid, or it does not contain what was requested."""
 
 
 class SimulationError(VoxshellError, RuntimeError):
@@ -48,4 +48,4 @@ class SimulationError(VoxshellError, RuntimeError):
 
 
 class MissingExtraError(VoxshellError, ImportError):
-    """An optional part of voxshell is not installed; the message says how to install it."""
+    """An optional part of voxshell is not installed. The message says how to install it."""

@@ -1,4 +1,4 @@
-"""What tests of voxshell, and of programs that use it, can hold it to."""
+"""Reference implementations for tests of voxshell and of programs that use it."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def contacts_flat(
     budget: int | None = None,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
-    """Finds contacts by evaluating every point of the shell in order, without its tree.
+    """Find contacts by evaluating every point of the shell in order, without the tree.
 
-    The oracle of :func:`voxshell.contacts`, which returns the same bits, only sooner. Arguments,
-    results and errors are the same; but it always finds everything, whatever the ``budget``, and
-    has no use for a ``scratch``.
+    This is the oracle of :func:`voxshell.contacts`, which returns the same bits faster. Arguments,
+    results and errors are the same, except that this function always finds all contacts, whatever
+    the ``budget``, and ignores ``scratch``.
 
     Example:
         >>> import numpy as np

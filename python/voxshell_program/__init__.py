@@ -1,7 +1,7 @@
-"""The program ``voxshell``: ends on Ctrl-C from its first import on.
+"""The program ``voxshell``, which ends on Ctrl-C from its first import on.
 
-It lies beside the package because importing anything of ``voxshell`` imports numpy first, and an
-interrupt would find Python in the midst of that.
+It is outside of the package because importing anything from ``voxshell`` imports numpy first, and
+an interrupt could come during that import.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ _INTERRUPTED = 130
 
 
 def main() -> None:
-    """Runs the command line; exits with 0 only on success."""
-    # Programs that a shell starts in the background ignore interrupts, and go on doing so.
+    """Run the command line and exit; the exit code is 0 only on success."""
+    # Programs that a shell starts in the background ignore interrupts, and must continue to.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
     from voxshell.cli import main as run
@@ -27,5 +27,5 @@ def main() -> None:
 
 
 def _end(_number: int, _frame: FrameType | None) -> None:
-    """Ends the process as it stands: where this is called, nothing is half written."""
+    """End the process at once: no file is being written at this point."""
     os._exit(_INTERRUPTED)

@@ -1,1 +1,1 @@
-"""Experiments: scenes run, measured, and written down as data, figures and pages."""
+"""Experiments: scenes that are simulated, measured, and reported as data, figures and pages."""

@@ -1,4 +1,4 @@
-"""How deep two meshes really are in each other, and what shells of several resolutions say."""
+"""True depth of two overlapping meshes, compared with shells of several resolutions."""
 
 from __future__ import annotations
 
@@ -26,11 +26,12 @@ class AccuracySettings(BunnySettings):
     """Settings of the accuracy.
 
     Attributes:
-        poses: How many, any orientation and direction; each is a few seconds of exact overlap.
-        least_depth, most_depth: How far one is pushed into the other after the first touch, metres;
-            negative: pulled apart.
-        reference_voxel_size: Of field and shell whose flat loop is the truth, metres.
-        seed: Of the poses.
+        poses: Number of poses, in any orientation and direction. Each takes a few seconds of exact
+            overlap.
+        least_depth, most_depth: Displacement after the first touch, meters; negative moves the
+        bodies apart.
+        reference_voxel_size: Voxel size of the reference, whose flat loop is the truth, meters.
+        seed: Seed of the poses.
     """
 
     poses: int = 60
@@ -51,11 +52,11 @@ def plan(settings: AccuracySettings) -> list[Part]:
 
 
 def measure_depths(settings: AccuracySettings) -> Tables:
-    """Measures every pose.
+    """Measure every pose.
 
     Returns:
-        "depths": the deepest contact by each shell, metres; the exact overlap, and what the shells make of
-        it, m3.
+        "depths": the deepest contact by each shell, meters; the exact overlap, and what the shells
+        make of it, m3.
     """
     mesh = settings.build_mesh()
     fine, coarse = settings.build_model("fine"), settings.build_model("coarse")
@@ -83,13 +84,13 @@ def measure_depths(settings: AccuracySettings) -> Tables:
 
 
 def _find_depth(model: Model, pose: NDArray[np.float64]) -> float:
-    """The deepest contact of the flat loop over all points of both, metres; 0 without contact."""
+    """Return the depth by the flat loop over all points of both, meters; 0 without contact."""
     found = contacts_flat(model, model, None, pose, shell="both")
     return float(found.depths.max(initial=0.0))
 
 
 def _add_volume(model: Model, pose: NDArray[np.float64]) -> float:
-    """Areas of the first's points in the second by their depths, m3: of a shallow overlap, its volume."""
+    """Return the sum of areas times depths, m3: the volume of a shallow overlap."""
     found = contacts_flat(model, model, None, pose, shell="a")
     return float(model.shell.areas[found.ids].astype(np.float64) @ found.depths)
 

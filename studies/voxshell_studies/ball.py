@@ -1,4 +1,4 @@
-"""The bouncing ball: rebound, penetration and energy, from many start heights."""
+"""The bouncing ball: rebound, penetration and energy, from many initial heights."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ GROUNDS: tuple[Ground, ...] = ("voxels", "plane")
 
 
 def plan(settings: BallSettings) -> list[Part]:
-    """One fall a method and restitution; then many start heights on both grounds.
+    """Return a part for each method and restitution, and then many initial heights on both grounds.
 
-    The coarse ball falls once more so that it lands beside its centre.
+    The coarse ball falls once more such that it lands beside its center.
     """
     common = {"settings": settings}
     seconds = 0.005 * settings.phases * len(settings.phase_restitutions)
@@ -72,7 +72,7 @@ def plan(settings: BallSettings) -> list[Part]:
 
 
 def run_falls(settings: BallSettings, method: str, rule: Rule, landing: Landing = "pole") -> Tables:
-    """Every step of the fall from the published height, for each restitution."""
+    """Return every step of the fall from the published height, for each restitution."""
     tables: dict[str, Any] = {"steps": {}}
     parts = []
     for index, restitution in enumerate(settings.restitutions):
@@ -88,7 +88,7 @@ def run_falls(settings: BallSettings, method: str, rule: Rule, landing: Landing 
 def run_phases(
     settings: BallSettings, method: str, rule: Rule, ground: Ground, landing: Landing = "pole"
 ) -> Tables:
-    """What came of each start height: rebound, penetration, energy."""
+    """Return the results of each initial height: rebound, penetration, energy."""
     heights = settings.height + np.linspace(
         -settings.phase_reach, settings.phase_reach, settings.phases
     )
@@ -102,13 +102,14 @@ def run_phases(
 
 
 def measure(settings: BallSettings, steps: dict[str, Any]) -> tuple[float, ...]:
-    """Of one fall.
+    """Measure one fall.
 
     Returns:
-        Rebound, depth, reported depth, energy, spin: how high the first apex after the first contact
-        is, as part of the height at the start, both over the ball at rest; the deepest the ball's
-        lowest point was below the ground, and the deepest contact reported, metres; the largest
-        energy, turning included, as part of that at the start; the largest turning energy, likewise.
+        Rebound, depth, reported depth, energy, spin. Rebound is the height of the first apex after
+        the first contact, as a fraction of the initial height, both above the ball at rest. Depths
+        are the largest of the ball's lowest point below the ground, and of reported contacts,
+        meters. Energies are the largest total and rotational energy, as fractions of the initial
+        energy.
     """
     energy = compute_energy(settings, steps)
     turning = steps["turning"] / (settings.gravity * (steps["start"] - settings.radius))
@@ -126,7 +127,7 @@ def measure(settings: BallSettings, steps: dict[str, Any]) -> tuple[float, ...]:
 
 
 def find_apex(steps: Columns) -> int | None:
-    """The last step that rises after the first contact; None if none does."""
+    """Return the last step that rises after the first contact; None if none does."""
     touched = np.flatnonzero(steps["contacts"] > 0)
     if len(touched) == 0:
         return None
@@ -140,10 +141,10 @@ def find_apex(steps: Columns) -> int | None:
 
 
 def compute_energy(settings: BallSettings, steps: Columns) -> np.ndarray:
-    """Over the ball at rest on the ground, as parts of what it has at the start, (steps,).
+    """Return the energy above that of the resting ball, as fractions of its start, (steps,).
 
-    Bullet's integration keeps v^2/2 + g x - g dt v/2 in free flight: that is what counts, and the
-    energy of turning.
+    Bullet's integration conserves v^2/2 + g x - g dt v/2 in free flight, so this counts, together
+    with the rotational energy.
     """
     gravity, speed = settings.gravity, steps["speed"]
     energy = (
@@ -178,7 +179,7 @@ def _fall(
     steps = settings.steps
     centre, speed, turning, depth = np.zeros((4, steps))
     contacts = np.zeros(steps, np.int64)
-    # Per kilogram; of the solid ball.
+    # Per kilogram, for the solid ball.
     inertia = 0.4 * settings.radius**2
     for step in range(steps):
         world.step()

@@ -1,4 +1,4 @@
-"""The falling bunny with every method, timed: the section's main benchmark."""
+"""The falling bunny with every method, timed: the main benchmark of the thesis' section."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ LEVELS = (1, 2, 3, 4, 5)
 """Of segments."""
 
 Decomposer = Literal["hacd", "coacd"]
-"""HACD of Bullet's extras, as published, and CoACD, which people use today; see
+"""HACD from Bullet's extras, as published, and CoACD, which is in use today; see
 :data:`voxshell_studies.convex_parts.RECIPES`."""
 
 _DECOMPOSITION = next(method for method in METHODS if method.key == "decomposition")
@@ -63,12 +63,13 @@ class BunnyFallSettings(DropSettings):
 
     Attributes:
         mesh: Path of another mesh; the bunny by default.
-        steps: How many, for every method
-        slow_steps: but GImpact on the block, which takes tens of milliseconds a step.
-        orientations: How many of :data:`voxshell_studies.scenes.bunny.ORIENTATIONS_WXYZ`.
-        equal_poses: In how many poses of the fine fall all methods are timed once more.
-        repeats: How often, in turn.
-        decomposers: Further convex decompositions that fall, beside V-HACD's.
+        steps: Number of steps for every method.
+        slow_steps: Number of steps for GImpact on the block, which takes tens of milliseconds per
+            step.
+        orientations: Number of :data:`voxshell_studies.scenes.bunny.ORIENTATIONS_WXYZ` to use.
+        equal_poses: Number of poses of the fine fall in which all methods are timed once more.
+        repeats: Number of repetitions, in turn.
+        decomposers: Further convex decompositions that fall, besides V-HACD's.
     """
 
     mesh: str = ""
@@ -89,13 +90,14 @@ class BunnyFallSettings(DropSettings):
 
 
 def plan(settings: BunnyFallSettings) -> list[Part]:
-    """A part for each orientation, all methods in one process; before them, what takes long to split."""
+    """Return a part for each orientation, with all methods, after slow decompositions."""
     here = {"mesh": str(find_mesh(settings)), "size": settings.size}
-    # V-HACD's parts fall in any case: without it the fall says what to install.
+    # V-HACD always falls: without it, the fall says what to install.
     splits = find_decomposers(settings)
     if RECIPES["vhacd"].version is not None:
         splits = ["vhacd", *splits]
-    # With the libraries' versions, so that what was missing is run once it is installed.
+    # The libraries' versions are included, so a missing library makes the part run after
+    # installation.
     libraries = {key: RECIPES[key].identity for key in find_decomposers(settings)}
     return [
         *(
@@ -121,18 +123,18 @@ def plan(settings: BunnyFallSettings) -> list[Part]:
 
 
 def find_decomposers(settings: BunnyFallSettings) -> list[Decomposer]:
-    """Those of the settings that are installed."""
+    """Return the decomposers in the settings that are installed."""
     return [key for key in settings.decomposers if RECIPES[key].version is not None]
 
 
 def split_mesh(mesh: str, size: float, decomposer: str, library: str) -> Tables:
-    """Leaves the convex parts in the cache, for the timed parts; says how many points each has.
+    """Put the convex parts into the cache for the timed parts; return the numbers of their points.
 
     Args:
         mesh: Path.
-        size: The mesh is scaled so that its longest side is this, metres.
-        decomposer: What splits it.
-        library: Of which version.
+        size: Longest side to which the mesh is scaled, meters.
+        decomposer: The decomposer.
+        library: Version of its library.
     """
     assert library
     hulls = split(read_scaled(Path(mesh), size), RECIPES[decomposer]).hulls
@@ -140,7 +142,7 @@ def split_mesh(mesh: str, size: float, decomposer: str, library: str) -> Tables:
 
 
 def read_scaled(path: Path, size: float) -> Mesh:
-    """A mesh whose longest side is ``size``, metres."""
+    """Return a mesh whose longest side is ``size``, meters."""
     mesh = read_mesh(path)
     return Mesh(mesh.vertices * (size / np.ptp(mesh.vertices, axis=0).max()), mesh.faces)
 
@@ -148,12 +150,12 @@ def read_scaled(path: Path, size: float) -> Mesh:
 def run_methods(
     settings: BunnyFallSettings, orientation: int, libraries: Mapping[Decomposer, str]
 ) -> Tables:
-    """Each method's fall, and all methods in the poses of the fine one.
+    """Run each method's fall, and all methods in the poses of the fine one.
 
     Returns:
         "steps": of every method; "equal_poses": times; "hulls": points of hull and decompositions;
-        "split": what further decompositions took, seconds; "body", "shells" and "segments": the set-up
-        as it was built; "KEY_poses" and "KEY_contacts": the recordings.
+        "split": what further decompositions took, seconds; "body", "shells" and "segments": the
+        set-up as it was built; "KEY_poses" and "KEY_contacts": the recordings.
     """
     shapes = build_all_shapes(settings, find_mesh(settings))
     made = {key: split(shapes.mesh, RECIPES[key]) for key in libraries}
@@ -196,7 +198,7 @@ def run_methods(
 
 
 def _measure_shapes(shapes: DropShapes) -> dict[str, Columns]:
-    """Sides and moments of inertia of the body, metres and kg m2; points of its shells; their segments."""
+    """Return sides, meters, moments of inertia, kg m2, points of shells, and segments."""
     shells = {key: body.shell for key, body in shapes.bodies.items() if isinstance(body, Model)}
     tree = shells["vps-fine"].tree
     return {
@@ -216,14 +218,14 @@ def _measure_shapes(shapes: DropShapes) -> dict[str, Columns]:
 
 
 def orientation_of(number: int) -> np.ndarray:
-    """``world_from_body`` without a place, (4, 4)."""
+    """Return ``world_from_body`` at the origin, (4, 4)."""
     from trimesh.transformations import quaternion_matrix
 
     return np.array(quaternion_matrix(ORIENTATIONS_WXYZ[number]))
 
 
 def build_all_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
-    """Every method's shapes, built once a process for all experiments with the same drop."""
+    """Return every method's shapes, built once per process for equal drops."""
     known = {field.name for field in fields(DropSettings)}
     return _build_shapes(DropSettings(**{name: getattr(settings, name) for name in known}), mesh)
 
@@ -238,12 +240,12 @@ def _build_shapes(settings: DropSettings, mesh: Path) -> DropShapes:
 
 
 def find_mesh(settings: BunnyFallSettings) -> Path:
-    """The path of the mesh that falls."""
+    """Return the path of the mesh that falls."""
     return Path(settings.mesh) if settings.mesh else find_bunny()
 
 
 def methods_of(tables: Tables) -> tuple[Method, ...]:
-    """Those that fell."""
+    """Return the methods that fell."""
     present = set(tables["steps"]["method"].tolist())
     return tuple(method for method in (*METHODS, *DECOMPOSERS) if method.key in present)
 
@@ -261,7 +263,7 @@ def _time_equal_poses(
     for repeat in range(settings.repeats):
         for method in methods:
             world, body = build_world(shapes, method, settings, gravity=0.0)
-            # The first pose warms caches and Bullet's pair up.
+            # The first pose warms up the caches and Bullet's pair.
             times = time_poses(world, body, np.concatenate([poses[:1], poses]))["narrow_phase"][1:]
             rows["method"] += [method.key] * len(poses)
             rows["repeat"] += [repeat] * len(poses)
@@ -273,7 +275,7 @@ def _time_equal_poses(
 def read_run(
     tables: Tables, method: Method, surfaces: Mapping[str, Surface], time_step: float
 ) -> DropRun:
-    """A method's fall as it was run, from the tables of an orientation."""
+    """Return a method's fall as it was run, from the tables of an orientation."""
     steps = tables["steps"]
     mine = steps["method"] == method.key
     motion = {name: tables[f"{method.key}_{name}"] for name in ("poses", "contacts")}

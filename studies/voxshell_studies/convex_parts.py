@@ -1,4 +1,4 @@
-"""Meshes as convex parts, by the libraries that people use; what takes minutes is kept in the cache."""
+"""Convex decompositions of meshes by common libraries; the cache keeps slow ones."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CONCAVITY = 0.05
-"""CoACD's own default of what it leaves, as a fraction of the mesh's size."""
+"""CoACD's default concavity, as a fraction of the mesh's size."""
 
 SEED = 0
-"""Of CoACD's search."""
+"""Seed of CoACD's search."""
 
 HULL_VERTICES = 100
-"""At most, of a hull of HACD's and V-HACD's, as in the thesis."""
+"""Largest number of vertices of a hull of HACD and V-HACD, as in the thesis."""
 
 HACD_CONCAVITY = 100.0
-"""What HACD may leave where the mesh's size is 1000, as in Bullet's own demo."""
+"""HACD's concavity for a mesh of size 1000, as in Bullet's own demo."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +45,9 @@ class Parts:
     """A convex decomposition.
 
     Attributes:
-        hulls: (n, 3) points of each part, metres, body frame.
-        seconds: That it took.
-        version: Of the library.
+        hulls: (n, 3) points of each part, meters, body frame.
+        seconds: Time of the decomposition.
+        version: Version of the library.
     """
 
     hulls: tuple[NDArray[np.float64], ...]
@@ -57,16 +57,17 @@ class Parts:
 
 @dataclass(frozen=True)
 class Recipe:
-    """A way to split a mesh.
+    """A decomposition method with its settings.
 
     Attributes:
-        label: For people, with the settings that matter.
-        library: The distribution that does it.
-        hulls: HACD: how many at least; V-HACD: how many at most.
-        voxels: V-HACD: of its grid.
-        concavity: CoACD: what it leaves, as a fraction of the mesh's size.
-        tolerance: HACD: how far its input may be off the mesh, as a fraction of the mesh's size. It takes a
-            minute for ten thousand triangles, and more than the square of that for more.
+        label: Label for people, with the settings that matter.
+        library: The distribution that contains it.
+        hulls: HACD: smallest number; V-HACD: largest number.
+        voxels: V-HACD: voxels of its grid.
+        concavity: CoACD: accepted concavity, as a fraction of the mesh's size.
+        tolerance: HACD: accepted error of its simplified input, as a fraction of the mesh's size.
+            HACD takes a minute for ten thousand triangles, and its time grows faster than their
+            square.
     """
 
     label: str
@@ -78,7 +79,7 @@ class Recipe:
 
     @property
     def version(self) -> str | None:
-        """Of the library; None where it is not installed."""
+        """Version of the library; None if it is not installed."""
         if self.library == "hacd":
             return f"of Bullet {BULLET_VERSION}" if find_spec(_HACD) is not None else None
         try:
@@ -88,14 +89,14 @@ class Recipe:
 
     @property
     def advice(self) -> str:
-        """How to install it."""
+        """Instructions to install it."""
         if self.library == "hacd":
             return "not built: install libbullet-extras-dev and build voxshell from its sources"
         return f"not installed: pip install {self.library}"
 
     @property
     def identity(self) -> str:
-        """All that the parts of a mesh depend on."""
+        """Everything that the parts of a mesh depend on."""
         if self.library == "coacd":
             return f"coacd {self.version} {self.concavity} {SEED}"
         if self.library == "hacd":
@@ -115,15 +116,15 @@ RECIPES = {
 
 
 def split(mesh: Mesh, recipe: Recipe) -> Parts:
-    """The convex parts of a mesh, from the cache if they are there.
+    """Return the convex parts of a mesh, from the cache if they are there.
 
     Args:
-        mesh: Closed.
-        recipe: How.
+        mesh: A closed mesh.
+        recipe: The method.
 
     Raises:
         MissingExtraError: The library is not installed.
-        MeshError: It finds no part.
+        MeshError: The library finds no part.
     """
     path = find_place(mesh, recipe.identity)
     if path is not None and (kept := load_parts(path)) is not None:
@@ -135,9 +136,9 @@ def split(mesh: Mesh, recipe: Recipe) -> Parts:
 
 
 def make_parts(mesh: Mesh, recipe: Recipe) -> Parts:
-    """The convex parts of a mesh, whether or not they are kept; see :func:`split`."""
+    """Return the convex parts of a mesh without the cache; see :func:`split`."""
     start = time.perf_counter()
-    # HACD also finds flat parts, which collide with nothing.
+    # HACD also returns flat parts, which do not collide.
     found = _SPLITTERS[recipe.library](mesh, recipe)
     hulls = tuple(points for points in found if _encloses_volume(points))
     if not hulls:
@@ -198,7 +199,7 @@ def _load(module: str, recipe: Recipe) -> Any:
 
 
 def find_place(mesh: Mesh, identity: str) -> Path | None:
-    """Where the parts of a mesh are kept, by content; None where nothing is to be kept."""
+    """Return the file for the parts of a mesh, by content; None if the cache is off."""
     models = find_folder(os.environ)
     if models is None or read_capacity(os.environ) == 0:
         return None
@@ -210,7 +211,7 @@ def find_place(mesh: Mesh, identity: str) -> Path | None:
 
 
 def load_parts(path: Path) -> Parts | None:
-    """None where there are none, or none that can be read."""
+    """Load parts; return None if there are none, or if they are damaged."""
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             hulls = tuple(np.split(arrays["points"], arrays["ends"][:-1]))
@@ -220,7 +221,7 @@ def load_parts(path: Path) -> Parts | None:
 
 
 def keep_parts(path: Path, parts: Parts) -> None:
-    """Keeps parts where :func:`load_parts` finds them; warns where the system does not let it."""
+    """Store parts where :func:`load_parts` finds them; warn if the system refuses."""
     content = BytesIO()
     np.savez_compressed(
         content,

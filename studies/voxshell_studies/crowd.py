@@ -1,4 +1,4 @@
-"""How the time of a step grows with the number of bodies: bunnies poured into a bin, by engine."""
+"""Growth of the time of a step with the number of bodies: bunnies poured into a bin, by engine."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ if TYPE_CHECKING:
 Engine = Literal["default", "uniform", "hulls", "mujoco"]
 
 RATE = 200.0
-"""Steps a second."""
+"""Steps per second."""
 
 SIDE = 0.45
-"""Of the bin's floor for a hundred bodies, metres; it grows with their number, so that the heap is as deep."""
+"""Side of the floor for a hundred bodies, meters; it grows so that heaps have equal depth."""
 
 DEPTH = 0.6
-"""Of the bin, metres."""
+"""Height of the bin, meters."""
 
 SETTLING, TIMED = 50, 100
-"""Steps of the heap, before and while it is timed."""
+"""Steps of the heap before it is timed, and while it is timed."""
 
 _PAGE = 4096
 
 
 def list_engines() -> list[Engine]:
-    """Those that can run: MuJoCo where it is installed."""
+    """Return the engines that can run: MuJoCo only if it is installed."""
     engines: list[Engine] = ["default", "uniform", "hulls"]
     if find_spec("mujoco") is not None:
         engines.append("mujoco")
@@ -50,19 +50,19 @@ def list_engines() -> list[Engine]:
 
 
 def settings_of(count: int) -> PourSettings:
-    """Bunnies of 0.1 m in a bin of the same depth, whatever their number."""
+    """Return settings of bunnies of 0.1 m in a bin of equal depth for any number."""
     side = SIDE * float(np.sqrt(count / 100))
     return PourSettings(count=count, rate=RATE, bin_size=(side, side, DEPTH))
 
 
 def time_bodies(engine: Engine, count: int, seconds: float) -> Tables:
-    """Steps while bodies are poured, and of the heap that they make, on one core; nothing sleeps.
+    """Time steps while bodies are poured, and steps of the heap, on one core, without sleeping.
 
     Returns:
         "pouring" and "heap": seconds of each step and of its narrow phase, which MuJoCo does not
-        tell; "end": contacts, median speed in m/s, mean height of the bodies in metres, bodies lost, and
-        megabytes that the process took from the first step on. Of ours, "all_cores": the heap on all
-        cores.
+        tell; "end": contacts, median speed in m/s, mean height of the bodies in meters, bodies
+        lost, and megabytes that the process took from the first step on. Of ours, "all_cores": the
+        heap on all cores.
     """
     settings = settings_of(count)
     if engine == "mujoco":
@@ -107,13 +107,13 @@ def _time_world(engine: Engine, settings: PourSettings, seconds: float) -> Table
 def build_heap(
     engine: Engine, settings: PourSettings, poses: NDArray[np.float64], threads: int | None
 ) -> tuple[World, list[Body]]:
-    """The bin and the bodies in given poses, (count, 4, 4). Nothing sleeps.
+    """Return the bin and the bodies in given poses, (count, 4, 4). Nothing sleeps.
 
     Args:
-        engine: Any but "mujoco".
-        settings: Of the bodies and the bin.
-        poses: ``world_from_body``, metres.
-        threads: Of worlds of models; None: one a core. Hulls are on one.
+        engine: Any engine except "mujoco".
+        settings: Settings of the bodies and the bin.
+        poses: ``world_from_body``, meters.
+        threads: Threads of worlds of models; None: one per core. Hulls use one.
     """
     if engine == "hulls":
         return build_world(settings, "decomposition", poses)
@@ -143,7 +143,7 @@ def build_heap(
 
 
 def _time_mujoco(settings: PourSettings, seconds: float) -> Tables:
-    """At its defaults, with the same hulls, masses and inertias, friction 0.5 as in worlds, and a bin of boxes."""
+    """Time MuJoCo at its defaults, with equal hulls, masses, inertias, friction and bin."""
     mujoco = import_mujoco()
     spec: Any = mujoco.MjSpec()
     spec.option.timestep = 1.0 / settings.rate
@@ -226,7 +226,7 @@ def _end(
 
 
 def measure_memory() -> float:
-    """Of this process, megabytes; not a number where the system does not tell."""
+    """Return the memory of this process, megabytes; NaN if the system does not report it."""
     status = Path("/proc/self/statm")
     if not status.exists():
         return float("nan")

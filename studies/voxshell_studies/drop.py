@@ -1,4 +1,4 @@
-"""The drop, measured: narrow-phase times, contacts, penetration and rest of several methods."""
+"""The drop: narrow-phase times, contacts, penetration and rest of several methods."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ FULL_OPERATION = (250, 600)
 """First and last step (excluded) in which the thesis times the narrow phase (section 5.3)."""
 
 REST_STEPS = 100
-"""How many steps at the end count as rest."""
+"""Number of final steps that count as rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class DropRun:
-    """What one method did, step by step.
+    """The results of one method, step by step.
 
     Attributes:
         method: The method.
         narrow_phase: (steps,) seconds; of all pairs, here one.
-        query, reduction, manifold: (steps,) seconds; the models' parts of it, else 0.
+        query, reduction, manifold: (steps,) seconds; the models' parts of it, or 0.
         contacts: (steps,) points in Bullet's manifolds.
-        depth: (steps,) metres; the deepest contact reported, 0 without contact.
-        speed: (steps,) m/s; of the centre of mass.
+        depth: (steps,) meters; the deepest contact reported, 0 without contact.
+        speed: (steps,) m/s; of the center of mass.
         angular_speed: (steps,) rad/s.
-        lowest: (steps,) metres; height of the mesh's lowest vertex over the ground, whatever shape
-            collided: the truth about how deep the body sinks or floats.
+        lowest: (steps,) meters; height of the mesh's lowest vertex over the ground, whatever shape
+            collided: the true depth to which the body sinks or height at which it floats.
         recording: Poses and contacts.
     """
 
@@ -55,23 +55,23 @@ class DropRun:
 
     @property
     def steps(self) -> int:
-        """How many were run."""
+        """Number of steps."""
         return len(self.narrow_phase)
 
 
 @dataclass(frozen=True)
 class DropSummary:
-    """One row of the table. Times are seconds, lengths metres, of the steps that ran.
+    """One row of the table. Times are in seconds, lengths in meters, over all steps.
 
     Attributes:
         median, p99: Of the narrow phase in full operation.
         query_median, reduction_median, manifold_median: Of the models' parts of it.
         mean_contacts: In full operation.
-        deepest: Deepest contact reported in all steps.
-        rest_depth: Deepest contact reported at rest.
+        deepest: Deepest reported contact in all steps.
+        rest_depth: Deepest reported contact at rest.
         rest_speed, rest_angular_speed: Largest at rest, m/s and rad/s.
         rest_lowest: Lowest height of the mesh's lowest vertex at rest.
-        ratio: Median, as a multiple of the fine VPS in this run.
+        ratio: Median, as a multiple of the fine VPS's in this run.
     """
 
     key: str
@@ -99,15 +99,15 @@ def run_drop(
     *,
     rotation: NDArray[np.float64] | None = None,
 ) -> DropRun:
-    """Simulates one method.
+    """Simulate one method.
 
     Args:
         shapes: From :func:`voxshell_studies.scenes.drop.build_shapes`.
-        method: Which way the body and the ground collide.
-        settings: Of the drop.
-        steps: How many.
-        progress: Called after each step with the fraction of the steps that is done.
-        rotation: Of the start, (4, 4); upright by default.
+        method: The collision method of body and ground.
+        settings: Settings of the drop.
+        steps: Number of steps.
+        progress: Called after each step with the completed fraction of the steps.
+        rotation: Initial rotation, (4, 4); upright by default.
     """
     world, body = build_world(shapes, method, settings, rotation=rotation)
     vertices = shapes.mesh.vertices
@@ -142,7 +142,7 @@ def run_drop(
 
 
 def summarise(runs: list[DropRun]) -> list[DropSummary]:
-    """The table of some runs; ratios need one of the fine VPS and are NaN without."""
+    """Return the table of runs; ratios need a run of the fine VPS and are NaN without one."""
     full = slice(*FULL_OPERATION)
     medians = {run.method.key: _median(run.narrow_phase[full]) for run in runs}
     fine = medians.get("vps-fine", np.nan)

@@ -1,4 +1,4 @@
-"""What a drop leaves behind: its data, its curves and its replay."""
+"""Outputs of a drop: data, curves and replay."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ COLORS = {
     "hacd": "#8d6e63",
     "coacd": "#7d5ba6",
 }
-"""One colour a method, in every picture: ours are green."""
+"""A color for each method in all pictures; ours are green."""
 
 
 def write_results(
@@ -42,9 +42,10 @@ def write_results(
     runs: list[DropRun],
     summaries: list[DropSummary],
 ) -> None:
-    """All figures, settings, shapes, versions and every step's values as JSON.
+    """Write figures, settings, shapes, versions and the values of every step as JSON.
 
-    "world_arguments" are those in which a method's world differs from :class:`voxshell.World`'s defaults.
+    "world_arguments" are those in which a method's world differs from :class:`voxshell.World`'s
+    defaults.
     """
     write_json(
         path,
@@ -96,7 +97,7 @@ def write_results(
 
 
 def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
-    """Narrow-phase time and speed over steps, as the thesis draws them (section 5.3), as a PNG.
+    """Draw narrow-phase time and speed over steps, as in the thesis (section 5.3), as a PNG.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
@@ -113,10 +114,10 @@ def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
     for run in runs:
         steps = np.arange(1, run.steps + 1)
         color = COLORS[run.method.key]
-        # Zero has no place on a logarithmic axis.
+        # Zero cannot be shown on a logarithmic axis.
         time = np.where(run.narrow_phase > 0.0, run.narrow_phase, np.nan)
         speed = np.where(run.speed > 0.0, run.speed, np.nan)
-        # Ours over the peers: what trembles at rest would hide them.
+        # Draw ours on top: otherwise curves that vibrate at rest would hide them.
         above = 3 if run.method.is_model else 2
         time_axes.plot(steps, time * 1e6, color=color, lw=1.1, label=run.method.label, zorder=above)
         speed_axes.plot(steps, speed, color=color, lw=1.1, zorder=above)
@@ -145,7 +146,7 @@ def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
 
 
 def save_page(path: Path, title: str, runs: list[DropRun], summaries: list[DropSummary]) -> None:
-    """All methods side by side, as one offline page.
+    """Write one offline page with all methods side by side.
 
     Raises:
         MissingExtraError: viser is not installed.

@@ -1,8 +1,8 @@
-"""Whether everyday scenes do what mechanics says, at default settings.
+"""Check of everyday scenes against mechanics, at default settings.
 
-Scenes, truths and bars are those of :mod:`voxshell_studies.scenes.everyday`. Every scene runs with models, with
-Bullet's own shapes in the same world, and in MuJoCo where that is installed, at each rate and in several
-placements.
+:mod:`voxshell_studies.scenes.everyday` defines scenes, true values and bars. Every scene runs with
+models, with Bullet's own shapes in the same world, and in MuJoCo if it is installed, at each rate
+and in several placements.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Engine, EverydayScene
 
 _SECONDS_A_STEP = {"voxshell": 3e-4, "bullet": 1e-4, "mujoco": 1.5e-4}
-"""About what a step takes; only tells how far a run is."""
+"""Approximate time of a step, only for progress displays."""
 
 _HEAVY = 50.0
-"""How much longer a step of a heavy scene takes with models."""
+"""Factor on the time of a step for heavy scenes with models."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ class EverydaySettings:
 
     Attributes:
         scenes: Names of scenes; empty for all.
-        placements: Headings or places of each scene, at most.
-        heavy_placements: Of scenes whose steps take milliseconds, at most.
-        longest: Seconds that a scene lasts at most, unless its truth needs longer; those that wait for a
-            creep last a minute.
-        rates: Steps a second, of those of each scene; empty for all of them.
-        heavy_rates: The same of scenes whose steps take milliseconds.
-        engines: Which run, of "voxshell", "bullet", "mujoco".
-        shown_rate: Steps a second of what is recorded.
+        placements: Largest number of headings or places of each scene.
+        heavy_placements: Likewise for scenes whose steps take milliseconds.
+        longest: Longest duration of a scene, seconds, unless its true value needs longer; scenes
+            that wait for creep last a minute.
+        rates: Steps per second to select from each scene's; empty for all of them.
+        heavy_rates: Likewise for scenes whose steps take milliseconds.
+        engines: Engines to run, of "voxshell", "bullet", "mujoco".
+        shown_rate: Steps per second of recordings.
     """
 
     scenes: tuple[str, ...] = ()
@@ -78,32 +78,32 @@ class EverydaySettings:
 
     @property
     def chosen(self) -> tuple[EverydayScene, ...]:
-        """The scenes that are run."""
+        """The chosen scenes."""
         return tuple(SCENES[name] for name in self.scenes or SCENES)
 
     def rates_of(self, scene: EverydayScene) -> tuple[float, ...]:
-        """Steps a second at which a scene is run."""
+        """Return the steps per second at which a scene runs."""
         wanted = self.rates or scene.rates
         if scene.heavy and self.heavy_rates:
             wanted = tuple(rate for rate in wanted if rate in self.heavy_rates)
         return tuple(rate for rate in scene.rates if rate in wanted)
 
     def engines_of(self, scene: EverydayScene) -> tuple[Engine, ...]:
-        """Engines that can represent a scene and are wanted, installed or not."""
+        """Return the chosen engines that can represent a scene, installed or not."""
         return tuple(engine for engine in scene.engines if engine in self.engines)
 
     def seconds_of(self, scene: EverydayScene) -> float:
-        """How long a scene lasts."""
+        """Return the duration of a scene, seconds."""
         return min(scene.seconds, max(self.longest, scene.needs))
 
     def placements_of(self, scene: EverydayScene) -> int:
-        """In how many placements a scene is run."""
+        """Return the number of placements of a scene."""
         most = min(self.placements, scene.most)
         return min(most, self.heavy_placements) if scene.heavy else most
 
 
 def plan(settings: EverydaySettings) -> list[Part]:
-    """A part for each scene and engine that is installed, and one for each scene that is shown."""
+    """Return a part for each scene and installed engine, and one for each scene that is shown."""
     installed = [engine for engine in ENGINES if is_installed(engine)]
     parts = []
     for scene in settings.chosen:
@@ -137,7 +137,7 @@ def _estimate(settings: EverydaySettings, scene: EverydayScene, engine: Engine) 
 
 
 def name_part(scene: str, engine: str) -> str:
-    """The name of a part.
+    """Return the name of a part.
 
     Example:
         >>> name_part("cube stops, plane", "bullet")
@@ -147,12 +147,12 @@ def name_part(scene: str, engine: str) -> str:
 
 
 def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tables:
-    """Runs a scene at its rates in its placements.
+    """Run a scene at its rates in its placements.
 
     Returns:
-        "runs", a row a rate, placement and measure (its number in the scene): value and truth, before
-        :attr:`Measure.scale`, and the error as the measure's bar is meant; infinite where there is no
-        value.
+        "runs", a row a rate, placement and measure (its number in the scene): value and truth,
+        before :attr:`Measure.scale`, and the error as the measure's bar is meant; infinite where
+        there is no value.
     """
     scene = SCENES[name]
     rows = []
@@ -160,7 +160,7 @@ def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tabl
         stage = scene.stage(placement)
         for rate in settings.rates_of(scene):
             with warnings.catch_warnings():
-                # What a pair may miss is another study's question.
+                # Another study examines what a pair may miss.
                 warnings.simplefilter("ignore", AccuracyWarning)
                 track = run_stage(
                     stage, engine, rate, settings.seconds_of(scene), smooth=scene.smooth
@@ -174,7 +174,7 @@ def measure_scene(settings: EverydaySettings, name: str, engine: Engine) -> Tabl
 
 
 def record_scene(settings: EverydaySettings, name: str) -> Tables:
-    """The first placement with models: "poses", "contacts", and "frames" with seconds between frames."""
+    """Return the first placement with models: "poses", "contacts" and "frames" (time step)."""
     scene = SCENES[name]
     rates = settings.rates_of(scene)
     rate = min(rates, key=lambda each: abs(math.log(each / settings.shown_rate)))

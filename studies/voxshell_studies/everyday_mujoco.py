@@ -1,8 +1,9 @@
 """Everyday scenes in MuJoCo, which needs ``pip install voxshell-studies[peers]``.
 
-Elliptic friction cones that resist sliding ten times as stiffly as penetration, which is what its
-documentation recommends against slip; contacts with a time constant of four steps, critically damped;
-Runge and Kutta's fourth order where nothing touches. It has no coefficient of restitution.
+The settings are: elliptic friction cones that resist sliding ten times as stiffly as penetration,
+which the documentation recommends against slip; contacts with a time constant of four steps,
+critically damped; and fourth-order Runge-Kutta integration where nothing touches. MuJoCo has no
+coefficient of restitution.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Form, Item, Stage
 
 _STEPS_OF_SPRING = 4.0
-"""Time constant of contacts in steps; the documentation asks for at least 2."""
+"""Time constant of contacts in steps; the documentation requires at least 2."""
 
 _STIFFNESS_RATIO = 10.0
-"""Of friction beside the normal direction (``impratio``)."""
+"""Stiffness of friction relative to the normal direction (``impratio``)."""
 
 
 def import_mujoco() -> Any:
-    """The module.
+    """Return the module mujoco.
 
     Raises:
         MissingExtraError: It is not installed.
@@ -43,12 +44,12 @@ class MuJoCoStage:
     """A stage in MuJoCo.
 
     Args:
-        stage: What stands where.
+        stage: The bodies and their places.
         time_step: Seconds.
-        smooth: Whether nothing touches.
+        smooth: True if nothing touches.
 
     Raises:
-        MissingExtraError: It is not installed.
+        MissingExtraError: MuJoCo is not installed.
         SettingsError: No convex parts represent a body.
     """
 
@@ -63,7 +64,7 @@ class MuJoCoStage:
             spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
         self._meshes: dict[str, str] = {}
         contact = {
-            # With a coefficient of zero there is nothing to solve across the normal.
+            # With a coefficient of zero, there are no tangential constraints to solve.
             "condim": 3 if stage.friction > 0.0 else 1,
             "friction": (stage.friction, 0.0, 0.0),
             "solref": (_STEPS_OF_SPRING * time_step, 1.0),
@@ -154,20 +155,21 @@ class MuJoCoStage:
         return self._meshes[key]
 
     def _quaternion(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the rotation of a pose, wxyz."""
+        """Return the rotation of a pose as a quaternion, wxyz."""
         quaternion = np.zeros(4)
         self._mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(pose[:3, :3]).ravel())
         return quaternion
 
     def _start(self, item: Item) -> None:
-        """Velocities; poses are those of the bodies in the specification."""
+        """Set velocities; poses are already in the specification."""
         model, data = self._model, self._data
         number = self._ids[item.name]
         place = model.jnt_dofadr[model.body_jntadr[number]]
         rotation = item.pose[:3, :3]
         if item.joint is None:
             center = rotation @ matter(item.form, 1.0).center_of_mass
-            # A free joint's linear velocity is that of the body's origin, its spin in the body's frame.
+            # A free joint's linear velocity is that of the body's origin; its spin is in the body's
+            # frame.
             data.qvel[place : place + 3] = np.array(item.velocity) - np.cross(item.spin, center)
             data.qvel[place + 3 : place + 6] = rotation.T @ item.spin
         elif item.joint.kind == "point":
@@ -179,7 +181,7 @@ class MuJoCoStage:
             data.xfrc_applied[number, :3] = item.force
 
     def step(self) -> bool:
-        """One time step; False if MuJoCo says that its state is not finite or too large."""
+        """Make a step; return False if MuJoCo reports a state that is not finite or too large."""
         self._steps += 1
         data, kinds = self._data, self._mujoco.mjtWarning
         for item in self._moving:
@@ -197,7 +199,7 @@ class MuJoCoStage:
     def state(
         self, name: str
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Of a body: (4, 4) ``world_from_body``, velocity of the center of mass and spin, (3,) each."""
+        """Return a body's ``world_from_body``, (4, 4), velocity of its center, and spin, (3,)."""
         number = self._ids[name]
         pose = np.eye(4)
         pose[:3, :3] = self._data.xmat[number].reshape(3, 3)

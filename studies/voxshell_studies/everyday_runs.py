@@ -1,4 +1,4 @@
-"""Runs of everyday scenes: an engine steps, this module takes down what happened."""
+"""Runs of everyday scenes: an engine makes the steps, and this module records the motion."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Engine, Stage
 
 _FRAMES = 30.0
-"""A second, of recordings."""
+"""Frames per second of recordings."""
 
 
 class Running(Protocol):
     """A stage in an engine."""
 
     def step(self) -> bool:
-        """One time step; False if the state is not finite any more."""
+        """Make a step; return False if the state is no longer finite."""
         ...
 
     def state(
         self, name: str
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Of a body: (4, 4) ``world_from_body``, velocity of the center of mass and spin, (3,) each."""
+        """Return a body's ``world_from_body``, (4, 4), velocity of its center, and spin, (3,)."""
         ...
 
 
 def build_running(stage: Stage, engine: Engine, time_step: float, *, smooth: bool) -> Running:
-    """Sets the stage up in an engine.
+    """Set the stage up in an engine.
 
     Raises:
         MissingExtraError: The engine is not installed.
@@ -52,17 +52,17 @@ def build_running(stage: Stage, engine: Engine, time_step: float, *, smooth: boo
 def run_stage(
     stage: Stage, engine: Engine, rate: float, seconds: float, *, smooth: bool = False
 ) -> Track:
-    """Steps a stage and takes down every dynamic body after each step.
+    """Step a stage, and record every dynamic body after each step.
 
     Args:
-        stage: What stands where.
-        engine: By which.
-        rate: Steps a second.
-        seconds: How long; at least one step.
-        smooth: Whether nothing touches.
+        stage: The bodies and their places.
+        engine: The engine.
+        rate: Steps per second.
+        seconds: Duration; at least one step.
+        smooth: True if nothing touches.
 
     Returns:
-        The track; NaN from the step on after which the engine gave up.
+        The track; it is NaN after the step in which the engine failed.
     """
     running = build_running(stage, engine, 1.0 / rate, smooth=smooth)
     names = [item.name for item in stage.items if item.moves]
@@ -79,11 +79,11 @@ def run_stage(
 
 
 def record_stage(stage: Stage, rate: float, seconds: float) -> Tables:
-    """Runs a stage with models and records it, with at most 30 frames a second.
+    """Run a stage with models and record it, with at most 30 frames per second.
 
     Returns:
-        Those of :func:`voxshell_studies.motion.tabulate`, and "frames": "time_step", seconds between
-        two frames.
+        The tables of :func:`voxshell_studies.motion.tabulate`, and "frames": "time_step", seconds
+        between frames.
     """
     from voxshell_studies.everyday_worlds import WorldStage
 
@@ -96,7 +96,7 @@ def record_stage(stage: Stage, rate: float, seconds: float) -> Tables:
 
 
 def is_installed(engine: Engine) -> bool:
-    """Whether the engine can run here."""
+    """Return whether the engine is installed."""
     if engine != "mujoco":
         return True
     try:

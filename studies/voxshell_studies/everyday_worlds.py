@@ -32,7 +32,7 @@ class WorldStage:
     """A stage in a world.
 
     Args:
-        stage: What stands where.
+        stage: The bodies and their places.
         engine: "voxshell": bodies are models at default settings; "bullet": Bullet's own shapes.
         time_step: Seconds.
     """
@@ -85,7 +85,7 @@ class WorldStage:
         return body
 
     def step(self) -> bool:
-        """One time step; False if a body is nowhere."""
+        """Make a step; return False if a body's pose is not finite."""
         self._steps += 1
         time = self._steps * self.world.time_step
         for item, body in self._driven:
@@ -99,7 +99,7 @@ class WorldStage:
     def state(
         self, name: str
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Of a body: (4, 4) ``world_from_body``, velocity of the center of mass and spin, (3,) each."""
+        """Return a body's ``world_from_body``, (4, 4), velocity of its center, and spin, (3,)."""
         body = self._bodies[name]
         return body.pose, body.linear_velocity, body.angular_velocity
 
@@ -108,7 +108,7 @@ _MODELS: dict[str, Model] = {}
 
 
 def build_model(form: Form) -> Model:
-    """At default settings, once a process."""
+    """Build a model at default settings, once per process."""
     if form.name not in _MODELS:
         assert form.mesh is not None
         _MODELS[form.name] = Model.from_mesh(form.mesh)
@@ -117,7 +117,7 @@ def build_model(form: Form) -> Model:
 
 @cache
 def make_shape(form: Form) -> Shape:
-    """Bullet's own shape or compound, with the margins that this package gives them.
+    """Return Bullet's own shape or compound, with this package's margins.
 
     Raises:
         SettingsError: No convex parts represent the form.

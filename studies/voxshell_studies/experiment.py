@@ -1,4 +1,4 @@
-"""Experiments: questions, the parts that answer them, and what is made of the parts' data."""
+"""Experiments: questions, the parts that answer them, and the evaluation of the parts' data."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ class Experiment:
     """A question with typed settings.
 
     Attributes:
-        name: On the command line and in files.
-        title: For people.
-        question: What is asked, a sentence or two.
-        describe: The set-up in words, from the settings.
-        settings: In full.
-        quick: For a first look.
-        plan: The parts.
-        reduce: The rows, from the parts' data alone.
+        name: Name on the command line and in files.
+        title: Title for people.
+        question: The question, a sentence or two.
+        describe: Describes the set-up in words, from the settings.
+        settings: Full settings.
+        quick: Settings for a first look.
+        plan: Returns the parts.
+        reduce: Returns the rows, from the parts' data alone.
         draw: Writes figures, animations and replays into a folder, from the data alone.
-        published: Whether the thesis' section has it; the others go beyond.
+        published: True if the thesis' section contains it; other experiments go beyond.
     """
 
     name: str

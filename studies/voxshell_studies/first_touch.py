@@ -1,9 +1,9 @@
-"""How far a mesh can move along a direction until it touches another: exact but for rounding.
+"""Distance that a mesh can move along a direction until it touches another, up to rounding.
 
-Two surfaces that approach each other along z first touch where the height of one over the other is
-least. Over a pair of triangles that height is linear, so that it is least at a corner of what their
-projections have in common: a vertex of one over a face of the other, or a crossing of two edges. All
-of these are looked at, nearest first, and those that cannot be lower than what was found are left out.
+Two surfaces that approach each other along z first touch where the height of one above the other is
+smallest. Over a pair of triangles that height is linear, so its minimum is at a corner of the
+overlap of their projections: a vertex of one above a face of the other, or a crossing of two edges.
+The search visits these, nearest first, and skips those that cannot be lower than the best so far.
 
 Nothing here uses a distance field, a shell, or any part of the core.
 """
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import Mesh
 
 _PAIRS_AT_ONCE = 2_000
-"""Pairs of triangles that are compared without splitting the area further."""
+"""Number of pairs of triangles that are compared without splitting the area further."""
 
 _DEEPEST_SPLIT = 24
-"""Halvings of the area, after which pairs are compared however many there are."""
+"""Halvings of the area after which pairs are compared, whatever their number."""
 
 _INSIDE = 1e-9
-"""Share of a triangle by which a point may be outside and still be on its border."""
+"""Fraction of a triangle by which a point may be outside and still count as on its border."""
 
 _PARALLEL = 1e-7
-"""Sine of the angle below which edges count as parallel; their ends over faces stand for their crossing."""
+"""Sine of the angle below which edges count as parallel; then their ends replace their crossing."""
 
 _ROUNDING = 1e-12
-"""Metres by which heights of equal places differ."""
+"""Difference below which heights count as equal, meters."""
 
 
 class _Sheet(NamedTuple):
@@ -53,18 +53,18 @@ def find_first_touch(
     *,
     from_here: bool = False,
 ) -> float:
-    """How far a must move along a direction until it touches b.
+    """Return how far a must move along a direction until it touches b.
 
     Args:
-        a: Closed and oriented outwards.
+        a: A closed mesh, oriented outward.
         b: Likewise.
         b_from_a: Pose of a in b's frame, (4, 4).
         direction: In b's frame, (3,), unit length.
-        from_here: The way begins in this pose, in which the bodies are apart; what lies behind is not
-            met. Otherwise it begins infinitely far behind.
+        from_here: Start in this pose, in which the bodies are apart, and ignore what is behind.
+            Otherwise start infinitely far behind.
 
     Returns:
-        Metres; negative where a touches b before it comes to the pose. Infinite where it never does.
+        Meters; negative if a touches b before it reaches the pose. Infinite if it never does.
 
     Example:
         >>> from voxshell_studies.scenes.geometry_bodies import make_body
@@ -76,7 +76,7 @@ def find_first_touch(
     """
     frame = _frame_above(-direction)
     moved = a.vertices @ b_from_a[:3, :3].T + b_from_a[:3, 3]
-    # Only what looks down on a can meet only what looks up on b.
+    # Only faces of a that point down can meet faces of b that point up.
     upper = _see(moved @ frame.T, a.faces, -1.0)
     lower = _see(b.vertices @ frame.T, b.faces, 1.0)
     if from_here:
@@ -85,18 +85,18 @@ def find_first_touch(
 
 
 def _frame_above(up: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rows x, y, z of a frame whose z is ``up``."""
+    """Return the rows x, y, z of a frame whose z is ``up``."""
     side = np.cross(np.eye(3)[np.argmin(np.abs(up))], up)
     side /= np.linalg.norm(side)
     return np.array([side, np.cross(up, side), up])
 
 
 def _see(vertices: NDArray[np.float64], faces: NDArray[np.uint32], facing: float) -> _Sheet:
-    """The triangles that look up (1) or down (-1)."""
+    """Return the triangles that face up (1) or down (-1)."""
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
-    # What is within rounding of upright has its borders on neighbors that are not.
+    # Triangles that are vertical within rounding share their borders with neighbors that are not.
     seen = facing * normals[:, 2] > 1e-10 * lengths
     corners, normals = corners[seen], normals[seen]
     slope = -normals[:, :2] / normals[:, 2:]
@@ -105,7 +105,7 @@ def _see(vertices: NDArray[np.float64], faces: NDArray[np.uint32], facing: float
 
 
 def _search(upper: _Sheet, lower: _Sheet, floor: float) -> float:
-    """The least height of the upper sheet over the lower one that is at least ``floor``."""
+    """Return the smallest height of the upper sheet above the lower, if at least ``floor``."""
     if len(upper.corners) == 0 or len(lower.corners) == 0:
         return np.inf
     corner_low = np.maximum(upper.low.min(axis=0), lower.low.min(axis=0))[:2]
@@ -123,7 +123,7 @@ def _search(upper: _Sheet, lower: _Sheet, floor: float) -> float:
         theirs, their_low, their_high = _clip(lower, theirs, low, high)
         if len(ours) == 0 or len(theirs) == 0:
             continue
-        # Those that are below all of the other sheet by more than the floor are behind.
+        # Triangles that are below all of the other sheet by more than the floor are behind.
         ahead = our_high >= their_low.min() + floor
         ours, our_low, our_high = ours[ahead], our_low[ahead], our_high[ahead]
         if len(ours) == 0:
@@ -149,7 +149,8 @@ def _search(upper: _Sheet, lower: _Sheet, floor: float) -> float:
             part_low, part_high = low.copy(), high.copy()
             (part_high if side == 0 else part_low)[axis] = middle
             count += 1
-            # Children are bounded by their own area when they are taken up, and by this one's before.
+            # Children are bounded by their own area when they are visited, and by this one's
+            # before.
             child = _bound(upper, ours, lower, theirs, part_low, part_high, floor)
             if child < best - _ROUNDING:
                 heapq.heappush(
@@ -177,7 +178,7 @@ def _bound(
 def _clip(
     sheet: _Sheet, index: NDArray[np.intp], low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
-    """Triangles whose bounds meet an area, and the least and greatest height of each above it."""
+    """Return triangles whose bounds meet an area, and the range of their heights above it."""
     within = ((sheet.low[index, :2] <= high) & (sheet.high[index, :2] >= low)).all(axis=1)
     index = index[within]
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -191,7 +192,7 @@ def _clip(
 def _compare(
     upper: _Sheet, ours: NDArray[np.intp], lower: _Sheet, theirs: NDArray[np.intp], floor: float
 ) -> float:
-    """The least height over all pairs of these triangles."""
+    """Return the smallest height over all pairs of these triangles."""
     overlap = (
         (upper.low[ours][:, None, :2] <= lower.high[theirs][None, :, :2])
         & (upper.high[ours][:, None, :2] >= lower.low[theirs][None, :, :2])
@@ -213,7 +214,7 @@ def _compare(
 def _corners_over_faces(
     corners: NDArray[np.float64], sheet: _Sheet, faces: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Height of each corner above the face that is paired with its triangle; NaN beside it."""
+    """Return the height of each corner above the face that is paired with its triangle, or NaN."""
     target = sheet.corners[faces]
     origin = target[:, 0, :2]
     one, two = target[:, 1, :2] - origin, target[:, 2, :2] - origin
@@ -229,7 +230,7 @@ def _corners_over_faces(
 
 
 def _edges_over_edges(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Height of each edge of a above each of b where they cross; NaN where they do not."""
+    """Return the height of each edge of a above each edge of b where they cross, or NaN."""
     heights = []
     for i in range(3):
         start, along = a[:, i], a[:, (i + 1) % 3] - a[:, i]

@@ -1,4 +1,4 @@
-"""Two gears in mesh, one driven: whether the teeth carry a full turn over, at the ratio of the teeth."""
+"""Two gears in mesh, one driven: whether they transmit a full turn, at the ratio of their teeth."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns, Tables
 
 GearMethod = Literal["voxshell", "gimpact", "vhacd", "vhacd-64", "coacd", "coacd-fine"]
-"""Models, Bullet's GImpact, and convex parts of :data:`voxshell_studies.convex_parts.RECIPES`. HACD is
-not among them: of a gear it finds one part that has a volume, at concavities of 1 to 100."""
+"""Models, Bullet's GImpact, and convex parts of :data:`voxshell_studies.convex_parts.RECIPES`. HACD
+is missing: of a gear it finds only one part with a volume, at concavities from 1 to 100."""
 
 NAMES = ("driven", "other")
 STEP_COLUMNS = ("driven", "other", "contacts", "depth")
 RECORDED_RATE = 60.0
-"""Frames a second."""
+"""Frames per second."""
 
 _SPLITTING: dict[str, float] = {"vhacd": 10.0, "vhacd-64": 40.0, "coacd": 60.0, "coacd-fine": 100.0}
-"""About how many seconds it takes to split both gears."""
+"""Approximate time to decompose both gears, seconds."""
 
 
 @dataclass(frozen=True)
@@ -48,20 +48,20 @@ class GearsSettings:
     """Settings of the pair of gears.
 
     Attributes:
-        module: Of the teeth, metres.
-        teeth: Of the gear with the motor and of the other.
-        width: Metres.
-        bore: Radius of the holes, metres.
-        backlash: Metres along the pitch circle, of each gear.
-        voxel_size: Metres.
-        rate: Steps a second.
-        speed: Of the driven gear, turns a second.
-        torque: Of its motor at most, newton metres.
-        load: Torque that the other gear's axle withstands, newton metres.
+        module: Module of the teeth, meters.
+        teeth: Numbers of teeth of the gear with the motor and of the other.
+        width: Meters.
+        bore: Radius of the holes, meters.
+        backlash: Backlash along the pitch circle, of each gear, meters.
+        voxel_size: Meters.
+        rate: Steps per second.
+        speed: Speed of the driven gear, turns per second.
+        torque: Largest torque of its motor, newton meters.
+        load: Torque that resists the other gear, newton meters.
         masses: Kilograms.
-        friction: Of the teeth.
-        margin: Collision margin of GImpact, metres; convex parts have none.
-        methods: Whose gears turn.
+        friction: Friction of the teeth.
+        margin: Collision margin of GImpact, meters; convex parts have none.
+        methods: Methods whose gears turn.
 
     Raises:
         SettingsError: A number is out of range.
@@ -104,33 +104,33 @@ class GearsSettings:
 
     @property
     def ratio(self) -> float:
-        """Turns of the driven gear for one of the other."""
+        """Turns of the driven gear for each turn of the other."""
         return self.teeth[1] / self.teeth[0]
 
     @property
     def distance(self) -> float:
-        """Between the axes, metres."""
+        """Distance between the axes, meters."""
         return 0.5 * self.module * sum(self.teeth)
 
     @property
     def seconds(self) -> float:
-        """In which the other gear has to do its turn: a quarter more than it takes."""
+        """Time limit for the other gear's turn, seconds: a quarter more than it should take."""
         return 1.25 * self.ratio / self.speed
 
     @property
     def recorded_every(self) -> int:
-        """Steps from frame to frame of a recording."""
+        """Steps between the frames of a recording."""
         return max(round(self.rate / RECORDED_RATE), 1)
 
     def build_models(self) -> tuple[Model, Model]:
-        """The gear with the motor and the other, each about its own z."""
+        """Return the gear with the motor and the other, each about its own z."""
         return _build_models(self)
 
     def compute_start(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Poses of the two, (4, 4): a gap of the second is opposite a tooth of the first."""
+        """Return both poses, (4, 4): a gap of the second is opposite a tooth of the first."""
         from trimesh.transformations import rotation_matrix
 
-        # A tooth is along its own x; with an odd number a gap is on the other side already.
+        # A tooth is along its own x axis; with an odd number, a gap is on the other side.
         angle = np.pi / self.teeth[1] if self.teeth[1] % 2 == 0 else 0.0
         second = np.array(rotation_matrix(angle, (0.0, 0.0, 1.0)))
         second[0, 3] = self.distance
@@ -150,13 +150,14 @@ def _build_models(settings: GearsSettings) -> tuple[Model, Model]:
 
 
 def plan(settings: GearsSettings) -> list[Part]:
-    """A part for each method."""
+    """Return a part for each method."""
     steps = settings.rate * settings.seconds
     return [
         Part(
             method,
             turn_gears,
-            # With its library's version, so that what was missing is run once it is installed.
+            # The library's version is included, so a missing library makes the part run after
+            # installation.
             {"settings": settings, "method": method, "library": _identify(method)},
             cost=1e-3 * steps + _SPLITTING.get(method, 0.0),
         )
@@ -165,23 +166,23 @@ def plan(settings: GearsSettings) -> list[Part]:
 
 
 def _identify(method: GearMethod) -> str:
-    """What splits the gears; "" where nothing does, or it is not installed."""
+    """Return the library that decomposes the gears; "" if none does, or it is not installed."""
     recipe = RECIPES.get(method)
     return recipe.identity if recipe is not None and recipe.version is not None else ""
 
 
 def turn_gears(settings: GearsSettings, method: GearMethod, library: str) -> Tables:
-    """Turns the gears of one method.
+    """Turn the gears of one method.
 
     Args:
-        settings: Of the pair.
-        method: Whose shapes the gears have.
-        library: What splits them; "" where nothing does, or it is not installed.
+        settings: Settings of the pair.
+        method: The method whose shapes the gears have.
+        library: The library that decomposes them; "" if none does, or it is not installed.
 
     Returns:
-        "steps": turns of both, contacts, and the deepest that the method reports, metres; "frames":
-        the overlap of our models in the same poses, whatever shapes collided, metres; "hulls": points of
-        convex parts; and the recording. All are empty where the library is missing.
+        "steps": turns of both, contacts, and the deepest that the method reports, meters; "frames":
+        the overlap of our models in the same poses, whatever shapes collided, meters; "hulls":
+        points of convex parts; and the recording. All are empty where the library is missing.
     """
     if method in RECIPES and not library:
         return {"steps": {name: np.empty(0) for name in STEP_COLUMNS}}

@@ -1,9 +1,9 @@
-"""How right the geometry of contacts is at default settings, against the meshes themselves.
+"""Correctness of contact geometry at default settings, compared with the meshes themselves.
 
-Each scene of :mod:`voxshell_studies.scenes.geometry` brings one body nearer to another along a direction. The
-first touch of the meshes is known exactly (:mod:`voxshell_studies.first_touch`), and with it yes,
-no and depth of every pose on the way. Normals and places are judged by the nearest faces
-(:mod:`voxshell_studies.surface_truth`).
+Each scene of :mod:`voxshell_studies.scenes.geometry` moves one body toward another along a
+direction. The first touch of the meshes is known exactly (:mod:`voxshell_studies.first_touch`), and
+therefore also contact and depth in every pose of the motion. The nearest faces are the reference
+for normals and points (:mod:`voxshell_studies.surface_truth`).
 """
 
 from __future__ import annotations
@@ -47,23 +47,23 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Tables
 
 _NEAREST_STEP = 1e-6
-"""Metres from the first touch to the nearest offset at which ``collide`` is asked."""
+"""Smallest offset from the first touch at which ``collide`` is called, meters."""
 
 _SCANNED = 48
-"""Offsets on each side of the first touch at which it is asked."""
+"""Number of offsets on each side of the first touch."""
 
 _FACES = 3
-"""Largest faces of an overlap along whose normals a shorter way out is looked for."""
+"""Number of the largest faces of an overlap whose normals are tried as shorter separations."""
 
 _REACH_PLACES = 300
-"""Of the surface of an overlap at which its depth is measured."""
+"""Number of places on the surface of an overlap at which its depth is measured."""
 
 _EXACT = 1e-7
-"""Metres to which the first yes is bracketed."""
+"""Width of the interval to which the first yes is narrowed, meters."""
 
 
 def plan(settings: GeometrySettings) -> list[Part]:
-    """A part a scene, a pair and a thin body, one for bodies in one pose, and two of costs, which are timed."""
+    """Return parts for scenes, pairs, thin bodies, equal poses, and two of timed costs."""
     cost = 1.0 + 0.3 * settings.poses + settings.rotations + settings.retriangulated
     parts = [
         Part(name_scene(name), measure_scene, {"settings": settings, "name": name}, cost=cost)
@@ -99,7 +99,7 @@ def plan(settings: GeometrySettings) -> list[Part]:
 
 
 def name_scene(name: str) -> str:
-    """The name of a scene's part.
+    """Return the name of a scene's part.
 
     Example:
         >>> name_scene("ball on slab 0.3 m")
@@ -109,12 +109,12 @@ def name_scene(name: str) -> str:
 
 
 def name_pair(index: int) -> str:
-    """The name of a pair's part."""
+    """Return the name of a pair's part."""
     return f"pair-{index + 1}"
 
 
 def name_contacts(body: str) -> str:
-    """The name of the part in which a thin body's contacts are judged."""
+    """Return the name of the part that judges a thin body's contacts."""
     return "contacts-" + body.replace(" ", "-")
 
 
@@ -122,23 +122,24 @@ def name_contacts(body: str) -> str:
 
 
 def measure_scene(settings: GeometrySettings, name: str) -> Tables:
-    """Measures a scene in all its poses and copies, in both orders of the bodies.
+    """Measure a scene in all its poses and copies, in both orders of the bodies.
 
     Args:
-        settings: Of the study.
-        name: Of the scene.
+        settings: Settings of the study.
+        name: Name of the scene.
 
     Returns:
-        "approaches", a row a pose, copy and order: "onset", how far beyond the true first touch, along the
-        approach, ``collide`` first says yes (infinite: never), and "unseen", how far beyond it the last
-        overlap is to which it says no, metres; "slope", by which both become lengths of the shortest
-        separating translation, as an approach may graze. "depths", a row a depth along the approach as well: the
-        true depth ("way_out", the shortest separating translation, and "reach", how deep either surface
-        is in the other body at least, which is less where edges cross), whether ``collide`` says yes so deep
-        and so far apart (-1: not asked), how many contacts there are, the deepest of them, and what
-        ``distance`` says so deep and so far apart, metres. "contacts", a row for each that is
-        judged: the angle of its normal, radians, how far its places are off their bodies, metres, and
-        whether it says that its depth is ambiguous.
+        "approaches" has a row for each pose, copy and order. "onset" is how far beyond the true
+        first touch, along the approach, ``collide`` first says yes, meters (infinite: never).
+        "unseen" is how far beyond it the last overlap is to which it says no, meters. "slope"
+        converts both to lengths of the shortest separating translation, because approaches may
+        graze. "depths" has a row for each depth along the approach: the true depth as the shortest
+        separating translation ("way_out") and as the proven depth of a surface in the other body
+        ("reach", which is less where edges cross); whether ``collide`` says yes at this depth and
+        at this distance (-1: not queried); the number of contacts and the deepest of them; and the
+        results of ``distance`` at this depth and at this distance, meters. "contacts" has a row
+        for each judged contact: the error of its normal, radians, the distances of its points from
+        their bodies, meters, and whether it reports an ambiguous depth.
     """
     scene = SCENES[name]
     touches = [_touch(scene, index) for index in range(settings.poses)]
@@ -199,9 +200,10 @@ def _touch(scene: GeometryScene, index: int) -> float:
 def _measure_depth(
     scene: GeometryScene, index: int, touch: float, depth: float
 ) -> tuple[float, float]:
-    """The shortest separating translation, and how deep a surface reaches into the other body, metres.
+    """Return the shortest separating translation, and how deep a surface is, meters.
 
-    Only of bodies at rest: else both are the way back. NaN where the bodies never touch.
+    This applies to bodies at rest; for others, both are the distance back along the motion. NaN if
+    the bodies never touch.
     """
     if not np.isfinite(touch):
         return np.nan, np.nan
@@ -215,7 +217,7 @@ def _measure_depth(
 
 
 def _measure_slope(scene: GeometryScene, index: int, touch: float) -> float:
-    """The shortest separating translation over the way along the approach, just beyond the touch."""
+    """Return the shortest separating translation divided by the motion, just beyond the touch."""
     if not np.isfinite(touch):
         return np.nan
     depth = min(0.25 * scene.onset_bar, 0.1 * scene.reach)
@@ -223,10 +225,10 @@ def _measure_slope(scene: GeometryScene, index: int, touch: float) -> float:
 
 
 def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) -> float:
-    """The length of the shortest separating translation that is found, metres: at least the shortest.
+    """Return an upper bound of the shortest separating translation, meters.
 
-    Tried are the way back, and the normals of the largest faces of what the bodies have in common, which
-    are faces of theirs.
+    The candidates are the way back, and the normals of the largest faces of the intersection, which
+    are faces of the bodies.
     """
     pose = move(scene.place(index), scene.direction, touch + depth)
     common = overlap(scene.a, scene.b, pose)
@@ -245,7 +247,7 @@ def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) 
     for normal in normals[np.argsort(-shares, kind="stable")[:_FACES]]:
         into = normal / np.linalg.norm(normal)
         into *= 1.0 if into @ scene.direction > 0.0 else -1.0
-        # Moved out and come back along the normal, the bodies touch before they are in this pose.
+        # When the body is moved out and back along the normal, it touches before this pose.
         lengths.append(-find_first_touch(make_body(scene.a), make_body(scene.b), pose, into))
     return min(length for length in lengths if np.isfinite(length) and length >= 0.0)
 
@@ -253,7 +255,7 @@ def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) 
 def _approach(
     scene: GeometryScene, pair: Pair, pose: NDArray[np.float64], touch: float, order: int
 ) -> tuple[float, float]:
-    """The offset of the first yes on the way, and of the last no, from the first touch, metres."""
+    """Return the offsets of the first yes and of the last no from the first touch, meters."""
 
     def says(offset: float) -> bool:
         return pair.ask(collide, move(pose, scene.direction, touch + offset), order)
@@ -278,7 +280,7 @@ def _approach(
             onset = high
     missed = offsets[~said & (offsets > 0.0)][::-1]
     for offset in missed:
-        # Far beyond the first touch a body may have come out on the other side.
+        # Far beyond the first touch, a body may have come out on the other side.
         common = overlap(scene.a, scene.b, move(pose, scene.direction, touch + float(offset)))
         if not common.is_empty():
             unseen = float(offset)
@@ -295,7 +297,7 @@ def _look(
     depth: float,
     order: int,
 ) -> tuple[tuple[float, ...], list[tuple[float, ...]]]:
-    """What the queries say at a depth, and so far apart; and the contacts that are judged."""
+    """Return the results of queries at a depth and a distance, and the judged contacts."""
     inside = move(pose, scene.direction, touch + depth)
     apart = move(pose, scene.direction, touch - depth)
     has_room = scene.start == "far" or touch > depth
@@ -315,11 +317,11 @@ def _look(
 
 
 def measure_coincident(settings: GeometrySettings) -> Tables:
-    """Asks about bodies in one pose with their copies.
+    """Query bodies that have the same pose as their copies.
 
     Returns:
-        "bodies", a row a body of ``COINCIDENT``: whether ``collide`` says yes, how many contacts there
-        are, how deep the deepest is, and what ``distance`` says, metres.
+        "bodies", a row a body of ``COINCIDENT``: whether ``collide`` says yes, how many contacts
+        there are, how deep the deepest is, and what ``distance`` says, meters.
     """
     rows = []
     rng = np.random.default_rng(settings.seed)

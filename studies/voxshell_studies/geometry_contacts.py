@@ -1,4 +1,4 @@
-"""How right the normals and places of contacts are, by the nearest faces of the meshes."""
+"""Errors of normals and points of contacts, compared with the nearest faces of the meshes."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ if TYPE_CHECKING:
     from voxshell_studies.surface_truth import Surface
 
 JUDGED = ("angle", "a_off", "b_off", "voxel", "ambiguous")
-"""What is known of a contact that is judged."""
+"""The measured properties of a judged contact."""
 
 MET = ("cube 50 mm", "ball 30 mm")
 """Bodies that thin ones meet in any pose."""
 
 MET_DEPTH = 1e-3
-"""Metres beyond the first touch, where they are asked about."""
+"""Depth beyond the first touch at which they are queried, meters."""
 
 _SURELY_RIGHT = np.radians(2.0)
-"""Off the nearest surface, below which no other surface is looked for that the point came through."""
+"""Distance to the nearest surface below which no other entry surface is considered."""
 
 
 class _Placed(NamedTuple):
@@ -50,7 +50,7 @@ class _Placed(NamedTuple):
 
 
 def measure_contacts(settings: GeometrySettings, body: str) -> Tables:
-    """Judges contacts of a thin body with those of :data:`MET`, in any pose, :data:`MET_DEPTH` deep.
+    """Judge contacts of a thin body with those of :data:`MET`, in any pose, at :data:`MET_DEPTH`.
 
     Returns:
         "contacts", a row for each that is judged: as :func:`judge_contacts` says.
@@ -75,24 +75,25 @@ def measure_contacts(settings: GeometrySettings, body: str) -> Tables:
 def judge_contacts(
     pair: Pair, b_from_a: NDArray[np.float64], found: Contacts, order: int, most: int
 ) -> list[tuple[float, ...]]:
-    """Of some contacts, the deepest among them, how far they are off the meshes.
+    """Measure the errors of the deepest contacts with respect to the meshes.
 
     Args:
-        pair: That was asked.
+        pair: The queried pair.
         b_from_a: Its pose.
-        found: The answer of ``contacts``.
-        order: In which the bodies were given.
-        most: How many are looked at.
+        found: The result of ``contacts``.
+        order: The order of the bodies in the query.
+        most: Largest number of contacts to judge.
 
     Returns:
-        As :data:`JUDGED` has them, for each the angle of its normal, radians, how far its places are off the first body and the
-        second, the voxel size of the field, metres, and whether it says that its depth is ambiguous.
+        Rows of :data:`JUDGED`: the angle of the normal, radians; the errors of the points on the
+        first and second body and the voxel size of the field, meters; and whether the contact
+        reports an ambiguous depth.
     """
     if len(found) == 0:
         return []
     chosen = np.unique(np.linspace(0, len(found) - 1, most).astype(int))
     chosen = np.union1d(chosen, [int(np.argmax(found.depths))])
-    # The first and the second body of the query, with the poses of both in the world, which is b's frame.
+    # The first and the second body of the query, with their poses in the world, which is b's frame.
     bodies = [
         _Placed(find_surface(pair.a), b_from_a, invert(b_from_a)),
         _Placed(find_surface(pair.b), np.eye(4), np.eye(4)),
@@ -107,7 +108,7 @@ def judge_contacts(
     first_is_shell = found.shells[chosen] == "a"
     angles, voxels = np.empty(len(chosen)), np.empty(len(chosen))
     for side, mine in ((0, first_is_shell), (1, ~first_is_shell)):
-        # Outwards of the body whose surface was come through.
+        # Out of the body through whose surface the point entered.
         outward = found.normals[chosen[mine]] * (1.0 if side == 0 else -1.0)
         angles[mine] = _find_angles(bodies[side], bodies[1 - side], places[side][mine], outward)
         voxels[mine] = pair.find_voxel_size((side == 0) == (order == 1))
@@ -118,7 +119,7 @@ def judge_contacts(
 def _find_angles(
     shell: _Placed, field: _Placed, places: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Radians between normals and what the nearest surface, or the one come through, allows."""
+    """Return angles from normals to those of the nearest or the entered surface, radians."""
     inside = carry(field.local, places)
     outward = normals @ field.local[:3, :3].T
     angles = np.array(

@@ -1,4 +1,4 @@
-"""What models cost at default settings: builds, memory, and queries beside those of a uniform model."""
+"""Costs of default models: builds, memory, and queries, compared with a uniform model."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns, Tables
 
 COMPARED = "bunny 0.2 m"
-"""The body of which a uniform model is compared with others."""
+"""The body whose models are compared."""
 
 KINDS = ("uniform", "tolerance", "default")
-"""Models that are compared: with many voxels, as exact to a tolerance, and by default."""
+"""The compared models: many voxels, equally accurate by tolerance, and default."""
 
 ASKED = ("a", "both")
-"""Shells that are asked."""
+"""Choices of the shell to time."""
 
 _DEPTH = 1e-3
-"""Metres by which the bodies overlap when queries are timed."""
+"""Overlap of the bodies in timed queries, meters."""
 
 _SHIFTS = np.linspace(-1e-4, 1e-4, 8)
-"""Metres: poses of a batch are this far off that depth, as in steps that follow each other."""
+"""Deviation of a batch's poses from that depth, as between consecutive steps, meters."""
 
 _ROUNDS = 3
-"""Each batch and each build is timed this often, taking turns."""
+"""Repetitions of each batch and each build, in turn."""
 
 _HALVINGS = 5
-"""Of the range in which the tolerance is looked for, as factors."""
+"""Range in which the tolerance is searched, as factors."""
 
 
 class _Build(NamedTuple):
@@ -61,18 +61,18 @@ def _build(body: str, **settings: float) -> _Build:
 
 
 def _count_bytes(model: Model) -> int:
-    """Of field and shell."""
+    """Return the memory of field and shell, bytes."""
     shell = model.shell
     arrays = (shell.points, shell.normals, shell.areas, shell.edges)
     return model.field.nbytes + sum(array.nbytes for array in arrays)
 
 
 def time_builds(settings: GeometrySettings) -> Tables:
-    """Builds bodies at default settings.
+    """Build bodies at default settings.
 
     Returns:
         "builds", a row a body of ``BUILT``: seconds, bytes of field and shell, points, voxel size,
-        metres, and whether there were warnings.
+        meters, and whether there were warnings.
     """
     rows = []
     for body in BUILT[: settings.builds]:
@@ -83,14 +83,15 @@ def time_builds(settings: GeometrySettings) -> Tables:
 
 
 def compare_costs(settings: GeometrySettings) -> Tables:
-    """Compares a model of many uniform voxels with one to a tolerance that is as exact, and a default one.
+    """Compare a uniform model, an equally accurate one by tolerance, and a default one.
 
-    As exact is the model whose field's 99 % error is no larger.
+    Equally accurate is the model whose field's 99 % error is not larger.
 
     Returns:
-        "builds", a row a kind and round: "kind" as in :data:`KINDS`, seconds, bytes of field and shell,
-        points, edge segments, "tolerance" (0 if uniform), and the 99 % errors of field and shell, metres.
-        "queries", a row a pose: seconds a ``contacts`` of a model with itself, a column a kind and shell.
+        "builds", a row a kind and round: "kind" as in :data:`KINDS`, seconds, bytes of field and
+        shell, points, edge segments, "tolerance" (0 if uniform), and the 99 % errors of field and
+        shell, meters. "queries", a row a pose: seconds a ``contacts`` of a model with itself, a
+        column a kind and shell.
     """
     uniform = _build(COMPARED, resolution=settings.compared_resolution).model
     tolerance = _find_tolerance(uniform.accuracy.distance.p99)
@@ -118,7 +119,7 @@ def compare_costs(settings: GeometrySettings) -> Tables:
 
 
 def _find_tolerance(error: float) -> float:
-    """The largest tolerance that is found to give no larger 99 % error of the field, metres."""
+    """Return the largest tolerance found whose 99 % error of the field is not larger, meters."""
     low, high = 0.5 * error, 4.0 * error
     for _ in range(_HALVINGS):
         middle = float(np.sqrt(low * high))
@@ -149,7 +150,7 @@ def _time_queries(settings: GeometrySettings, models: list[Model]) -> Columns:
 
 
 def _time(model: Model, poses: NDArray[np.float64], shell: str) -> float:
-    """Seconds a query, after one that warms the caches."""
+    """Return seconds per query, after one that warms up the caches."""
     contacts_batch(model, model, poses[0], shell=shell, threads=1)  # pyright: ignore[reportArgumentType]
     start = time.perf_counter()
     contacts_batch(model, model, poses, shell=shell, threads=1)  # pyright: ignore[reportArgumentType]

@@ -1,4 +1,4 @@
-"""Bodies of the study of geometry: as default models that are asked, and as solids that know what is true."""
+"""Bodies of the geometry study: as default models for queries, and as solids for the truth."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 RETRIANGULATED = -1
-"""The copy with other triangles; 0 is the scene itself, 1 and above are rotated copies."""
+"""Number of the copy with other triangles; 0 is the scene, 1 and above are rotated copies."""
 
 ORDERS = (0, 1)
-"""Of arguments: a before b, and b before a."""
+"""Orders of arguments: a before b, and b before a."""
 
 
 class _Copy(NamedTuple):
-    """A body as one copy of a scene has it: its model, and how its mesh is rotated."""
+    """A body in one copy of a scene: its model, and the rotation of its mesh."""
 
     model: Model
     rotation: NDArray[np.float64]
 
 
-@lru_cache(maxsize=64)  # models of many scenes would fill the memory
+@lru_cache(maxsize=64)  # the models of many scenes would fill the memory
 def build_copy(body: str, copy: int) -> _Copy:
-    """The default model of a body, as it is, with other triangles, or rotated by chance.
+    """Return the default model of a body: as it is, with other triangles, or randomly rotated.
 
     Args:
         body: A key of ``BODIES``.
@@ -55,12 +55,12 @@ def build_copy(body: str, copy: int) -> _Copy:
 
 @cache
 def find_surface(body: str) -> Surface:
-    """The faces of a body."""
+    """Return the faces of a body."""
     return Surface(make_body(body))
 
 
 class Pair:
-    """Two bodies' models, which are asked in either order, in poses of the bodies' own frames."""
+    """The models of two bodies, for queries in either order and in the bodies' own frames."""
 
     def __init__(self, a: str, b: str, copy: int = 0) -> None:
         self.a, self.b = a, b
@@ -73,7 +73,7 @@ class Pair:
         order: int,
         **options: object,
     ) -> Any:
-        """The answer of a query, b at the origin; order 1 gives b first."""
+        """Return the result of a query with b at the origin; in order 1, b is the first body."""
         pair = []
         for (model, rotation), pose in zip(self._models, (b_from_a, np.eye(4)), strict=True):
             turned = pose.copy()
@@ -87,17 +87,17 @@ class Pair:
             return query(first, second, first_pose, second_pose, **options)
 
     def find_voxel_size(self, of_a: bool) -> float:
-        """Of a's field or b's, metres."""
+        """Return the voxel size of a's or b's field, meters."""
         return self._models[0 if of_a else 1].model.field.voxel_size
 
     def state_bounds(self, order: int) -> ContactBounds:
-        """What the library states for contacts of the pair; order 1 gives b first."""
+        """Return the library's bounds for contacts of the pair; in order 1, b is the first body."""
         a, b = (each.model for each in self._models)
         return contact_bounds(b, a) if order == 1 else contact_bounds(a, b)
 
 
 def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The inverse of a rigid pose, (4, 4)."""
+    """Return the inverse of a rigid pose, (4, 4)."""
     inverse = np.eye(4)
     inverse[:3, :3] = pose[:3, :3].T
     inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
@@ -105,14 +105,14 @@ def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def carry(pose: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Places, (n, 3), moved by a pose."""
+    """Return places, (n, 3), transformed by a pose."""
     return places @ pose[:3, :3].T + pose[:3, 3]
 
 
 def move(
     pose: NDArray[np.float64], direction: NDArray[np.float64], by: float
 ) -> NDArray[np.float64]:
-    """The pose moved along a direction, metres."""
+    """Return the pose moved along a direction, meters."""
     moved = pose.copy()
     moved[:3, 3] += by * direction
     return moved
@@ -128,20 +128,20 @@ def _as_solid(body: str) -> Any:
 
 
 def overlap(a: str, b: str, b_from_a: NDArray[np.float64]) -> Any:
-    """What two bodies have in common, exactly, as a ``manifold3d.Manifold`` in b's frame."""
+    """Return the exact intersection of two bodies, a ``manifold3d.Manifold`` in b's frame."""
     return _as_solid(a).transform(b_from_a[:3]) ^ _as_solid(b)
 
 
 def measure_reach(
     a: str, b: str, b_from_a: NDArray[np.float64], places: int
 ) -> tuple[float, float]:
-    """How deep a's surface certainly reaches into b, and b's into a, metres; 0 where they are apart.
+    """Return proven depths of a's surface in b and of b's in a, meters; 0 if they are apart.
 
     Args:
         a: A key of ``BODIES``.
         b: Likewise.
         b_from_a: Their pose.
-        places: How many of the surface of what they have in common are looked at, at most.
+        places: Largest number of places on the surface of their intersection to measure.
     """
     common = overlap(a, b, b_from_a)
     if common.is_empty():
@@ -149,7 +149,7 @@ def measure_reach(
     mesh = as_mesh(common)
     looked_at = np.concatenate([mesh.vertices, mesh.vertices[mesh.faces].mean(axis=1)])
     looked_at = looked_at[:: -(-len(looked_at) // places)]
-    # On the surface of what they have in common and deep in one body: on the other one's surface.
+    # A place on the intersection's surface that is deep in one body is on the other's surface.
     return (
         float(find_surface(b).measure_distances(looked_at).max()),
         float(find_surface(a).measure_distances(carry(invert(b_from_a), looked_at)).max()),
@@ -157,5 +157,5 @@ def measure_reach(
 
 
 def measure_gap(a: str, b: str, b_from_a: NDArray[np.float64], most: float) -> float:
-    """How far two bodies are apart, metres, at most so much."""
+    """Return the distance of two bodies, meters, up to a limit."""
     return float(_as_solid(a).transform(b_from_a[:3]).min_gap(_as_solid(b), most))

@@ -1,4 +1,4 @@
-"""Pairs of mixed size in any pose: whether stated bounds hold, and how near the worst pose comes to them."""
+"""Pairs of mixed size in any pose: whether stated bounds hold, and the worst poses."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ _OFFSETS = 5
 """Poses of a pair on each of its approaches."""
 
 _LOOKED_AT = 50
-"""Denied overlaps farthest beyond the first touch, of which those that reach deepest are made worse."""
+"""Number of denied overlaps farthest beyond the first touch, of which the deepest are worsened."""
 
 _STARTS = 3
-"""How many are."""
+"""Number of overlaps to worsen."""
 
 _SHALLOW = 1e-5
-"""Metres: no pose is nearer to the first touch by chance."""
+"""Smallest distance of a random pose from the first touch, meters."""
 
 _PLACES = 100
-"""Of the surface of an overlap that are looked at."""
+"""Places on the surface of an overlap to measure."""
 
 
 class Meeting(NamedTuple):
@@ -54,22 +54,22 @@ class Meeting(NamedTuple):
 
 
 class _Missed(NamedTuple):
-    """An overlap that was denied, and how far it is beyond the first touch, metres."""
+    """A denied overlap, and its distance beyond the first touch, meters."""
 
     offset: float
     meeting: Meeting
 
 
 def measure_pair(settings: GeometrySettings, index: int) -> Tables:
-    """Asks a pair in many poses, overlapping and apart near the first touch, and looks for the worst.
+    """Query a pair in many poses near the first touch, and search for the worst.
 
     Returns:
-        "poses", a row a pose and order: "offset" beyond the first touch along a random direction, whether
-        the meshes overlap, and whether ``collide`` says "yes"; the stated bounds of what it must see
-        ("overlap") and must deny ("clearance"); and how deep or how far apart the bodies are where the
-        answer is wrong beyond the bounds along the direction ("proven", 0 elsewhere), metres. "worst", a
-        row an order: how deep the shell's surface reaches into the other body in the worst overlap that
-        was denied, by chance and after the search, metres.
+        "poses" has a row for each pose and order: "offset" beyond the first touch along a random
+        direction; whether the meshes overlap, and whether ``collide`` says yes; the stated bounds
+        ("overlap", which it must detect, and "clearance", which it must deny), meters; and
+        "proven", the depth or distance where the answer violates a bound, otherwise 0, meters.
+        "worst" has a row for each order: the depth of the shell's surface in the other body in the
+        worst denied overlap, from random poses and after the search, meters.
     """
     a, b = PAIRS[index]
     rng = np.random.default_rng((settings.seed, index))
@@ -91,7 +91,7 @@ def measure_pair(settings: GeometrySettings, index: int) -> Tables:
         for offset in (depths * signs).tolist():
             pose = move(meeting.pose, meeting.direction, offset)
             said = [pair.ask(collide, pose, order) for order in ORDERS]
-            # Where one body has passed through a thin one, no is right again.
+            # After a body has passed through a thin one, "no" is correct again.
             overlaps = offset > 0.0 and (all(said) or not overlap(a, b, pose).is_empty())
             for order in ORDERS:
                 bounds = stated[order]
@@ -126,7 +126,7 @@ def measure_pair(settings: GeometrySettings, index: int) -> Tables:
 
 
 def meet(a: Mesh, b: Mesh, rng: np.random.Generator) -> Meeting | None:
-    """A pose of first touch: a random orientation, and a random place of each that would meet."""
+    """Return a pose of first touch from a random orientation and random places that meet."""
     direction = rng.normal(size=3)
     direction /= np.linalg.norm(direction)
     pose = np.eye(4)
@@ -138,13 +138,13 @@ def meet(a: Mesh, b: Mesh, rng: np.random.Generator) -> Meeting | None:
 
 
 def _pick(mesh: Mesh, rng: np.random.Generator) -> NDArray[np.float64]:
-    """A random place on a random face, (3,)."""
+    """Return a random place on a random face, (3,)."""
     shares = rng.dirichlet(np.ones(3))
     return shares @ mesh.vertices[mesh.faces[rng.integers(len(mesh.faces))]]
 
 
 def _miss_shallow(pair: Pair, order: int, meetings: list[Meeting]) -> list[_Missed]:
-    """Overlaps that are denied, where chance has found none: shallower than it looks for."""
+    """Return denied overlaps at smaller depths, if random poses found none."""
     offsets = [
         _find_last_no(pair, meeting.pose, meeting.direction, order, 0.25 * _SHALLOW)
         for meeting in meetings
@@ -159,7 +159,7 @@ def _miss_shallow(pair: Pair, order: int, meetings: list[Meeting]) -> list[_Miss
 def _prove_depth(
     pair: Pair, pose: NDArray[np.float64], order: int, shell: Literal["a", "b", "both"]
 ) -> float:
-    """How deep the surface of the shell, or of both, certainly reaches into the other body, metres."""
+    """Return the proven depth of the tested surface, or of both, in the other body, meters."""
     of_a, of_b = measure_reach(pair.a, pair.b, pose, _PLACES)
     if shell == "both":
         return max(of_a, of_b)
@@ -174,10 +174,10 @@ def _worsen(
     missed: list[_Missed],
     rng: np.random.Generator,
 ) -> tuple[float, ...]:
-    """The deepest overlap that is denied, by chance and after a search for worse poses."""
+    """Return the deepest denied overlap, from random poses and a search for worse ones."""
     if not missed:
         return (order, 0.0, 0.0)
-    # What is far beyond the first touch may lie on a grazing way.
+    # An overlap far beyond the first touch may be on a grazing approach.
     farthest = sorted(missed, key=lambda each: -each.offset)[:_LOOKED_AT]
     reaches = [
         _prove_depth(
@@ -201,7 +201,7 @@ def _search(
     start: _Missed,
     rng: np.random.Generator,
 ) -> float:
-    """The deepest overlap that is denied, near one that is."""
+    """Return the deepest denied overlap near a given one."""
     offset, meeting = start
     mesh_a, mesh_b = make_body(pair.a), make_body(pair.b)
     step = np.array([0.02, 0.02, 0.02, 0.5 * offset, 0.5 * offset, 0.5 * offset])
@@ -234,7 +234,7 @@ def _find_last_no(
     order: int,
     scale: float,
 ) -> float:
-    """How deep the first yes comes after the touch, metres, found up to four times ``scale``."""
+    """Return the depth of the first yes, meters, searched up to four times ``scale``."""
     low, high = 0.0, 0.0
     for high in np.linspace(0.0, 4.0 * scale, 25)[1:]:
         if pair.ask(collide, move(touching, direction, float(high)), order):
@@ -255,7 +255,7 @@ def _minimize(
     evaluations: int,
     rng: np.random.Generator,
 ) -> float:
-    """The least value that Nelder and Mead's simplex finds from the origin with so many evaluations."""
+    """Return the minimum that Nelder-Mead finds from the origin within some evaluations."""
     size = len(step)
     places = np.concatenate([np.zeros((1, size)), np.diag(step * rng.choice((-1.0, 1.0), size))])
     values = np.array([judge(place) for place in places[: evaluations + 1]])

@@ -16,20 +16,20 @@ class GeometrySettings:
 
     Attributes:
         scenes: Names of scenes; empty for all.
-        poses: Of each scene.
+        poses: Poses of each scene.
         rotations: Copies of each scene whose meshes are rotated before they are built.
         retriangulated: Copies with other triangles on the same surfaces: 1 or 0.
-        copied_poses: Of each copy.
-        judged: Contacts of a query whose normals and places are judged, at most.
-        judged_pairs: Poses in which thin bodies meet each of two others, for the same; 0 for none.
-        pairs: How many pairs of mixed size, in any pose, the first of the list.
-        pair_poses: Of all pairs together.
-        optimized: Poses that are tried to make each of the three worst ones of a pair worse.
-        builds: How many bodies' builds are timed, the first of the list.
-        compared_poses: Of a body on itself, in which queries of a model to a tolerance and of a uniform
-            one are timed; 0 leaves that out.
+        copied_poses: Poses of each copy.
+        judged: Largest number of contacts of a query that are judged.
+        judged_pairs: Poses in which thin bodies meet each of two others, likewise; 0 for none.
+        pairs: Number of pairs of mixed size, in any pose, from the start of the list.
+        pair_poses: Poses of all pairs together.
+        optimized: Poses that are tried to worsen each of the three worst ones of a pair.
+        builds: Number of bodies whose builds are timed, from the start of the list.
+        compared_poses: Poses of a body on itself in which queries of a model by tolerance and of a
+            uniform one are timed; 0 for none.
         compared_resolution: Voxels of that uniform model along its longest side.
-        seed: Of poses and rotations.
+        seed: Seed of poses and rotations.
     """
 
     scenes: tuple[str, ...] = ()
@@ -70,5 +70,5 @@ class GeometrySettings:
 
     @property
     def chosen(self) -> tuple[str, ...]:
-        """Names of the scenes that are run."""
+        """Names of the chosen scenes."""
         return self.scenes or tuple(SCENES)

@@ -1,4 +1,4 @@
-"""Convex parts of bodies as tables, to be kept with a part's data and drawn later."""
+"""Convex parts of bodies as tables, which are stored with a part's data and drawn later."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ if TYPE_CHECKING:
 
 
 def tabulate_hulls(bodies: Mapping[str, Sequence[NDArray[np.float64]]]) -> Columns:
-    """The points of some bodies' convex parts.
+    """Return the points of some bodies' convex parts.
 
     Args:
-        bodies: (n, 3) points of each part, metres, body frame, by the body's name.
+        bodies: (n, 3) points of each part, meters, body frame, by the body's name.
 
     Returns:
-        Columns "body", "part" (its number in the body) and "x", "y", "z", a row a point.
+        Columns "body", "part" (its number in the body) and "x", "y", "z", with a row for each
+        point.
 
     Example:
         >>> table = tabulate_hulls({"gear": [np.zeros((4, 3)), np.ones((5, 3))]})
@@ -39,7 +40,7 @@ def tabulate_hulls(bodies: Mapping[str, Sequence[NDArray[np.float64]]]) -> Colum
 
 
 def read_hulls(table: Columns, body: str) -> list[NDArray[np.float64]]:
-    """The convex parts of a body that :func:`tabulate_hulls` wrote down, (n, 3) each; none if it has none."""
+    """Return the convex parts of a body from :func:`tabulate_hulls`, (n, 3) each."""
     mine = table["body"] == body
     points = np.stack([table[axis][mine] for axis in "xyz"], axis=1)
     numbers = table["part"][mine]

@@ -1,4 +1,4 @@
-"""Recordings as tables, to be kept with a part's data and played again later."""
+"""Recordings as tables, which are stored with a part's data and replayed later."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Tables
 
 Surface: TypeAlias = "tuple[Mesh, tuple[int, int, int] | None]"
-"""Triangles in the body's frame, and their colour."""
+"""Triangles in the body's frame, and their color."""
 
 _ENTRIES = [f"{row}{column}" for row in "xyz" for column in "xyzt"]
-"""Of the upper three rows of world_from_body."""
+"""Names of the upper three rows of world_from_body."""
 
 
 def tabulate(recording: Recording) -> Tables:
-    """Poses and contacts of every frame; surfaces are not kept.
+    """Return poses and contacts of every frame as tables, without surfaces.
 
     Returns:
         "poses": body, frame, and the entries of world_from_body: "xy" is row x, column y, "xt" the
-        place along x. "contacts": frame, place, normal, depth. Metres, world frame.
+        place along x. "contacts": frame, place, normal, depth. Meters, world frame.
     """
     frames = recording.frame_count
     rows = np.concatenate([body.poses[:, :3, :].reshape(frames, 12) for body in recording.bodies])
@@ -49,7 +49,7 @@ def tabulate(recording: Recording) -> Tables:
 
 
 def read_poses(tables: Tables, body: str) -> NDArray[np.float64]:
-    """The body's poses, (frames, 4, 4) world_from_body."""
+    """Return the body's poses, (frames, 4, 4) world_from_body."""
     table = tables["poses"]
     mine = table["body"] == body
     poses = np.tile(np.eye(4), (int(mine.sum()), 1, 1))
@@ -58,11 +58,11 @@ def read_poses(tables: Tables, body: str) -> NDArray[np.float64]:
 
 
 def restore(tables: Tables, surfaces: Mapping[str, Surface], time_step: float) -> Recording:
-    """The recording that :func:`tabulate` took, of the bodies that have a surface.
+    """Return the recording that :func:`tabulate` stored, for the bodies with a surface.
 
     Args:
-        tables: Of the part.
-        surfaces: By the body's name.
+        tables: The part's tables.
+        surfaces: Surfaces by the body's name.
         time_step: Seconds between frames.
     """
     bodies = tuple(

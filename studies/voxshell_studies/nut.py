@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Mode = Literal["segmented", "regular"]
 MODES: tuple[Mode, ...] = ("segmented", "regular")
 START_TURNS = 5.3
-"""Up the thread, so that there is a way down."""
+"""Initial turns up the thread, so that the nut can move down."""
 
 NUT_MASS = 0.05
 """Kilograms."""
@@ -32,7 +32,7 @@ RECORDED_EVERY = 1.0 / 60.0
 
 
 def plan(settings: BoltSettings) -> list[Part]:
-    """The nut with and without friction, each way to make contacts; and how methods see the fit."""
+    """Return the nut with and without friction, by contact mode; and the fit by method."""
     cost = 2e-3 * settings.rate * settings.seconds
     return [
         *(
@@ -50,7 +50,7 @@ def plan(settings: BoltSettings) -> list[Part]:
 
 
 def run_nut(settings: BoltSettings, mode: Mode, friction: float) -> Tables:
-    """Every step: how far the nut is down, what it turned, and the deepest contact."""
+    """Return for every step the nut's descent, its turn, and the deepest contact."""
     world = World(shell="fewest", time_step=1.0 / settings.rate, contact=mode, sleeping=False)
     world.add(settings.build_bolt(), mass=0.0, friction=friction, name="bolt")
     start = settings.compute_fit(START_TURNS)
@@ -63,7 +63,7 @@ def run_nut(settings: BoltSettings, mode: Mode, friction: float) -> Tables:
         world.step()
         pose = nut.pose
         change = measure_turns(pose) - before
-        # The shorter way round: a step turns by less than half a turn.
+        # The shorter direction: a step turns by less than half a turn.
         turned += change - round(change)
         before = measure_turns(pose)
         height[step] = pose[2, 3] - start[2, 3]
@@ -78,7 +78,7 @@ def run_nut(settings: BoltSettings, mode: Mode, friction: float) -> Tables:
 
 
 def compare_fits(settings: BoltSettings) -> Tables:
-    """Deepest overlap that each method reports where the threads are apart, metres."""
+    """Return the deepest overlap that each method reports where the threads are apart, meters."""
     bolt, nut = settings.build_bolt(), settings.build_nut()
     pose = settings.compute_fit(START_TURNS)
     rows = []

@@ -35,29 +35,30 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.drop import DropShapes, Method
 
 PAIRED = ("vps-fine", "vps-coarse", "gimpact", "hull", "decomposition")
-"""Keys of the methods that can meet themselves."""
+"""Keys of the methods that support two copies of the same body."""
 
 QUICK = ("vps-fine", "vps-coarse", "hull", "decomposition")
-"""Of these, those whose steps take microseconds. They take turns of milliseconds, or their ratios would
-be of how fast the machine happened to be; at rest GImpact, at 0.4 s a step, would take minutes."""
+"""Those whose steps take microseconds. They alternate within milliseconds, so that changes of the
+machine's speed do not affect their ratios. At rest, GImpact would take minutes, at 0.4 s per
+step."""
 
 QUICK_WORLDS: dict[str, tuple[str, dict[str, Any]]] = {key: (key, {}) for key in QUICK}
-"""By key, a method's and arguments of its World that are not the method's own."""
+"""For each key, a method and arguments of its World that differ from the method's own."""
 
 UNFOLLOWED = "vps-fine-unfollowed"
-"""Key of the fine shell in falls in which no model is followed through its steps, as hulls are not."""
+"""Key of the fine shell in falls without CCD for models, because hulls have none."""
 
 GRAVITY = 9.81
-"""Of falls, m/s2."""
+"""Gravity of falls, m/s2."""
 
 FALL_SECONDS = 1.0
-"""After which a body has slid off the other, or lies on it."""
+"""Seconds after which a body has slid off the other, or rests on it."""
 
 FALL_HEIGHT = 1.4
-"""From the middle of one to that of the other, of their size."""
+"""Initial distance between the centers, as a fraction of their size."""
 
 UNTIMED_STEPS = 10
-"""Of a pair that rests or falls, in which caches warm up."""
+"""Untimed steps of a resting or falling pair, which warm up caches."""
 
 
 @dataclass(frozen=True)
@@ -66,18 +67,18 @@ class PairSettings(DropSettings):
 
     Attributes:
         mesh: Path of another mesh; the bunny by default.
-        poses: How many, any orientation and direction.
-        least_depth, most_depth: How far one is pushed into the other after the first touch, metres.
-        steps_a_pose: Steps spent at each pose, the first untimed: as in a simulation, a step is near
-            the one before.
-        drift: How far the body moves between these, metres.
-        repeats: How often all poses are timed.
-        turns: How often in each repeat :data:`QUICK` methods take turns.
-        seed: Of the poses, of the falls and of the stack.
-        rest_seconds: How long a stack of five bunnies has stood when its poses are taken.
-        rest_steps: How many of its steps are then timed, each pair's one after another.
-        falls: How often one body falls on the other.
-        fall_steps: How many of the steps in which they touch then are timed, at most.
+        poses: Number of poses, in any orientation and direction.
+        least_depth, most_depth: Displacement after the first touch, meters.
+        steps_a_pose: Steps at each pose, the first untimed: as in a simulation, a step is near the
+            one before.
+        drift: Displacement between these steps, meters.
+        repeats: Number of times that all poses are timed.
+        turns: Number of turns of :data:`QUICK` methods in each repeat.
+        seed: Seed of the poses, of the falls and of the stack.
+        rest_seconds: Age of a stack of five bunnies when its poses are taken.
+        rest_steps: Number of its steps that are timed, one pair after another.
+        falls: Number of falls of one body on the other.
+        fall_steps: Largest number of timed steps in which they touch.
     """
 
     mesh: str = ""
@@ -108,7 +109,7 @@ class PairSettings(DropSettings):
 
 
 def plan(settings: PairSettings) -> list[Part]:
-    """A part each for bodies that touch, fall and rest: all methods in one process and the same poses."""
+    """Return parts for bodies that touch, fall and rest, with all methods in equal poses."""
     touching = Part(
         "times",
         time_methods,
@@ -122,16 +123,16 @@ def plan(settings: PairSettings) -> list[Part]:
 
 
 def rests(settings: PairSettings) -> bool:
-    """Whether there is a stack of such bodies: of bunnies of one size it is known how they stand."""
+    """Return whether a stack of such bodies stands; this is known for bunnies of one size."""
     return settings.mesh == "" and settings.size == BunnySettings().size
 
 
 def time_methods(settings: PairSettings) -> Tables:
-    """Times every pose.
+    """Time every pose.
 
     Returns:
-        "times": seconds of the narrow phase in Bullet, of a model's stages of it ("METHOD-STAGE"), and of
-        yes/no queries beside coal's; "contacts": how many, and the deepest.
+        "times": seconds of the narrow phase in Bullet, of a model's stages of it ("METHOD-STAGE"),
+        and of yes/no queries beside coal's; "contacts": how many, and the deepest.
     """
     shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
     model = shapes.bodies["vps-fine"]
@@ -158,11 +159,11 @@ def time_methods(settings: PairSettings) -> Tables:
 
 
 def time_at_rest(settings: PairSettings) -> Tables:
-    """Times the pairs of a stack that stands, step by step as it does.
+    """Time the pairs of a standing stack, step by step.
 
     Returns:
-        "times": seconds as of :func:`time_methods`, medians over the steps; "pose" numbers the pairs, the
-        lowest first.
+        "times": seconds as of :func:`time_methods`, medians over the steps; "pose" numbers the
+        pairs, the lowest first.
     """
     shapes = build_all_shapes(settings, find_bunny())
     model = shapes.bodies["vps-fine"]
@@ -175,11 +176,11 @@ def time_at_rest(settings: PairSettings) -> Tables:
 
 
 def time_falling(settings: PairSettings) -> Tables:
-    """Times one body that falls on the other, as fast as it does, in steps in which they touch.
+    """Time the steps in which a body that falls on the other touches it.
 
     Returns:
-        "times": seconds as of :func:`time_methods`, of UNFOLLOWED, too; "pose" numbers the steps of all
-        falls.
+        "times": seconds as of :func:`time_methods`, of UNFOLLOWED, too; "pose" numbers the steps of
+        all falls.
     """
     shapes = build_all_shapes(settings, Path(settings.mesh) if settings.mesh else find_bunny())
     model = shapes.bodies["vps-fine"]
@@ -198,16 +199,16 @@ def _time_states(
     gravity: float,
     reduce: Callable[[NDArray[np.float64]], Sequence[float] | NDArray[np.float64]],
 ) -> Tables:
-    """Times methods in turn.
+    """Time methods in turn.
 
     Args:
-        settings: Of the experiment.
-        shapes: Of the methods.
-        worlds: By the key to keep times under, that of a method and more arguments of its World.
-        sequences: Poses and velocities as of :func:`voxshell_studies.timing.time_poses`, of steps one
-            after another; the first UNTIMED_STEPS are left out.
-        gravity: Downwards, m/s2.
-        reduce: What is kept of the times of a sequence.
+        settings: Settings of the experiment.
+        shapes: Shapes of the methods.
+        worlds: For each key of times, the key of a method and more arguments of its World.
+        sequences: Poses and velocities as in :func:`voxshell_studies.timing.time_poses`, of
+            consecutive steps; the first UNTIMED_STEPS are left out.
+        gravity: Downward, m/s2.
+        reduce: Reduces the times of a sequence to what is kept.
     """
     rows: dict[str, list[Any]] = {"method": [], "turn": [], "pose": [], "seconds": []}
     with pinned():
@@ -229,16 +230,16 @@ def _time_states(
 def find_falls(
     settings: PairSettings, model: Model, inertia: Inertia
 ) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Falls from any orientation.
+    """Simulate falls from any orientation.
 
     Args:
-        settings: Of the experiment.
-        model: Of both bodies; one is fixed.
-        inertia: Of the other, as :meth:`voxshell.World.add` takes it.
+        settings: Settings of the experiment.
+        model: Model of both bodies; one is fixed.
+        inertia: Inertia of the other, as :meth:`voxshell.World.add` takes it.
 
     Returns:
-        Of each in which they touch, poses and velocities as of
-        :func:`voxshell_studies.timing.time_poses`, before the steps in which they do.
+        For each fall in which they touch, poses and velocities as in
+        :func:`voxshell_studies.timing.time_poses`, before the steps in which they touch.
     """
     from trimesh.transformations import random_rotation_matrix
 
@@ -274,11 +275,11 @@ def find_falls(
 
 
 def find_resting_poses(settings: PairSettings, model: Model) -> NDArray[np.float64]:
-    """Of each bunny of a stack that stands in the frame of that below it, (pairs, steps, 4, 4).
+    """Return poses in a standing stack relative to the bunny below, (pairs, steps, 4, 4).
 
     Args:
-        settings: Of the experiment.
-        model: Of a bunny, in whose frame the poses are to be.
+        settings: Settings of the experiment.
+        model: Model of a bunny, whose frame the poses use.
     """
     world, bodies = build_bunny_world(StackSettings(rate=settings.rate), seed=settings.seed)
     stacked_from_model = np.eye(4)
@@ -319,10 +320,10 @@ def _build_world(
 def _time_in_world(
     settings: PairSettings, shapes: DropShapes, method: Method, poses: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Of the narrow phase and its stages, medians over the steps at each pose, (poses,)."""
+    """Return medians of the narrow phase and its stages over the steps at each pose, (poses,)."""
     world, body = _build_world(settings, shapes, method, poses[0])
     near = np.repeat(poses, settings.steps_a_pose, axis=0)
-    # To and fro, so that the depth stays what it is.
+    # Back and forth, so that the depth stays the same.
     near[:, :3, 3] += settings.drift * (np.arange(len(near)) % 2)[:, None] / np.sqrt(3.0)
     times = time_poses(world, body, near)
     return {
@@ -334,7 +335,7 @@ def _time_in_world(
 def _count_contacts(
     settings: PairSettings, shapes: DropShapes, poses: NDArray[np.float64]
 ) -> Columns:
-    """Of each method and pose: contact points and the deepest, metres."""
+    """Return contact points and largest depth, meters, for each method and pose."""
     keys, counts, depths = [], [], []
     for method in (each for each in METHODS if each.key in PAIRED):
         world, body = _build_world(settings, shapes, method, poses[0])
@@ -350,7 +351,7 @@ def _count_contacts(
 
 
 def _make_queries(model: Model) -> dict[str, Callable[[NDArray[np.float64]], object]]:
-    """Yes/no queries of the pair, ours and coal's where it is installed."""
+    """Return yes/no queries of the pair: ours, and coal's if it is installed."""
     queries: dict[str, Callable[[NDArray[np.float64]], object]] = {
         "collide": lambda pose: collide(model, model, None, pose, shell="a")
     }
@@ -367,7 +368,7 @@ def _make_queries(model: Model) -> dict[str, Callable[[NDArray[np.float64]], obj
     tree.addSubModel(vertices, triangles)
     tree.endModel()
     fixed, request = coal.Transform3s(), coal.CollisionRequest()
-    # What only distances and contacts need would make it several times slower.
+    # Settings that only distances and contacts need would make it several times slower.
     request.break_distance = request.distance_upper_bound = 0.0
 
     def ask(pose: NDArray[np.float64]) -> object:

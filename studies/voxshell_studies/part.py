@@ -1,4 +1,4 @@
-"""Parts of experiments: pieces of work that are done once, each known by what goes into it."""
+"""Parts of experiments: units of work that are computed once and identified by their inputs."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ Columns: TypeAlias = Mapping[str, NDArray[Any]]
 """One table: arrays of one length by name."""
 
 Tables: TypeAlias = Mapping[str, Columns]
-"""What a part leaves behind: tables by name."""
+"""The results of a part: tables by name."""
 
 _ROOTS = (Path(voxshell.__file__).parent, Path(__file__).parent)
-# What draws and prints cannot change data: after a change there, finished parts still count.
+# Code that only draws or prints cannot change data: finished parts stay valid after a change there.
 _NO_DATA = ("cli", "viewer", "peers", "report")
 
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of an experiment: a pure function of plain settings.
+    """A unit of an experiment: a pure function of plain settings.
 
     Attributes:
-        name: Unique within the experiment, and good as a file's name.
-        function: At a module's top level; returns tables.
+        name: Unique within the experiment, and valid as a file name.
+        function: A function at a module's top level that returns tables.
         arguments: Its keyword arguments: dataclasses, numbers, texts, tuples of them.
-        timed: Whether the tables hold times, so that nothing else may run meanwhile.
-        cost: About how many seconds it takes; only tells how far a run is.
+        timed: True if the tables contain times, so that nothing else may run at the same time.
+        cost: Approximate time, seconds, only for progress displays.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Part:
 
     @property
     def address(self) -> str:
-        """Digest of the function, its arguments and the code behind it: the same, the same data."""
+        """Digest of function, arguments and code; equal digests give equal data."""
         text = json.dumps(
             [describe_function(self.function), plain(self.arguments), compute_fingerprint()],
             sort_keys=True,
@@ -58,11 +58,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What computing a part gave.
+    """The result of a part.
 
     Attributes:
         tables: The data.
-        manifest: What it was made with.
+        manifest: How it was made.
     """
 
     tables: Tables
@@ -70,7 +70,7 @@ class Outcome:
 
 
 def compute_part(part: Part) -> Outcome:
-    """Does the work, in whatever process this is called."""
+    """Compute a part in the calling process."""
     start = time.perf_counter()
     tables = {
         name: {key: np.asarray(values) for key, values in columns.items()}
@@ -96,7 +96,7 @@ def compute_part(part: Part) -> Outcome:
 
 
 def as_columns(names: Sequence[str], rows: Sequence[Sequence[float]]) -> Columns:
-    """Rows of numbers as a table.
+    """Return rows of numbers as a table.
 
     Example:
         >>> as_columns(("step", "seconds"), [(0, 0.5), (1, 0.25)])["seconds"]
@@ -107,12 +107,12 @@ def as_columns(names: Sequence[str], rows: Sequence[Sequence[float]]) -> Columns
 
 
 def describe_function(function: Callable[..., Any]) -> str:
-    """Module and name."""
+    """Return the module and name of a function."""
     return f"{function.__module__}.{function.__qualname__}"
 
 
 def plain(value: Any) -> Any:
-    """The value as JSON has it."""
+    """Return a value as JSON represents it."""
     if is_dataclass(value) and not isinstance(value, type):
         value = asdict(value)
     if isinstance(value, Mapping):
@@ -124,7 +124,7 @@ def plain(value: Any) -> Any:
 
 @cache
 def compute_fingerprint() -> str:
-    """Digest of all code that data depends on: the compiled modules and both packages' sources."""
+    """Return a digest of the compiled modules and of the sources that data depends on."""
     digest = hashlib.sha256()
     for path in sorted(_code_files()):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

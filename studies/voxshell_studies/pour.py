@@ -1,4 +1,4 @@
-"""Bunnies poured into a bin: whether all stay, how calm the heap is, and what a step takes."""
+"""Bunnies poured into a bin: whether all stay, how calm the heap is, and the time of a step."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ RECORDED_EVERY = 1.0 / 30.0
 
 
 def plan(settings: PourSettings) -> list[Part]:
-    """One part: all methods in one process."""
+    """Return one part with all methods in one process."""
     cost = 1e-3 * settings.count * settings.rate * settings.seconds
     return [Part("pour", pour, {"settings": settings}, timed=True, cost=cost)]
 
 
 def pour(settings: PourSettings) -> Tables:
-    """Fills the bin by each method that can, then steps all of them in the heap of the models.
+    """Fill the bin with each method that can, then step all of them in the heap of the models.
 
     Returns:
         "METHOD": every step of a filling; "heap": step times in the same heap; "poses" and
@@ -55,7 +55,7 @@ def pour(settings: PourSettings) -> Tables:
         rows = []
         for method in METHODS:
             world, _ = build_world(settings, method, heap)
-            # The first step pairs the bodies up.
+            # The first step creates the pairs.
             world.step(1 + settings.slow_steps)
             times = world.timings[1:]
             rows += [(method, t["step"], t["narrow_phase"]) for t in times]

@@ -1,4 +1,4 @@
-"""Low rates: down to how many steps a second the ground carries the bunny."""
+"""Low rates: the lowest number of steps per second at which the ground carries the bunny."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ Ground = Literal["plane", "slab"]
 GROUNDS: tuple[Ground, ...] = ("plane", "slab")
 
 SLAB_HALF_EXTENTS = (0.5, 0.5, 0.025)
-"""Metres: 5 cm thick, less than a step's way at low rates."""
+"""Thickness of the slab, meters: less than the displacement in a step at low rates."""
 
 LEVELS = (1, 2, 3, 4, 5)
 MODES = (*(f"level {level}" for level in LEVELS), "regular", "auto")
-"""Of contacts; the last is ours alone."""
+"""Contact modes; the last exists only in voxshell."""
 
 SHOWN: tuple[tuple[Rule, str, float], ...] = (
     ("published", "level 1", 30.0),
@@ -47,10 +47,10 @@ SHOWN: tuple[tuple[Rule, str, float], ...] = (
 SHOWN_SECONDS = 2.0
 THROWN_MODES = ("auto", "regular")
 LEAST_STEPS = 25
-"""Of a run, however few seconds these are: a landing takes some dozen steps to come to rest."""
+"""Smallest number of steps in a run: a landing takes a few dozen steps to come to rest."""
 
 REST_SECONDS = 0.5
-"""At the end of a run, that count as rest."""
+"""Final steps of a run that count as rest."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class RatesSettings(BunnySettings):
     """Settings of the low rates.
 
     Attributes:
-        height: Of the lowest vertex at the start, metres.
-        rates: Steps a second that are tried, descending.
-        seconds: Of each run.
-        throw_speeds: Downwards at the start of the throws, m/s,
-        throw_rate: which run with so many steps a second.
+        height: Initial height of the lowest vertex, meters.
+        rates: Steps per second to try, descending.
+        seconds: Duration of each run.
+        throw_speeds: Initial downward speeds of throws, m/s.
+        throw_rate: Steps per second of throws.
     """
 
     orientations: int = 10
@@ -83,7 +83,7 @@ class RatesSettings(BunnySettings):
 
 
 def plan(settings: RatesSettings) -> list[Part]:
-    """A part for each rule, ground and way to make contacts; and one to be shown."""
+    """Return a part for each rule, ground and contact mode, and one for the replay."""
     cost = 2e-4 * settings.orientations * settings.seconds * sum(settings.rates)
     falls = [
         Part(
@@ -110,12 +110,12 @@ def plan(settings: RatesSettings) -> list[Part]:
 
 
 def modes_of(rule: Rule) -> tuple[str, ...]:
-    """Those of :data:`MODES` that a rule is tried with."""
+    """Return the :data:`MODES` for a rule."""
     return MODES if rule == "voxshell" else MODES[:-1]
 
 
 def run_falls(settings: RatesSettings, rule: Rule, ground: Ground, mode: str) -> Tables:
-    """Every rate and orientation from rest."""
+    """Run every rate and orientation from rest."""
     return _tabulate(
         [
             (rate, 0.0, orientation)
@@ -130,7 +130,7 @@ def run_falls(settings: RatesSettings, rule: Rule, ground: Ground, mode: str) ->
 
 
 def run_throws(settings: RatesSettings, ground: Ground, mode: str) -> Tables:
-    """Every speed and orientation, at one rate, with our rule."""
+    """Run every speed and orientation, at one rate, with our rule."""
     return _tabulate(
         [
             (settings.throw_rate, speed, orientation)
@@ -145,7 +145,7 @@ def run_throws(settings: RatesSettings, ground: Ground, mode: str) -> Tables:
 
 
 def record_falls(settings: RatesSettings) -> Tables:
-    """Upright falls on the half-space: "N_poses" and "N_contacts" of case N of :data:`SHOWN`."""
+    """Return upright falls on the half-space: "N_poses", "N_contacts" of :data:`SHOWN` [N]."""
     tables: dict[str, Columns] = {}
     for number, (rule, mode, rate) in enumerate(SHOWN):
         world, _ = _build_world(settings, rule, "plane", mode, rate, 0.0, 0)
@@ -179,18 +179,19 @@ def _tabulate(
 
 
 def _count_steps(settings: RatesSettings, rate: float) -> int:
-    """Of a run, long enough to come to rest."""
+    """Return the number of steps that suffices to come to rest."""
     return max(round(settings.seconds * rate), LEAST_STEPS)
 
 
 def _land(
     world: World, body: Body, mesh: Mesh, ground: Ground, steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Lets a body fall.
+    """Simulate a fall.
 
     Returns:
-        Of each step, metres: the height of the lowest vertex, that of the lowest vertex over the ground
-        (infinity where none is), that of the centre of mass and its way sideways.
+        For each step, meters: the height of the lowest vertex, that of the lowest vertex above the
+        ground (infinity if there is none), that of the center of mass, and its sideways
+        displacement.
     """
     lowest, over, middle, sideways = np.zeros((4, steps))
     reach = float(np.linalg.norm(mesh.vertices, axis=1).max())
@@ -243,7 +244,7 @@ def _build_world(
 
 
 def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:
-    """The same as arguments of World."""
+    """Return a rule and a mode as arguments of World."""
     arguments: dict[str, Any] = {"contact": mode}
     if mode.startswith("level "):
         arguments = {"contact": "segmented", "level": int(mode.removeprefix("level "))}
@@ -253,10 +254,10 @@ def _contact_arguments(rule: Rule, mode: str) -> dict[str, Any]:
 
 
 def find_lowest_rate(rates: NDArray[np.float64], held: NDArray[np.bool_]) -> float:
-    """The lowest rate down from the highest at which every run was held; infinite if none.
+    """Return the lowest rate, from the highest down, at which every run was held; infinite if none.
 
     Args:
-        rates: (n,) steps a second, of each run.
+        rates: (n,) steps per second of each run.
         held: (n,) whether the ground carried the body.
 
     Example:

@@ -1,4 +1,4 @@
-"""Experiments from settings to report: what is missing is run, everything is written down."""
+"""Experiments from settings to report: missing parts are computed, and all results are written."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ TABLE, RESULTS = "table.csv", "results.json"
 
 @dataclass(frozen=True)
 class Study:
-    """An experiment with the settings that it is run with.
+    """An experiment with its settings.
 
     Attributes:
         experiment: The experiment.
-        settings: Of its type.
-        parts: What its data is made of.
-        folder: Where all of it is written.
+        settings: Settings of its type.
+        parts: The parts of its data.
+        folder: The folder of its outputs.
     """
 
     experiment: Experiment
@@ -43,13 +43,13 @@ class Study:
 
     @property
     def store(self) -> Store:
-        """Its finished parts."""
+        """The finished parts."""
         return Store(self.folder / "data")
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A study and what it says."""
+    """A study and its results."""
 
     study: Study
     rows: list[Row]
@@ -64,17 +64,17 @@ def plan_studies(
     overrides: Mapping[str, Mapping[str, Any]],
     known: Iterable[str],
 ) -> list[Study]:
-    """Settles the settings of some experiments.
+    """Decide the settings of experiments.
 
     Args:
-        experiments: Those wanted.
-        out: The folder of all; each gets one below.
-        quick: Whether to begin from the quick settings.
+        experiments: The chosen experiments.
+        out: The common folder; each experiment gets a folder in it.
+        quick: Start from the quick settings.
         overrides: Tables of settings by experiment.
-        known: Names of all experiments: other tables are errors.
+        known: Names of all experiments; other tables are errors.
 
     Raises:
-        SettingsError: A table or a setting is wrong; the message names it.
+        SettingsError: A table or a setting is invalid; the message names it.
     """
     names = set(known)
     for table in overrides:
@@ -97,7 +97,7 @@ def run_studies(
     scheduler: str | None = None,
     done: Callable[[Part], object] | None = None,
 ) -> None:
-    """Computes the parts that are missing; see :func:`voxshell_studies.running.run_parts`."""
+    """Compute the missing parts; see :func:`voxshell_studies.running.run_parts`."""
     for study in studies:
         study.store.sweep()
     work = [(study.store, part) for study in studies for part in study.parts]
@@ -105,7 +105,7 @@ def run_studies(
 
 
 def conclude(study: Study) -> Finding:
-    """Reduces a study's data to rows, draws it, and writes table, results and pictures."""
+    """Reduce a study's data to rows, draw it, and write table, results and pictures."""
     results: Results = {part.name: study.store.get(part) for part in study.parts}
     rows = study.experiment.reduce(study.settings, results)
     pictures = study.experiment.draw(study.settings, results, study.folder)
@@ -125,7 +125,7 @@ def conclude(study: Study) -> Finding:
 
 
 def describe_rows(study: Study, rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Rows ready for JSON."""
+    """Return rows ready for JSON."""
     return [
         {"experiment": study.experiment.name, **asdict(row), "verdict": row.verdict} for row in rows
     ]

@@ -1,7 +1,7 @@
-"""Rest: how calmly the bunny lies, in many orientations, with every way to make contacts.
+"""Rest: how calmly the bunny lies, in many orientations, with every contact mode.
 
-Beside that, how long it rolls: a question of its shape as well as of contacts, and so also asked of two
-libraries that make contacts of their own, at ever higher rates.
+The study also measures how long the bunny rolls. This depends on its shape as well as on contacts,
+so two libraries with their own contacts are measured, too, at increasing rates.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 Ground = Literal["voxels", "plane"]
 Shell = Literal["fine", "coarse", "hull", "whole-hull"]
-"""A shell of ours, or for comparison Bullet's own hull of the bunny, of 42 vertices or of all."""
+"""Our shells, or for comparison Bullet's own hull of the bunny, of 42 vertices or of all."""
 Mode = Literal["auto", "regular", "segmented"]
 
 GROUNDS: tuple[Ground, ...] = ("voxels", "plane")
@@ -48,9 +48,9 @@ SHELLS: tuple[Shell, ...] = ("fine", "coarse")
 """Ours."""
 MODES: tuple[Mode, ...] = ("auto", "regular", "segmented")
 HULLS: dict[bool, Shell] = {False: "hull", True: "whole-hull"}
-"""Bullet's, that lie down beside ours where these are bare, and where rolling friction holds them."""
+"""Bullet's shapes for comparison, without and with rolling friction."""
 BLOCK_HALF_EXTENTS = (0.5, 0.5, 0.05)
-"""Of the ground of voxels, metres."""
+"""Voxel size of the ground, meters."""
 
 ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
     "fine",
@@ -59,17 +59,17 @@ ROLLERS: tuple[Shell | Literal["mujoco"], ...] = (
     "whole-hull",
     "mujoco",
 )
-"""Of which is measured how long they roll. On a plane all but the hull of 42 vertices are the same body:
-nothing else of it than its convex hull can touch."""
+"""Shapes whose rolling time is measured. On a plane, all except the hull of 42 vertices are
+equivalent: only the convex hull can touch."""
 
 CHOSEN_ON = 20
-"""Orientations, the first ones, on which the rolling friction was chosen."""
+"""The orientations for which the rolling friction was chosen, from the first on."""
 
 FRAME_SECONDS = 0.05
-"""Of which the largest angular speed is kept."""
+"""Frames per second of the largest angular speed."""
 
 WINDOW_SECONDS = 0.25
-"""In which angular speed and depth are looked at: at its end, "after 2 s" has passed."""
+"""Window for angular speed and depth; at its end, "after 2 s" has passed."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +77,14 @@ class RestSettings(BunnySettings):
     """Settings of rest.
 
     Attributes:
-        others: How many orientations after those of :data:`CHOSEN_ON` bunnies lie down in with rolling
-            friction.
-        height: Of the lowest vertex at the start, metres.
-        rate: Steps a second.
-        settle_seconds: After the first contact, until rest is looked at.
-        drift_seconds: After that, over which drift is measured.
-        roll_rates: Steps a second at which it is measured how long the bunny rolls.
-        rolling_friction: Of bunny and ground, metres, where they are given one, and spinning friction.
+        others: Number of orientations after those of :data:`CHOSEN_ON`, with rolling friction.
+        height: Initial height of the lowest vertex, meters.
+        rate: Steps per second.
+        settle_seconds: Time from the first contact to the measurement of rest.
+        drift_seconds: Time after that over which drift is measured.
+        roll_rates: Steps per second at which rolling is measured.
+        rolling_friction: Rolling and spinning friction of bunny and ground, meters, where they have
+            it.
     """
 
     orientations: int = 20
@@ -111,14 +111,14 @@ class RestSettings(BunnySettings):
 
     @property
     def fall_seconds(self) -> float:
-        """Until the first contact."""
+        """Time until the first contact, seconds."""
         return float(np.sqrt(2.0 * self.height / 9.81))
 
 
 def plan(settings: RestSettings) -> list[Part]:
-    """A part for each ground, shell and mode, bare and held, and for each body and rate that rolls.
+    """Return parts by ground, shell and mode, without and with rolling friction, and for rolling.
 
-    Held ones are there once more, in other orientations.
+    Those with rolling friction exist once more, in other orientations.
     """
     seconds = settings.settle_seconds + settings.drift_seconds
     ours: list[tuple[Ground, Shell, Mode]] = list(product(GROUNDS, SHELLS, MODES))
@@ -143,7 +143,7 @@ def plan(settings: RestSettings) -> list[Part]:
 
 
 def name_rest(ground: str, shell: str, mode: str, *, held: bool, others: bool = False) -> str:
-    """Of a part; held: by rolling friction; others: in the other orientations."""
+    """Return the name of a part; held: with rolling friction; others: in the other orientations."""
     return f"{ground}-{shell}-{mode}" + ("-held" if held else "") + ("-others" if others else "")
 
 
@@ -183,9 +183,9 @@ def run_rests(
     *,
     held: bool,
 ) -> Tables:
-    """Every orientation: turning and depth once settled, drift after, and whether it falls asleep.
+    """Measure every orientation: turning and depth after settling, later drift, and sleep.
 
-    Orientations: the first and the one after the last. Held: by rolling friction.
+    ``orientations``: the first and the one after the last. ``held``: with rolling friction.
     """
     rows = [
         (orientation, *_lie(settings, ground, shell, mode, orientation, held=held))
@@ -234,7 +234,7 @@ def _lie(
 
 
 def run_rolls(settings: RestSettings, roller: Shell | Literal["mujoco"], rate: float) -> Tables:
-    """The largest angular speed of each frame of every orientation, on a plane, automatic contacts."""
+    """Return the largest angular speed in each frame of every orientation, on a plane."""
     frame = max(round(FRAME_SECONDS * rate), 1)
     seconds = settings.fall_seconds + settings.settle_seconds + settings.drift_seconds
     frames = round(seconds * rate) // frame
@@ -259,7 +259,7 @@ def _roll(
     rate: float,
     orientation: int,
 ) -> Iterator[float]:
-    """The angular speed after each step, rad/s, without end."""
+    """Yield the angular speed after each step, rad/s, endlessly."""
     if roller == "mujoco":
         pose = compute_pose(settings.build_mesh(), orientation, settings.height)
         fall = MuJoCoFall(find_hull(settings), settings.mass_properties, rate, pose)
@@ -275,7 +275,7 @@ def _roll(
 
 @cache
 def find_hull(settings: RestSettings) -> NDArray[np.float64]:
-    """All vertices of the bunny's convex hull, (n, 3), metres, the model's frame."""
+    """Return all vertices of the bunny's convex hull, (n, 3), meters, the model's frame."""
     solid = import_manifold().Manifold.hull_points(np.array(settings.build_mesh().vertices))
     vertices = as_mesh(solid).vertices
     vertices.setflags(write=False)
@@ -319,7 +319,7 @@ def _build_shape(settings: RestSettings, shell: Shell) -> Shape:
         case "hull":
             return ConvexHull.sampled(settings.build_mesh().vertices, margin=BULLET_MARGIN)
         case "whole-hull":
-            # A larger margin would round its facets off more.
+            # A larger margin would round its facets more.
             return ConvexHull(find_hull(settings))
         case _:
             return settings.build_model(shell)

@@ -1,4 +1,4 @@
-"""The bunny's convex hull falling on a plane in MuJoCo, which makes contacts of its own."""
+"""The bunny's convex hull falling on a plane in MuJoCo, with MuJoCo's contacts."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ if TYPE_CHECKING:
     from voxshell.model.mass_properties import MassProperties
 
 FRICTION = 0.25
-"""Coulomb's coefficient of the pair, as of two bodies of World's default, 0.5, in Bullet."""
+"""Coulomb's coefficient of the pair; two bodies of World's default 0.5 have the same in Bullet."""
 
 _STEPS_OF_SPRING = 4.0
-"""Time constant of MuJoCo's contacts, critically damped, in steps; its documentation (Modeling, Solver
-parameters) asks for at least 2."""
+"""Time constant of MuJoCo's contacts, critically damped, in steps; its documentation (Modeling,
+Solver parameters) requires at least 2."""
 
 _PLANE_GRID = 1.0
-"""Spacing of the lines drawn on a plane, metres: MuJoCo asks for one."""
+"""Spacing of the lines drawn on a plane, meters; MuJoCo requires a value."""
 
 
 class MuJoCoFall:
     """A convex body over the plane z = 0. No rolling friction.
 
     Args:
-        hull: (n, 3) its vertices, metres, body frame.
-        matter: Of the body, in the same frame.
-        rate: Steps a second.
+        hull: (n, 3) its vertices, meters, body frame.
+        matter: Its mass properties, in the same frame.
+        rate: Steps per second.
         pose: (4, 4) world_from_body at the start.
 
     Raises:
@@ -49,7 +49,7 @@ class MuJoCoFall:
             raise MissingExtraError("pip install voxshell-studies[peers] for MuJoCo") from error
         spec: Any = mujoco.MjSpec()
         spec.option.timestep = 1.0 / rate
-        # Friction the same in all directions, as Coulomb's.
+        # Isotropic friction, as Coulomb's.
         spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         spec.add_mesh(name="hull").uservert = hull.ravel().tolist()
         body = spec.worldbody.add_body(name="body")
@@ -75,6 +75,6 @@ class MuJoCoFall:
         mujoco.mju_mat2Quat(self._data.qpos[3:7], np.ascontiguousarray(pose[:3, :3]).ravel())
 
     def step(self) -> float:
-        """One step; the angular speed after it, rad/s."""
+        """Make a step; return the angular speed after it, rad/s."""
         self._mujoco.mj_step(self._model, self._data)
         return float(np.linalg.norm(self._data.qvel[3:6]))

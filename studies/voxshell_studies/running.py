@@ -1,4 +1,4 @@
-"""Running parts: on all cores, one at a time where they are timed, or on a Dask cluster."""
+"""Running parts: on all cores, one at a time if they are timed, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 
 
 class RunError(VoxshellError, RuntimeError):
-    """A part of an experiment failed; the message says which and why."""
+    """A part of an experiment failed; the message says which one and why."""
 
 
 def run_parts(
@@ -36,24 +36,24 @@ def run_parts(
     scheduler: str | None = None,
     done: Done | None = None,
 ) -> None:
-    """Computes the parts that are not done yet and stores them as they finish.
+    """Compute the unfinished parts and store them as they finish.
 
-    Untimed parts come first, on all cores or on a cluster; timed ones follow, one at a time in a
-    process of their own on this machine.
+    Untimed parts come first, on all cores or on a cluster. Timed ones follow, one at a time, each
+    in a separate process on this machine.
 
     Args:
-        work: Parts, and where each is kept.
-        jobs: Processes for untimed parts; one a core by default.
+        work: Parts, and the store of each.
+        jobs: Processes for untimed parts; one per core by default.
         scheduler: Address of a Dask scheduler, such as "tcp://10.0.0.1:8786", for untimed parts.
         done: Called with each part when it is stored.
 
     Raises:
         RunError: A part failed.
         SettingsError: The cluster cannot be reached, or runs other code.
-        MissingExtraError: A cluster is asked for, and Dask is not installed.
+        MissingExtraError: A cluster is requested, but Dask is not installed.
     """
     missing = [(store, part) for store, part in work if not store.has(part)]
-    # Long ones first, so that no core waits for a last long one.
+    # Long parts first, so that no core waits for a last long one.
     missing.sort(key=lambda each: -each[1].cost)
     for untimed_store, part, outcome in _compute(missing, jobs, scheduler):
         untimed_store.put(part, outcome)
@@ -64,12 +64,12 @@ def run_parts(
 def run_each(
     function: Callable[[Item], Result], items: Sequence[Item], jobs: int | None = None
 ) -> Iterator[Result]:
-    """What a function makes of each item, in their order, in as many processes as help.
+    """Yield a function's result for each item, in order, computed in as many processes as useful.
 
     Args:
-        function: At a module's top level.
-        items: What it takes.
-        jobs: Processes; one a core by default.
+        function: A function at a module's top level.
+        items: Its arguments.
+        jobs: Processes; one per core by default.
 
     Raises:
         RunError: A process was killed.
@@ -113,7 +113,7 @@ def _compute_here(
             try:
                 outcome = future.result()
             except BrokenProcessPool:
-                raise  # which the pool tells in its own words
+                raise  # the pool describes this error itself
             except Exception as error:
                 raise RunError(f"{part.name}: {type(error).__name__}: {error}") from error
             yield store, part, outcome
@@ -121,13 +121,13 @@ def _compute_here(
 
 @contextmanager
 def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool that ends at once when the block is left by an error or an interrupt.
+    """Yield a pool that ends at once if an error or an interrupt leaves the block.
 
     Raises:
-        RunError: A process was killed, be it before all work was handed out.
+        RunError: A process was killed, even before all work was handed out.
     """
     before = set(multiprocessing.active_children())
-    # Forking would copy the threads of Bullet's and our builds in whatever state they are.
+    # Forking would copy threads of Bullet's and our builds in arbitrary states.
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=begin_worker)
     try:
@@ -135,14 +135,15 @@ def _open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     except BaseException as error:
         for process in set(multiprocessing.active_children()) - before:
             process.terminate()
-        # What a worker had half written would be waited for as long as anyone can still write. The
-        # pool has no public way to say that nobody can; this one is there in Python 3.10 to 3.13.
+        # The pool would wait for a worker's incomplete result as long as a process can write. It
+        # has no
+        # public way to say that none can; this private one exists in Python 3.10 to 3.13.
         results: Any = pool._result_queue
         results._writer.close()
-        # Not waited for, the pool's own thread and Python's exit would meet over a closed pipe.
+        # Without waiting, the pool's thread and Python's exit would conflict over a closed pipe.
         pool.shutdown(cancel_futures=True)
         if isinstance(error, BrokenProcessPool):
-            raise RunError("a worker process was killed; the same command goes on") from error
+            raise RunError("a worker process was killed; rerun the command to resume") from error
         raise
     pool.shutdown()
 
@@ -179,7 +180,7 @@ def _compute_on_cluster(
 
 
 def _check_workers(fingerprints: dict[str, str], address: str) -> None:
-    """Refuses workers whose results could differ."""
+    """Refuse workers whose results could differ."""
     if not fingerprints:
         raise SettingsError(f"the scheduler at {address} has no workers; start some first")
     other = sorted(name for name, code in fingerprints.items() if code != compute_fingerprint())

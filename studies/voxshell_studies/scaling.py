@@ -1,4 +1,4 @@
-"""How the time of the narrow phase grows with points and voxels, and that of steps with bodies."""
+"""Growth of the narrow phase's time with points and voxels, and of a step's time with bodies."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Tables
 
 BLOCK_HALF_EXTENTS = (0.3, 0.3, 0.05)
-"""Metres."""
+"""Meters."""
 
 _SECONDS_A_STEP = {"default": 1.5e-3, "uniform": 3e-4, "hulls": 5e-4, "mujoco": 5e-4}
-"""Of a body."""
+"""Approximate time of a part for each body, seconds."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,13 @@ class ScalingSettings(BunnySettings):
     """Settings of the scaling.
 
     Attributes:
-        points: Of the shells that are tried, ascending.
-        voxel_sizes: Of body and ground, that are tried, metres, descending.
-        depth: How far the bunny's lowest vertex is in the ground, metres,
-        shift: and how far it moves to and fro along it between steps, metres.
-        steps: How many are timed of each.
-        bodies: In heaps that are tried, ascending,
-        poured: and how long they are poured before, seconds.
+        points: Numbers of points of the shells, ascending.
+        voxel_sizes: Voxel sizes of body and ground, meters, descending.
+        depth: Depth of the bunny's lowest vertex in the ground, meters.
+        shift: Displacement along the ground between steps, back and forth, meters.
+        steps: Number of timed steps of each.
+        bodies: Numbers of bodies in heaps, ascending.
+        poured: Duration of pouring before, seconds.
     """
 
     orientations: int = 4
@@ -68,7 +68,7 @@ class ScalingSettings(BunnySettings):
 
 
 def plan(settings: ScalingSettings) -> list[Part]:
-    """One part over points, one over voxel sizes, and one for each engine and number of bodies."""
+    """Return parts over points, over voxel sizes, and for each engine and number of bodies."""
     parts = [
         Part("points", time_points, {"settings": settings}, timed=True, cost=10.0),
         Part("voxels", time_voxels, {"settings": settings}, timed=True, cost=5.0),
@@ -84,17 +84,17 @@ def plan(settings: ScalingSettings) -> list[Part]:
 
 
 def name_crowd(engine: Engine, count: int) -> str:
-    """Of the part that times so many bodies."""
+    """Return the name of the part that times a number of bodies."""
     return f"{count}-bodies-{engine}"
 
 
 def time_points(settings: ScalingSettings) -> Tables:
-    """Medians over steps and orientations, seconds, for each number of points."""
+    """Return medians over steps and orientations, seconds, for each number of points."""
     return _time(settings, [(points, settings.voxel_size) for points in settings.points])
 
 
 def time_voxels(settings: ScalingSettings) -> Tables:
-    """The same for each voxel size, with the fine shell's points."""
+    """Return the same for each voxel size, with the fine shell's points."""
     return _time(settings, [(settings.fine_points, size) for size in settings.voxel_sizes])
 
 
@@ -124,7 +124,7 @@ def _time(settings: ScalingSettings, cases: list[tuple[int, float]]) -> Tables:
 def _lie(
     settings: ScalingSettings, model: Model, voxel_size: float, orientation: int
 ) -> np.ndarray:
-    """Seconds of the narrow phase of steps in which the bunny lies in the block."""
+    """Return seconds of the narrow phase in steps in which the bunny lies in the block."""
     world = World(shell="fewest", gravity=(0.0, 0.0, 0.0), sleeping=False)
     below = np.eye(4)
     below[2, 3] = -BLOCK_HALF_EXTENTS[2]

@@ -1,4 +1,4 @@
-"""The segmented traverse: does its time depend on the level?"""
+"""The segmented traverse: whether its time depends on the level."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns, Tables
 
 GROUND_HALF_EXTENTS = (0.6, 0.6, 0.05)
-"""Metres; none of the orientations rolls off."""
+"""Side of the ground, meters; the bunny rolls off in no orientation."""
 
 LEVELS = (1, 2, 3, 4, 5)
 POSES_OF = 4
-"""The level whose poses all others are timed in once more."""
+"""The level whose poses are used to time all others once more."""
 
 RECORDED_EVERY, RECORDED_STEPS = 2, 300
-"""Of the falls that are shown."""
+"""Levels of the falls that are shown."""
 
 TIMES = ("narrow_phase", *STAGES)
 
@@ -40,10 +40,10 @@ class SegmentsSettings(BunnySettings):
     """Settings of the segmented traverse.
 
     Attributes:
-        height: Of the lowest vertex at the start, metres.
-        rate: Steps a second.
-        first_step, last_step: Between which times count, as published.
-        repeats: Runs of each case; a step's time is its median over them, as runs are equal.
+        height: Initial height of the lowest vertex, meters.
+        rate: Steps per second.
+        first_step, last_step: Range of steps whose times count, as published.
+        repeats: Runs of each case; a step's time is the median over these identical runs.
     """
 
     height: float = 0.5
@@ -63,7 +63,7 @@ class SegmentsSettings(BunnySettings):
 
 
 def plan(settings: SegmentsSettings) -> list[Part]:
-    """A part for each orientation: all levels in one process; and one to be shown."""
+    """Return a part for each orientation, with all levels, and one for the replay."""
     shown = Part("shown", record_levels, {"settings": settings})
     return [shown] + [
         Part(
@@ -81,11 +81,11 @@ def plan(settings: SegmentsSettings) -> list[Part]:
 def time_levels(
     settings: SegmentsSettings, orientation: int, shell: Literal["fine", "coarse"]
 ) -> Tables:
-    """The narrow phase's time and its parts, seconds: of each level's own fall, and in equal poses."""
+    """Time the narrow phase and its parts, seconds, in each level's fall and in equal poses."""
     settings.build_model(shell)
     build_block(GROUND_HALF_EXTENTS, settings.voxel_size)
     with pinned():
-        # Levels take turns, so that what else the machine does hits all alike.
+        # Levels alternate, so that other load on the machine affects all alike.
         runs = [
             {level: _drop(settings, orientation, shell, level) for level in LEVELS}
             for _ in range(settings.repeats)
@@ -109,7 +109,7 @@ def time_levels(
 
 
 def record_levels(settings: SegmentsSettings) -> Tables:
-    """The fine bunny's fall at each level, upright: "N_poses" and "N_contacts" of level N."""
+    """Return the fine bunny's upright fall at level N: "N_poses" and "N_contacts"."""
     start = compute_pose(settings.build_mesh(), 0, settings.height)
     tables: dict[str, Columns] = {}
     for level in LEVELS:
@@ -133,7 +133,7 @@ def _collect(
     steps: NDArray[np.int64],
     contacts: dict[int, NDArray[np.int64]] | None = None,
 ) -> Columns:
-    """Medians over repeats, seconds, level after level."""
+    """Return medians over repeats, seconds, level after level."""
     medians = np.concatenate([np.median(timings[level], axis=0) for level in LEVELS])
     columns = {
         "level": np.repeat(LEVELS, len(steps)),

@@ -14,11 +14,11 @@ __all__ = ["override", "read_settings_file"]
 
 
 def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
-    """The tables of a TOML file, one an experiment.
+    """Return the tables of a TOML file, one for each experiment.
 
     Raises:
-        SettingsError: It is not there, is no TOML, or holds something other than tables.
-        FileAccessError: The system does not let it be read.
+        SettingsError: It does not exist, is not TOML, or contains something other than tables.
+        FileAccessError: The system refuses to read it.
     """
     try:
         text = read_text(path, "settings file")

@@ -1,4 +1,4 @@
-"""A box of points on a slope: does it slide from Coulomb's angle on?"""
+"""A box of points on a slope: whether it slides from Coulomb's angle on."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["regular", "segmented", "bullet"]
 KINDS: tuple[Kind, ...] = ("regular", "segmented", "bullet")
-"""Two ways to make contacts of the model, and Bullet's own box."""
+"""Two contact modes of the model, and Bullet's own box."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,15 @@ class SlopeSettings:
     """Settings of the slope.
 
     Attributes:
-        half_extents: Of the box, metres.
-        voxel_size: Of the box, metres.
-        rate: Steps a second.
-        frictions: Coefficients that are tried.
-        settle_seconds: On the slope before sliding is looked at,
-        seconds: for so long.
-        least_slide: Metres that count as sliding.
-        halvings: Of the range of angles: it is found to 20 degrees / 2^halvings.
+        half_extents: Half extents of the box, meters.
+        voxel_size: Voxel size of the box, meters.
+        rate: Steps per second.
+        frictions: Coefficients to try.
+        settle_seconds: Time on the slope before sliding is measured.
+        seconds: Duration of the measurement.
+        least_slide: Smallest displacement that counts as sliding, meters.
+        halvings: Halvings of the range of angles: the result is accurate to 20 degrees /
+            2^halvings.
     """
 
     half_extents: tuple[float, ...] = (0.1, 0.1, 0.05)
@@ -57,14 +58,14 @@ class SlopeSettings:
 
 
 def plan(settings: SlopeSettings) -> list[Part]:
-    """A part for each kind."""
+    """Return a part for each kind."""
     return [
         Part(kind, find_angles, {"settings": settings, "kind": kind}, cost=3.0) for kind in KINDS
     ]
 
 
 def find_angles(settings: SlopeSettings, kind: Kind) -> Tables:
-    """The least angle at which the box slides, by halving, and its acceleration beyond it."""
+    """Find the smallest angle at which the box slides, and its acceleration beyond it."""
     rows = []
     for friction in settings.frictions:
         ideal = math.degrees(math.atan(friction))
@@ -85,9 +86,9 @@ def find_angles(settings: SlopeSettings, kind: Kind) -> Tables:
 def _slide(
     settings: SlopeSettings, kind: Kind, friction: float, angle: float
 ) -> tuple[float, float]:
-    """How far the box slides in the time that counts, metres, and its mean acceleration, m/s2.
+    """Return the displacement of the box, meters, and its mean acceleration, m/s2.
 
-    The slope is level and gravity leans instead.
+    The slope is level, and gravity is tilted instead.
     """
     turn = math.radians(angle)
     world = World(

@@ -1,4 +1,4 @@
-"""The stacks of spheres and of bunnies: how long they stand."""
+"""Stacks of spheres and of bunnies: how long they stand."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 
 RULES: tuple[Rule, ...] = ("published", "voxshell")
 BUNNY_FALL = 0.05
-"""How far the top bunny has fallen when their stack has collapsed, metres."""
+"""Descent of the top bunny that counts as collapse, meters."""
 
 KEPT_EVERY = 5
-"""Steps between the heights that are kept."""
+"""Steps between stored heights."""
 
 RECORDED_SECONDS = 4.0
-"""Of the stack that is shown."""
+"""Frames per second of the stack that is shown."""
 
 
 def plan(settings: StackSettings) -> list[Part]:
-    """A part for each resolution and rule, with all seeds."""
+    """Return a part for each resolution and rule, with all seeds."""
     variants: list[tuple[str, Rule, int | None]] = [
         (f"{rule}-{points}", rule, points) for rule in RULES for points in settings.resolutions
     ]
@@ -56,7 +56,7 @@ def plan(settings: StackSettings) -> list[Part]:
 
 
 def run_stacks(settings: StackSettings, points: int | None, rule: Rule) -> Tables:
-    """Every seed until its stack has collapsed, or has stood long enough."""
+    """Run every seed until its stack has collapsed, or has stood long enough."""
     collapses, curves = [], []
     for seed in range(settings.seeds):
         collapse, curve = _stand(settings, points, rule, seed)
@@ -73,13 +73,13 @@ def run_stacks(settings: StackSettings, points: int | None, rule: Rule) -> Table
 def _stand(
     settings: StackSettings, points: int | None, rule: Rule, seed: int
 ) -> tuple[float, dict[str, Any]]:
-    """When the top has fallen by a radius, seconds, infinite if it has not; and its height."""
+    """Return when the top has fallen by a radius, seconds, or infinity; and its height."""
     world, bodies = build_world(settings, points=points, rule=rule, seed=seed)
     return _watch(settings, world, bodies, settings.radius, seed)
 
 
 def run_bunnies(settings: StackSettings) -> Tables:
-    """Every seed until its stack of bunnies has collapsed, or has stood long enough."""
+    """Run every seed until its stack of bunnies has collapsed, or has stood long enough."""
     runs = [
         _watch(settings, *build_bunny_world(settings, seed=seed), BUNNY_FALL, seed)
         for seed in range(settings.bunny_seeds)
@@ -100,7 +100,7 @@ def run_bunnies(settings: StackSettings) -> Tables:
 def _watch(
     settings: StackSettings, world: World, bodies: Sequence[Body], fall: float, seed: int
 ) -> tuple[float, dict[str, Any]]:
-    """When the top has fallen so far, metres; seconds, infinite if it has not; and its height."""
+    """Return when the top has fallen by a distance, seconds, or infinity; and its height."""
     start = bodies[-1].pose[2, 3]
     steps, heights = [0], [start]
     collapse = math.inf
@@ -121,7 +121,7 @@ def _watch(
 
 
 def _record(settings: StackSettings, points: int | None, rule: Rule) -> Tables:
-    """Poses of the first seed's stack, for the replay."""
+    """Return poses of the first seed's stack, for the replay."""
     world, _ = build_world(settings, points=points, rule=rule, seed=0)
     recorder = world.record(every=4)
     world.step(round(min(RECORDED_SECONDS, settings.seconds) * settings.rate))

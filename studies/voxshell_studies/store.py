@@ -1,4 +1,4 @@
-"""Finished parts on the disk: a folder each, there whole or not at all."""
+"""Finished parts on the disk: a folder for each, which is complete or missing."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ MANIFEST = "manifest.json"
 
 
 class Store:
-    """The parts of one experiment that are done, below a folder.
+    """The finished parts of an experiment, below a folder.
 
-    A part's folder is named after the part and its address, and appears by one rename: what a killed
-    run leaves behind is either finished or ignored.
+    A part's folder is named after the part and its address, and appears by one rename. A killed run
+    therefore leaves either a finished part or something that is ignored.
 
     Args:
-        folder: Is made where there is none.
+        folder: The folder; it is made if it does not exist.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def place(self, part: Part) -> Path:
-        """Where the part's data is, once it is done."""
+        """Return the folder of a finished part's data."""
         return self.folder / f"{part.name}-{part.address}"
 
     def has(self, part: Part) -> bool:
-        """Whether it is done."""
+        """Return whether a part is finished."""
         return (self.place(part) / MANIFEST).is_file()
 
     def put(self, part: Part, outcome: Outcome) -> None:
-        """Writes each table as Parquet, and the manifest.
+        """Write each table as Parquet, and the manifest.
 
         Raises:
-            FileAccessError: The system does not let them be written.
+            FileAccessError: The system refuses to write them.
         """
         make_folder(self.folder)
         with filling(self.place(part)) as folder:
@@ -52,10 +52,10 @@ class Store:
             write_json(folder / MANIFEST, outcome.manifest)
 
     def get(self, part: Part) -> Tables:
-        """The part's tables.
+        """Return the part's tables.
 
         Raises:
-            OSError: It is not done.
+            OSError: The part is not finished.
         """
         _, parquet = import_pyarrow()
         return {
@@ -67,11 +67,11 @@ class Store:
         }
 
     def manifest(self, part: Part) -> dict[str, Any]:
-        """What the part was made with."""
+        """Return how the part was made."""
         return json.loads((self.place(part) / MANIFEST).read_text(encoding="utf-8"))
 
     def sweep(self) -> None:
-        """Removes what killed runs left unfinished."""
+        """Remove what killed runs left behind."""
         sweep(self.folder)
 
 

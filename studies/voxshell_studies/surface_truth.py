@@ -1,4 +1,4 @@
-"""What is true of a mesh's surface: which faces are nearest to a place, and which normals that allows.
+"""Reference for a mesh's surface: the faces nearest to a place, and the normals that they permit.
 
 Nothing here uses a distance field, a shell, or any part of the core.
 """
@@ -16,20 +16,20 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import Mesh
 
 TIE = 1e-5
-"""Metres by which a face may be farther than the nearest one and still count as nearest."""
+"""Excess distance at which a face still counts as nearest, meters."""
 
 TIE_SHARE = 0.01
-"""And the fraction of the distance."""
+"""Likewise, as a fraction of the distance."""
 
 _PAIRS_AT_ONCE = 500_000
-"""Pairs of a place and a face that are compared together: 12 MB."""
+"""Pairs of a place and a face that are compared at once: 12 MB."""
 
 _SAME_PLACE = 1e-7
-"""Metres within which closest places of neighboring faces are one corner or place of an edge."""
+"""Distance within which closest places on neighboring faces are the same corner or edge, meters."""
 
 
 class Surface:
-    """The faces of a closed mesh, made ready for questions about places near them."""
+    """The faces of a closed mesh, prepared for queries near them."""
 
     def __init__(self, mesh: Mesh) -> None:
         corners = mesh.vertices[mesh.faces]
@@ -41,7 +41,7 @@ class Surface:
         self._low, self._high = self._corners.min(axis=1), self._corners.max(axis=1)
 
     def measure_distances(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Metres from places, (n, 3), to the faces nearest to them, (n,); never negative.
+        """Return distances from places, (n, 3), to the nearest faces, (n,), meters; never negative.
 
         Example:
             >>> from voxshell_studies.scenes.geometry_bodies import make_body
@@ -53,10 +53,10 @@ class Surface:
     def find_nearest(
         self, places: NDArray[np.float64]
     ) -> list[tuple[float, list[NDArray[np.float64]]]]:
-        """For places, (n, 3): the distance to the nearest faces, and their normals where they are nearest.
+        """Return the distances of places, (n, 3), to the nearest faces, and their normals.
 
-        Faces are nearest together where they meet in the closest corner or place of an edge: their unit
-        normals are one array, (k, 3). In the middle of a wall several places are nearest.
+        Faces that meet in the closest corner or edge are nearest together: their unit normals form
+        one array, (k, 3). In the middle of a wall, several places are nearest.
         """
         return [self._group(*near) for near in self._find_near(places, TIE)]
 
@@ -81,11 +81,11 @@ class Surface:
     def find_entry(
         self, place: NDArray[np.float64], backward: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
-        """The normal of the face through which a place inside was entered, (3,).
+        """Return the normal of the face through which a place inside was entered, (3,).
 
         Args:
-            place: Inside, (3,).
-            backward: Where it came from, (3,).
+            place: A place inside, (3,).
+            backward: Direction from which it came, (3,).
         """
         a, b, c = (self._corners[:, i] for i in range(3))
         one, two = b - a, c - a
@@ -106,14 +106,14 @@ class Surface:
     def _find_near(
         self, places: NDArray[np.float64], slack: float
     ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]]:
-        """For each place, faces that may be within ``slack`` of the nearest, their distances and closest places."""
+        """Return faces within ``slack`` of the nearest, their distances and closest places."""
         at_once = max(1, _PAIRS_AT_ONCE // len(self.normals))
         for first in range(0, len(places), at_once):
             some = places[first : first + at_once]
             beyond = np.maximum(self._low - some[:, None], some[:, None] - self._high)
             np.maximum(beyond, 0.0, out=beyond)
             bound = np.einsum("ijk,ijk->ij", beyond, beyond)
-            # The face whose box begins nearest is a bound on how far the nearest one can be.
+            # The face whose box is nearest bounds the distance of the nearest face.
             closest = find_closest(some, self._corners[bound.argmin(axis=1)])
             reach = np.linalg.norm(closest - some, axis=1)
             reach += slack + TIE_SHARE * reach + _SAME_PLACE
@@ -130,7 +130,7 @@ class Surface:
 
 
 def find_closest(places: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The place of each triangle, (n, 3, 3), that is closest to the place, (n, 3), paired with it, (n, 3).
+    """Return the closest place on each triangle, (n, 3, 3), to its paired place, (n, 3), as (n, 3).
 
     Example:
         >>> triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
@@ -162,7 +162,7 @@ def find_closest(places: NDArray[np.float64], corners: NDArray[np.float64]) -> N
 
 
 def measure_angle(direction: NDArray[np.float64], normals: NDArray[np.float64]) -> float:
-    """Radians from a unit direction to the cone that unit normals, (k, 3), span; 0 within it.
+    """Return the angle of a unit direction to the cone of normals, (k, 3), radians; 0 inside.
 
     Example:
         >>> corner = np.eye(3)
@@ -179,7 +179,7 @@ def measure_angle(direction: NDArray[np.float64], normals: NDArray[np.float64]) 
 
 
 def _project(direction: NDArray[np.float64], rays: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The place of the cone of some rays that is closest to a direction (Lawson and Hanson 1974)."""
+    """Return the closest place to a direction in a cone of rays (Lawson and Hanson 1974)."""
     weights = np.zeros(len(rays))
     used = np.zeros(len(rays), dtype=bool)
     for _ in range(3 * len(rays)):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 STAGES = ("query", "reduction", "manifold")
-"""Of a model's narrow phase, as columns of :attr:`voxshell.World.timings`."""
+"""Stages of a model's narrow phase, as columns of :attr:`voxshell.World.timings`."""
 
 
 def time_poses(
@@ -22,13 +22,13 @@ def time_poses(
     poses: NDArray[np.float64],
     velocities: NDArray[np.float64] | None = None,
 ) -> NDArray[np.void]:
-    """Times of the steps in which a body is put into given poses.
+    """Return times of steps in which a body starts from given poses.
 
     Args:
-        world: Without gravity, if the body is to be at rest.
-        body: Of the world.
+        world: A world, without gravity if the body is to be at rest.
+        body: A body of the world.
         poses: (n, 4, 4) ``world_from_body``.
-        velocities: (n, 2, 3) linear, m/s, and angular, rad/s, world frame, that it has there; at rest
+        velocities: (n, 2, 3) linear, m/s, and angular, rad/s, world frame, at these poses; at rest
             by default.
 
     Returns:

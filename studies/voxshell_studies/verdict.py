@@ -1,4 +1,4 @@
-"""What was published, what came out here, and what to say of it."""
+"""Published and measured values, and verdicts on them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class Row:
     """One quantity of an experiment.
 
     Attributes:
-        quantity: What, in words.
-        published: As the thesis reports it, a number in ``unit`` or words; None for what it lacks.
-        here: From this run's data; NaN where it could not be measured.
-        unit: Of both, "" for pure numbers.
-        reproduced: Whether the published behaviour shows here; None where nothing was published.
-        bar: What ours should be, in words; "" where nothing is demanded.
-        holds: Whether it is; None where nothing is demanded.
-        note: What explains the figure or a shortfall.
-        group: Heading of the rows that it is among, in long tables; "" for none.
+        quantity: The quantity in words.
+        published: The thesis' value, a number in ``unit`` or words; None if it has none.
+        here: This run's value; NaN if it could not be measured.
+        unit: Unit of both, "" for pure numbers.
+        reproduced: True if the published behavior occurs here; None if nothing was published.
+        bar: The required value, in words; "" if nothing is required.
+        holds: True if the value meets it; None if nothing is required.
+        note: An explanation of the value or of a shortfall.
+        group: Heading of the row's group in long tables; "" for none.
     """
 
     quantity: str
@@ -38,7 +38,7 @@ class Row:
 
     @property
     def below_heading(self) -> str:
-        """The quantity as it reads below its group's heading, which it may begin with.
+        """The quantity below its group's heading, without the heading at its start.
 
         Example:
             >>> Row("first contact, crossed knives", None, 0.1, "mm", group="First contact").below_heading
@@ -48,7 +48,7 @@ class Row:
 
     @property
     def verdict(self) -> str:
-        """In a few words, for tables.
+        """The verdict in a few words, for tables.
 
         Example:
             >>> Row("apex", 0.5, 0.5, "m", reproduced=True, bar="<= 1", holds=False).verdict
@@ -60,17 +60,17 @@ class Row:
 
 
 def at_most(value: float, limit: float) -> bool:
-    """Whether a measured value is there and not above a limit."""
+    """Return whether a measured value exists and is not above a limit."""
     return math.isfinite(value) and value <= limit
 
 
 def at_least(value: float, limit: float) -> bool:
-    """Whether a measured value is there and not below a limit."""
+    """Return whether a measured value exists and is not below a limit."""
     return math.isfinite(value) and value >= limit
 
 
 def format_value(value: float | str | None) -> str:
-    """Three digits that matter, or the words.
+    """Return three significant digits, or the words.
 
     Example:
         >>> [format_value(v) for v in (0.50512, 1387.94, 3, "roughly", None, float("nan"), float("inf"))]
@@ -91,7 +91,7 @@ def format_value(value: float | str | None) -> str:
 
 
 def in_mm(length: float | np.floating[Any]) -> str:
-    """Metres in words: what is below a micrometre is not told apart.
+    """Return a length in words, in millimeters, with a resolution of a micrometer.
 
     Example:
         >>> in_mm(0.00125), in_mm(2e-8), in_mm(0.0)

@@ -1,4 +1,4 @@
-"""Processes that work for this one: deaf to interrupts from their first instruction, gone when it is."""
+"""Worker processes: they ignore interrupts from their start, and end with their parent."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _INTERRUPTS = (signal.SIGINT, signal.SIGALRM)
-"""Ctrl-C, and by what the program ``voxshell`` takes one up again that came amid an import."""
+"""Ctrl-C, and the signal with which ``voxshell`` repeats one that came during an import."""
 
 
 @contextmanager
 def starting_workers() -> Iterator[None]:
-    """Starts processes in the block that no interrupt reaches before :func:`begin_worker`.
+    """Start processes in the block that no interrupt reaches before :func:`begin_worker`.
 
-    Ctrl-C goes to all processes of a terminal, also to those that have not yet said that they leave it
-    to their parent. The caller's own interrupts come at the block's end, lest it leaves a process half
-    started, which would complain.
+    Ctrl-C goes to all processes of a terminal, including those that have not set their handler yet.
+    The caller's own interrupts are delayed to the block's end: otherwise a process that has half
+    started would print errors.
     """
     late: list[int] = []
-    # Python runs handlers in the main thread alone, where alone they can be set.
+    # Python sets and runs signal handlers only in the main thread.
     here = threading.current_thread() is threading.main_thread()
     handlers = {n: signal.getsignal(n) for n in _INTERRUPTS if here}
     handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
@@ -34,9 +34,9 @@ def starting_workers() -> Iterator[None]:
     try:
         for number in handlers:
             signal.signal(number, lambda number, _: late.append(number))
-        # Its own start would let interrupts through again.
+        # Its start would enable interrupts again.
         resource_tracker.ensure_running()
-        # What a thread blocks, the processes that it starts block too.
+        # Processes inherit the signals that their parent's thread blocks.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         yield
     finally:
@@ -48,7 +48,7 @@ def starting_workers() -> Iterator[None]:
 
 
 def begin_worker() -> None:
-    """Leaves interrupts to the parent, and ends this process with it however that ends."""
+    """Leave interrupts to the parent, and end this process when the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     parent = multiprocessing.parent_process()

@@ -25,11 +25,11 @@ struct Accuracy {
   /// segments) that do not face away; meters. At edges and corners the normal is the mean of the
   /// adjacent ones.
   ErrorStatistic coverage;
-  /// No measured place of the surface is farther than this from an element of the shell that does
-  /// not face away from it; meters. Features sharper than the shell is dense may enter between its
-  /// elements.
+  /// Largest distance of a measured place from an element of the shell that does not face away from
+  /// it; meters. Features of another body that are narrower than this may enter between elements of
+  /// the shell.
   double gap = 0.0;
-  /// Whether faces meet at a convex edge by more than 20 degrees; no ball can roll there.
+  /// True if faces meet at a convex edge by more than 20 degrees; no ball can roll there.
   bool is_sharp = false;
   /// Largest convex curvature elsewhere, from the angles between faces; 1/meters.
   double curvature = 0.0;

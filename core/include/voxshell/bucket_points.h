@@ -15,7 +15,7 @@ class BucketPoints {
 
   class Iterator {
    public:
-    // NOLINTBEGIN(readability-identifier-naming): what algorithms ask for
+    // NOLINTBEGIN(readability-identifier-naming): names that the standard library requires
     using iterator_category = std::input_iterator_tag;
     using value_type = Vec3f;
     using difference_type = std::ptrdiff_t;

@@ -5,13 +5,13 @@
 
 namespace voxshell {
 
-/// Size of a cache line, bytes. To load eight floats across two lines takes twice as long.
+/// Size of a cache line, bytes. Loading eight floats across two lines takes twice as long.
 inline constexpr std::align_val_t kCacheLine{64};
 
 /// Allocator for vectors that begin at a cache line.
 template <class T>
 struct LineAllocator {
-  using value_type = T;  // NOLINT(readability-identifier-naming): what vectors ask for
+  using value_type = T;  // NOLINT(readability-identifier-naming): required by std::vector
 
   LineAllocator() = default;
   template <class U>

@@ -24,7 +24,7 @@ struct Contact {
 
 struct ContactOptions {
   float margin = 0.0f;  ///< elements with a distance below this are contacts, meters
-  /// Largest number of contacts. If there are more, the deepest; ties go to the smaller id.
+  /// Largest number of contacts. If there are more, the deepest stay; ties go to the smaller id.
   std::size_t max_points = SIZE_MAX;
 };
 

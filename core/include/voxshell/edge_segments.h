@@ -58,8 +58,8 @@ class EdgeSegments {
   /// No end of a piece is farther than this from its middle.
   float reach() const { return reach_; }
 
-  /// In a field whose distances change by no more than the distance between two places, no place of
-  /// a piece is deeper than the one that queries find by more than this and tie().
+  /// Error bound in fields whose distances change by at most the distance between two places: no
+  /// place of a piece is deeper than the place that queries find by more than this and tie().
   double bracket() const;
 
   /// Places whose distances differ by less than this count as equally deep. The contact is the

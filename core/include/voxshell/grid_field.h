@@ -22,7 +22,7 @@ struct ExactGridView;
 
 /// How to decide what is inside a mesh.
 enum class SignMethod {
-  kAutomatic,  ///< as a closed mesh if it is one, else by winding numbers
+  kAutomatic,  ///< kClosed if the mesh is closed, otherwise kWinding
   kClosed,     ///< by the surface's crossings of grid rows; refuses any other mesh
   kWinding,    ///< where the generalized winding number is above a half: any mesh
 };
@@ -121,10 +121,10 @@ struct EightPoints {
 /// its 9x9x9 nodes, to 1/512 voxel. Farther away it may hold fewer nodes, down to its corners. If
 /// all its distances are those to one plane, it holds the plane. Values between nodes are
 /// trilinear. In a field by tolerance, nodes are eight times finer, and cells that trilinear
-/// samples cannot follow (creases, thin walls) hold the few triangles nearest to them and are
-/// exact. Outside the grid, the field takes the surface to be where the nearest point of the grid
-/// sees it. It is then off by at most that point's distance from the surface, plus the point's own
-/// error. For D(q), the distance of the nearest point q of the grid, the true distance of p is
+/// exact. Outside the grid, the field extrapolates from the nearest point of the grid. Its error
+/// there is at most that point's distance from the surface, plus the point's own error. For D(q),
+/// the distance of the nearest point q of the grid, the true distance of p is between
+/// sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
 /// between sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
 class GridField {
  public:
@@ -169,9 +169,9 @@ class GridField {
     return std::sqrt(0.75) * data_.voxel_size + data_.node_error + data_.sign.cap_error;
   }
 
-  /// Where the field and the mesh differ in what is inside, the surface is no farther than this,
-  /// meters. This is a proof: fields by tolerance are proved cell by cell when they are built
-  /// (decision 0028); for others it is interpolation_error().
+  /// Largest distance from the surface at which field and mesh disagree on what is inside, meters.
+  /// This is proven: cell by cell when a field by tolerance is built (decision 0028); for others it
+  /// is interpolation_error().
   double surface_error() const {
     return data_.surface_error > 0.0 ? data_.surface_error : interpolation_error();
   }

@@ -11,7 +11,7 @@
 
 namespace voxshell {
 
-/// Up to this many points stand for all contacts of a pair: the size of Bullet's manifold.
+/// Largest number of points that represent all contacts of a pair: the size of Bullet's manifold.
 inline constexpr std::size_t kManifoldSize = 4;
 
 /// Indices into a contact set, in the order chosen.

@@ -46,8 +46,8 @@ enum class ShellChoice {
 /// contacts deeper than `miss`.
 struct PairRole {
   Role role = Role::kA;
-  /// The shell that is tested. If both are, the one that meets the truer normals: those of a smooth
-  /// body turn least between its elements.
+  /// The tested shell. If both are tested, the shell that meets the more accurate normals: those of
+  /// a smooth body turn least between its elements.
   PairBody first = PairBody::kA;
   double miss = 0.0;       ///< with this role
   double miss_of_a = 0.0;  ///< with the elements of a alone; infinity if a has no shell
@@ -85,10 +85,10 @@ struct PairBounds {
   double clearance = 0.0;
 };
 
-/// The part of the fields is proved (GridField::surface_error()). For a uniform shell it is proved
-/// that no surface is farther than sqrt(3) spacings from a point; depth is then that of the shell's
-/// surface. For a model by tolerance, the build measured how far the surface stands out above the
-/// shell's elements (Accuracy::coverage). Infinity if a tested body has no shell.
+/// The contribution of the fields is proven (GridField::surface_error()). For a uniform shell it is
+/// proven that no surface is farther than sqrt(3) spacings from a point; depth is then that of the
+/// shell's surface. For a model by tolerance, the build measured how far the surface rises above
+/// the shell's elements (Accuracy::coverage). Infinity if a tested body has no shell.
 PairBounds bound_pair(const Participant& a, const Participant& b, Role role);
 
 /// Depth that the elements of `shell` can miss in `field`, meters: how far its surface lies outside

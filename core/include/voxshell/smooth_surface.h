@@ -16,7 +16,7 @@ namespace voxshell {
 class BoxFinder;
 class ClosestPointTree;
 
-/// The smooth surface that a mesh of small facets stands for.
+/// The smooth surface that a mesh of small facets represents.
 ///
 /// Each triangle carries a quadratic patch through its corners: Phong tessellation (Boubekeur and
 /// Alexa 2008) with a shape factor of one half, with which patches equal spheres and cylinders to
@@ -52,7 +52,7 @@ class SmoothSurface {
   /// direction, including at a crease to a curved one. Only for curved surfaces.
   bool lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const;
 
-  /// How far a patch is from its triangle at most, meters; 0 where it is flat.
+  /// Largest distance of a patch from its triangle, meters; 0 if the patch is flat.
   float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
   float most_lift() const { return most_lift_; }
   /// Whether the surface ends or bends sharply there.

@@ -84,7 +84,7 @@ void bind_geometries(nb::module_& module) {
         return std::pair(to_array(vertices), to_array(mesh.triangles));
       },
       nb::arg("hulls"), InOrdinaryFloats(),
-      "Vertices (n, 3) and triangles (m, 3) of the hulls of sets of points.");
+      "Return vertices (n, 3) and triangles (m, 3) of the hulls of sets of points.");
   module.def(
       "mesh_mass_properties",
       [](const PointsArray& vertices, const FacesArray& faces, const std::string& kind) {
@@ -98,7 +98,7 @@ void bind_geometries(nb::module_& module) {
                        to_coordinates(m.inertia.row_z)});
       },
       nb::arg("vertices"), nb::arg("faces"), nb::arg("kind"), InOrdinaryFloats(),
-      "Centre of mass and inertia tensor about it at 1 kg, of kind 'solid' or 'surface'.");
+      "Return center of mass and inertia tensor about it at 1 kg; kind is 'solid' or 'surface'.");
   module.def(
       "sample_hull",
       [](const PointsArray& points) {
@@ -107,7 +107,7 @@ void bind_geometries(nb::module_& module) {
         return to_array(std::move(rows));
       },
       nb::arg("points"), InOrdinaryFloats(),
-      "Vertices of the hull in the 42 directions of btShapeHull, (n, 3).");
+      "Return vertices of the hull in the 42 directions of btShapeHull, (n, 3).");
 }
 
 }  // namespace voxshell::python

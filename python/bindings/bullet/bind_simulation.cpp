@@ -25,9 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Steps until `count` are done or Python has not been asked for signals for a while; returns how
-/// many are left: none where a body is lost. Without the GIL. Other threads have their turns
-/// between steps.
+/// Makes up to `count` steps, until Python must handle signals; returns how many are left, or 0 if
+/// a body's pose is no longer finite. Runs without the GIL. Other threads take turns between steps.
 std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   constexpr auto kSignalCheckEvery = std::chrono::milliseconds(10);
   const nb::gil_scoped_release released;
@@ -53,7 +52,7 @@ void step(SharedSimulation& simulation, std::size_t count) {
   }
 }
 
-/// Each step's seconds: whole step, narrow phase, and its query, reduction and manifold parts.
+/// Seconds for each step: whole step, narrow phase, and its query, reduction and manifold parts.
 nb::ndarray<nb::numpy, double> timings(const Simulation& simulation) {
   std::vector<std::array<double, 5>> rows;
   rows.reserve(simulation.timings().size());
@@ -63,7 +62,7 @@ nb::ndarray<nb::numpy, double> timings(const Simulation& simulation) {
   return to_array(std::move(rows));
 }
 
-/// Rows of body a, body b, id, point on a, point on b, normal, depth, impulse.
+/// Rows: body a, body b, id, point on a, point on b, normal, depth, impulse.
 nb::ndarray<nb::numpy, double> to_rows(const std::vector<SimulationContact>& contacts) {
   std::vector<std::array<double, 14>> rows;
   rows.reserve(contacts.size());
@@ -76,7 +75,7 @@ nb::ndarray<nb::numpy, double> to_rows(const std::vector<SimulationContact>& con
   return to_array(std::move(rows));
 }
 
-/// Rows of body, fraction, point, normal.
+/// Rows: body, fraction, point, normal.
 nb::ndarray<nb::numpy, double> cast_rays(const Simulation& simulation, const PointsArray& starts,
                                          const PointsArray& ends) {
   std::vector<RayHit> hits;

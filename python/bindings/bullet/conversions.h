@@ -23,7 +23,7 @@ inline Pose to_pose(const PoseMatrix& matrix) {
   return unwrap(Pose::from_matrix(matrix.numbers), "pose");
 }
 
-/// A new array with one row an item.
+/// A new array with one row for each item.
 template <class T, std::size_t Columns>
 nanobind::ndarray<nanobind::numpy, T> to_array(std::vector<std::array<T, Columns>> rows) {
   using Items = std::vector<std::array<T, Columns>>;

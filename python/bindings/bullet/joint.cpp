@@ -13,10 +13,10 @@ using bullet::from_bullet;
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// Of an error, the fraction that a motor with a target closes in a step.
+/// Fraction of an error that a motor with a target closes in a step.
 constexpr double kServoGain = 0.2;
-/// Of an error of the other axes and at limits, the fraction that Bullet closes in a step. Its own
-/// default of 0.2 lets arms sag.
+/// Fraction of an error, at limits and along the other axes, that Bullet closes in a step. Bullet's
+/// own default of 0.2 lets arms sag.
 constexpr double kErrorReduction = 0.8;
 constexpr double kStill = 1e-6;  // m/s, rad/s
 
@@ -45,16 +45,16 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   }
 
  private:
-  /// Bullet's constraint pushes across the axis at the parent's frame on the parent and at the
-  /// child's on the child. The farther they are apart, the larger the torque that comes from
-  /// nowhere: two boxes that turn freely flew apart within a second. Here both act at the child's
-  /// frame. Of static bodies, Bullet leaves the torque out.
+  /// Bullet's constraint pushes across the axis at the parent's frame on the parent, and at the
+  /// child's frame on the child. The farther these are apart, the larger the spurious torque: two
+  /// freely rotating boxes flew apart within a second. Here both forces act at the child's frame.
+  /// Bullet omits the torque if one of the bodies is static.
   void move_to_child(btConstraintInfo2& info) const {
     const btVector3 lever = m_calculatedTransformB.getOrigin() - m_rbA.getCenterOfMassPosition();
     for (int row = 0; row < rows_; ++row) {
       const btScalar* axis = info.m_J1linearAxis + row * info.rowskip;
       const btVector3 direction(axis[0], axis[1], axis[2]);
-      if (direction.fuzzyZero()) continue;  // a row of rotation
+      if (direction.fuzzyZero()) continue;  // a rotation row
       const btVector3 torque = lever.cross(direction);
       btScalar* angular = info.m_J1angularAxis + row * info.rowskip;
       for (int i = 0; i < 3; ++i) angular[i] = torque[i];
@@ -147,7 +147,7 @@ btTransform Joint::parent_from_child_joint() const {
   return world_from_joint().inverse() * child_.getCenterOfMassTransform() * child_from_joint_;
 }
 
-/// Of hinges, within a half turn.
+/// For hinges, within half a turn.
 double Joint::raw_position() const {
   const btTransform offset = parent_from_child_joint();
   if (settings_.kind == JointKind::kSlider) return offset.getOrigin().x();
@@ -183,7 +183,7 @@ JointReaction Joint::reaction() const {
           from_bullet(feedback_.m_appliedTorqueBodyB + lever.cross(feedback_.m_appliedForceBodyB))};
 }
 
-/// Bullet's motors run the other way.
+/// Bullet's motors have the opposite sign.
 void Joint::drive(double velocity, double force) {
   const bool drives = force > 0.0;
   if (settings_.kind == JointKind::kSlider) {
@@ -207,8 +207,8 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
   if (settings_.kind == JointKind::kSlider) {
     axes_->setLimit(0, lower, upper);
   } else {
-    // Bullet's angles run the other way and know no turns: limits are moved to the turn that it is
-    // in.
+    // Bullet's angles have the opposite sign and do not count turns, so limits are shifted to the
+    // present turn.
     const double turns = is_limited() ? position - raw_position() : 0.0;
     btRotationalLimitMotor2& axis = *axes_->getRotationalLimitMotor(0);
     axis.m_loLimit = is_limited() ? turns - upper : 1.0;

@@ -15,48 +15,48 @@ enum class JointKind {
   kPoint,   ///< turns about the joint's origin
 };
 
-/// Metres or radians along or about the joint's x axis; newtons or newton metres.
+/// Meters or radians along or about the joint's x axis; newtons or newton meters.
 struct JointSettings {
   JointKind kind = JointKind::kFixed;
   int parent = kWorld;  ///< number of a body
   int child = 0;
-  Pose parent_from_joint;  ///< frames of geometries; of the world where that is the parent
+  Pose parent_from_joint;  ///< frames of geometries, or of the world without a parent
   Pose child_from_joint;
   double lower = 1.0;  ///< above `upper`: no limits
   double upper = -1.0;
-  double friction = 0.0;  ///< what it withstands where no motor drives it
+  double friction = 0.0;  ///< while no motor drives the joint
   double damping = 0.0;   ///< per m/s or rad/s
-  bool collides = false;  ///< whether its bodies collide with each other
+  bool collides = false;  ///< true if its bodies collide with each other
 
   static constexpr int kWorld = -1;
 };
 
 enum class MotorMode { kNone, kVelocity, kPosition, kFollow };
 
-/// What drives a joint.
+/// The motor of a joint.
 struct Motor {
   MotorMode mode = MotorMode::kNone;
-  double target = 0.0;  ///< velocity or position; of one that follows, the offset
+  double target = 0.0;  ///< velocity or position; of a follower, the offset
   double max_force = 0.0;
   double max_speed = 0.0;
-  int leader = -1;  ///< number of the joint that is followed,
+  int leader = -1;  ///< number of the joint to follow
   double multiplier = 1.0;
 };
 
-/// Where a joint stands: along or about its axis, turns counted.
+/// Position and velocity of a joint, along or about its axis; turns count.
 struct JointReading {
   double position = 0.0;
   double velocity = 0.0;
 };
 
-/// What a joint did to its child in the last step: newtons and, about the joint's origin, newton
-/// metres; world frame.
+/// Force and torque of a joint on its child in the last step: newtons and, about the joint's
+/// origin, newton meters; world frame.
 struct JointReaction {
   Vec3 force;
   Vec3 torque;
 };
 
-/// One of Bullet's constraints with what it lacks: turns beyond pi, and motors with a target.
+/// One of Bullet's constraints with additions: turns beyond pi, and motors with a target.
 class Joint {
  public:
   /// `parent_from_joint` and `child_from_joint` are in the frames of Bullet's bodies.
@@ -72,10 +72,10 @@ class Joint {
 
   JointReading read() const;
   JointReaction reaction() const;
-  /// Origin and x axis, world frame, as the parent has them.
+  /// Origin and x axis, world frame, from the parent.
   btTransform world_from_joint() const;
 
-  /// Sets limits and motor for a step; `leader` is where the joint that this one follows stands.
+  /// Sets limits and motor for a step; `leader` is the position of the joint that this one follows.
   void prepare_step(double time_step, const JointReading& leader);
   /// Counts turns.
   void finish_step() { position_ = unwrap(); }
@@ -99,7 +99,7 @@ class Joint {
   btTransform parent_from_joint_;
   btTransform child_from_joint_;
   std::unique_ptr<btTypedConstraint> constraint_;
-  btGeneric6DofSpring2Constraint* axes_ = nullptr;  ///< of all kinds but kPoint
+  btGeneric6DofSpring2Constraint* axes_ = nullptr;  ///< for all kinds but kPoint
   btJointFeedback feedback_{};
   double position_ = 0.0;  ///< after the last step
 };

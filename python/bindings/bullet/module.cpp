@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Bullet itself takes no notice when there is no memory, and writes to address 0.
+/// Bullet does not check for failed allocations, and would write to address 0.
 void* allocate_or_throw(std::size_t size) {
   void* const memory = std::malloc(size);
   if (memory == nullptr) throw std::bad_alloc();

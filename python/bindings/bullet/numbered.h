@@ -10,8 +10,8 @@
 
 namespace voxshell::python {
 
-/// Parts of a simulation by their numbers, which ascend and are never given twice. What is removed
-/// leaves nothing behind. Throws std::out_of_range where a number has no part.
+/// Parts of a simulation by their numbers, which ascend and are never reused. Removed parts leave
+/// nothing behind. Throws std::out_of_range if there is no part with a number.
 template <class Part>
 class Numbered {
  public:
@@ -20,7 +20,7 @@ class Numbered {
     std::unique_ptr<Part> part;
   };
 
-  /// `name` is for messages.
+  /// `name` is for error messages.
   explicit Numbered(const char* name) : name_(name) {}
 
   std::size_t add(std::unique_ptr<Part> part) {
@@ -29,7 +29,7 @@ class Numbered {
   }
   void remove(std::size_t number) { entries_.erase(entries_.begin() + place_of(number)); }
 
-  /// Throws where there is none.
+  /// Throws if there is none.
   void check(std::size_t number) const { place_of(number); }
   Part& operator[](std::size_t number) const {
     return *entries_[static_cast<std::size_t>(place_of(number))].part;

@@ -26,7 +26,7 @@ std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points,
   return hull;
 }
 
-/// Compounds skip children whose bounds are apart: bounds of models reach as far as their contacts.
+/// Compounds skip children whose bounds are apart, so models' bounds include their contact margin.
 void widen(btCollisionShape& shape) {
   if (shape.getShapeType() != FAST_CONCAVE_MESH_PROXYTYPE) return;
   constexpr double kOfRadius = 0.05;
@@ -93,7 +93,7 @@ void BulletShape::make(const CylinderGeometry& geometry, const Pose& body_from_g
 
 void BulletShape::make(const ConeGeometry& geometry, const Pose& body_from_geometry) {
   auto cone = std::make_unique<btConeShapeZ>(geometry.radius, geometry.height);
-  cone->setMargin(0.0);  // which Bullet adds to a cone
+  cone->setMargin(0.0);  // Bullet would add the margin to a cone
   place(std::move(cone), body_from_geometry);
 }
 

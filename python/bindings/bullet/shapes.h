@@ -12,7 +12,7 @@
 
 namespace voxshell::python {
 
-/// What a body is made of, in the frame of its geometry. Metres.
+/// The shape of a body in the frame of its geometry. Meters.
 struct ModelGeometry {
   std::shared_ptr<const Model> model;
 };
@@ -26,7 +26,7 @@ struct BoxGeometry {
 struct SphereGeometry {
   double radius;
 };
-/// Along z, centred at the origin; a capsule's length is between the centres of its caps.
+/// Along z, centered at the origin; a capsule's length is the distance of its caps' centers.
 struct CapsuleGeometry {
   double radius;
   double length;
@@ -39,14 +39,14 @@ struct ConeGeometry {
   double radius;
   double height;
 };
-/// Bullet's own ways with a mesh, for comparison. The margin is Bullet's collision margin.
+/// Bullet's own shapes for a mesh, as baselines. The margin is Bullet's collision margin.
 struct GImpactGeometry {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   double margin;
 };
 struct HullsGeometry {
-  std::vector<std::vector<Vec3>> hulls;  ///< one: a convex hull; more: a compound of them
+  std::vector<std::vector<Vec3>> hulls;  ///< one: a convex hull; several: a compound of them
   double margin;
 };
 
@@ -66,14 +66,14 @@ using Geometry =
     std::variant<ModelGeometry, PlaneGeometry, BoxGeometry, SphereGeometry, CapsuleGeometry,
                  CylinderGeometry, ConeGeometry, GImpactGeometry, HullsGeometry, CompoundGeometry>;
 
-/// Whether Bullet's shape keeps to the axes of its own frame, so that a body whose frame is another
-/// needs a compound around it.
+/// True if Bullet's shape is aligned with the axes of its own frame, so that a body with another
+/// frame needs a compound around it.
 bool is_axis_bound(const Geometry& geometry);
 
-/// A Bullet shape with all that it refers to.
+/// A Bullet shape with everything that it refers to.
 class BulletShape {
  public:
-  /// The geometry as seen from the body's frame.
+  /// The geometry in the body's frame.
   BulletShape(const Geometry& geometry, const Pose& body_from_geometry);
 
   btCollisionShape* get() const { return shape_; }
@@ -96,7 +96,7 @@ class BulletShape {
   void make(const CompoundGeometry& geometry, const Pose& body_from_geometry);
   void place(std::unique_ptr<btCollisionShape> shape, const Pose& body_from_shape);
 
-  /// The numbers that a mesh of Bullet's refers to.
+  /// The numbers that a Bullet mesh refers to.
   struct Mesh {
     std::vector<btScalar> vertices;
     std::vector<int> indices;
@@ -108,15 +108,15 @@ class BulletShape {
   btCollisionShape* shape_ = nullptr;
 };
 
-/// The convex hulls of sets of points as one mesh of triangles, for mass properties and pictures.
-/// Bullet rounds the corners to a grid: they are off by up to 2e-4 of the hull's size.
+/// The convex hulls of sets of points as one triangle mesh, for mass properties and pictures.
+/// Bullet rounds the corners to a grid: their error is up to 2e-4 of the hull's size.
 struct HullMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
 };
 HullMesh triangulate_hulls(const std::vector<std::vector<Vec3>>& hulls);
 
-/// The convex hull's vertices in the 42 directions that btShapeHull samples: the thesis' hull.
+/// The convex hull's vertices in the 42 directions that btShapeHull samples, as in the thesis.
 std::vector<Vec3> sample_hull(const std::vector<Vec3>& points);
 
 }  // namespace voxshell::python

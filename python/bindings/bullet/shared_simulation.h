@@ -16,9 +16,9 @@
 
 namespace voxshell::python {
 
-/// A lock that goes to threads in the order in which they come, and that its holder may take again,
-/// as Python does where a garbage collection runs within a method. A mutex is not fair: who steps
-/// without end would keep all others waiting.
+/// A fair, recursive lock: threads get it in order of arrival. Its holder may take it again, as
+/// happens if a garbage collection runs within a method. A mutex is not fair: a thread that steps
+/// in a loop would block all others.
 class FairLock {
  public:
   bool try_lock() {
@@ -52,7 +52,7 @@ class FairLock {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t next_ = 0;    ///< ticket
-  std::uint64_t served_ = 0;  ///< ticket: of the holder, or of whoever is next
+  std::uint64_t served_ = 0;  ///< ticket of the holder, or of the next thread
   std::thread::id holder_;
   int depth_ = 0;
 };
@@ -65,7 +65,7 @@ class SharedSimulation {
 
   FairLock lock;
 
-  /// In one's turn. Throws std::out_of_range where there is none any more.
+  /// Call this only in one's turn. Throws std::out_of_range if the simulation no longer exists.
   Simulation& get() {
     if (simulation_ == nullptr) {
       throw std::out_of_range("memory ran out while this world changed; make another world");
@@ -73,8 +73,8 @@ class SharedSimulation {
     return *simulation_;
   }
 
-  /// Calls `change` with the simulation. Where memory runs out amid it, Bullet is left with half of
-  /// the change, and can neither go on nor be taken apart: its memory stays as it is.
+  /// Calls `change` with the simulation. If memory runs out during it, the change is incomplete,
+  /// and Bullet can neither continue nor be destroyed: its memory is leaked.
   template <class Change>
   auto change(const Change& change) {
     try {
@@ -89,8 +89,8 @@ class SharedSimulation {
   std::unique_ptr<Simulation> simulation_;
 };
 
-/// One call: a turn of the simulation's, and ordinary floating-point numbers. Needs the GIL, which
-/// it gives away while it waits, so that whoever holds the turn can end.
+/// One call: a turn of the simulation, with ordinary floating-point state. Needs the GIL, and
+/// releases it while it waits, so that the present holder can finish.
 class Turn {
  public:
   explicit Turn(SharedSimulation& simulation) : lock_(simulation.lock) {
@@ -107,7 +107,7 @@ class Turn {
   OrdinaryFloats floats_;
 };
 
-/// A method of Python's that takes its turn.
+/// A Python method that takes its turn.
 template <class Result, class... Args>
 auto in_turn(Result (*function)(Simulation&, Args...)) {
   return [function](SharedSimulation& shared, Args... args) -> Result {
@@ -145,7 +145,7 @@ auto in_turn(Lambda lambda) {
   return in_turn(+lambda);
 }
 
-/// The class as Python has it: no method can be defined that does not take its turn.
+/// The Python class: all methods defined through it take their turn.
 class SimulationMethods {
  public:
   explicit SimulationMethods(nanobind::class_<SharedSimulation>& of) : class_(of) {}

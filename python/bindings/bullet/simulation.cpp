@@ -32,8 +32,8 @@ double seconds_since(Clock::time_point start) {
 
 std::pair<int, int> ascending(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The frame of a body of Bullet's in its geometry. Shapes that keep to their axes keep theirs
-/// where these are principal ones.
+/// The frame of a Bullet body in its geometry. Shapes that are aligned with their axes keep these
+/// if they are principal axes.
 bullet::BodyFrame choose_frame(const BodySettings& settings) {
   if (settings.motion != Motion::kDynamic) return {};
   const MassProperties& matter = settings.mass_properties;
@@ -81,7 +81,7 @@ Simulation::~Simulation() { drop_world(); }
 
 void Simulation::make_world() {
   configuration_ = std::make_unique<bullet::CollisionConfiguration>(settings_.contact);
-  // With one point a step, Bullet's own boxes sink through Bullet's planes at 60 Hz.
+  // With one point per step, Bullet's own boxes sink into Bullet's planes at 60 Hz.
   configuration_->setPlaneConvexMultipointIterations();
   dispatcher_ = std::make_unique<TimedDispatcher>(configuration_.get(), settings_.threads);
   btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher_.get());
@@ -106,7 +106,7 @@ void Simulation::make_world() {
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
 }
 
-/// Constraints leave before their bodies, bodies before what finds their pairs.
+/// Constraints are removed before their bodies, and bodies before the broad phase.
 void Simulation::drop_world() {
   for (const auto& [number, joint] : joints_) world_->removeConstraint(&joint->constraint());
   for (const auto& [number, body] : bodies_) world_->removeRigidBody(&body->rigid_body);
@@ -250,14 +250,14 @@ bool Simulation::may_meet(const btCollisionObject& a, const btCollisionObject& b
          !apart_.contains(ascending(number_a, number_b)) && !are_jointed_apart(number_a, number_b);
 }
 
-/// After a change of who may meet the body.
+/// Call it after a change of the groups that a body collides with.
 void Simulation::update_pairs(const Body& body) {
   for (const auto& [number, other] : bodies_) {
     if (other.get() != &body) update_pair(body, *other);
   }
 }
 
-/// After a change of whether two bodies may meet.
+/// Call it after a change of whether two bodies may collide.
 void Simulation::update_pair(const Body& body, const Body& other) {
   btBroadphaseProxy* const proxy =
       const_cast<btBroadphaseProxy*>(body.rigid_body.getBroadphaseHandle());
@@ -328,7 +328,7 @@ void Simulation::note_ways() {
     if (body->moves_far || body->motion != Motion::kDynamic) continue;
     double way = body->rigid_body.getLinearVelocity().length() * settings_.time_step;
     if (body->rigid_body.getActivationState() == DISABLE_SIMULATION) {
-      way = std::max(way, kWayThatBulletStops);  // it has been stopped
+      way = std::max(way, kWayThatBulletStops);  // Bullet has stopped it
     }
     if (!(way > kMostWay)) continue;
     body->moves_far = true;
@@ -372,7 +372,7 @@ void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   const btTransform world_from_body = to_bullet(pose * bodies_[body].body_from_geometry.inverse());
   const bool is_moved = !(rigid_body.getWorldTransform() == world_from_body);
   if (bodies_[body].motion == Motion::kKinematic) {
-    // The place that it had after the last step stays, for its velocity.
+    // Keep the pose of the last step, which determines the velocity.
     rigid_body.setWorldTransform(world_from_body);
   } else {
     rigid_body.setCenterOfMassTransform(world_from_body);

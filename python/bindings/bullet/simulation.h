@@ -22,7 +22,7 @@
 
 namespace voxshell::python {
 
-/// bullet::CoulombSolver, and Bullet's own solvers of constraints.
+/// bullet::CoulombSolver, and Bullet's own constraint solvers.
 enum class ConstraintSolver {
   kCoulomb,
   kSequentialImpulse,
@@ -34,46 +34,46 @@ enum class ConstraintSolver {
 struct SimulationSettings {
   Vec3 gravity{0.0, 0.0, -9.81};   ///< m/s2
   double time_step = 1.0 / 200.0;  ///< seconds
-  bool sleeping = true;            ///< whether resting bodies are put to sleep
-  /// Penetrations below minus this are resolved by split impulses, without adding velocity. At 0,
-  /// all of them: impacts then rebound with the energy that their restitution says, and no more.
+  bool sleeping = true;            ///< put resting bodies to sleep
+  /// Split impulses resolve penetrations below minus this without adding velocity. At 0, this
+  /// applies to all penetrations, so rebounds have exactly the energy that restitution gives.
   /// Bullet's own default is -0.04.
   double split_impulse_threshold = 0.0;
   ConstraintSolver solver = ConstraintSolver::kCoulomb;
-  int iterations = 10;  ///< of the solver; Dantzig's has none
-  /// Of the Coulomb solver: whether it does more where that many are not enough.
+  int iterations = 10;  ///< of the solver; not used by Dantzig's
+  /// For the Coulomb solver: whether it continues if these iterations are not sufficient.
   bullet::SolverEffort effort = bullet::SolverEffort::kAsNeeded;
-  /// Fixed at each contact. Bullet's own default is the direction of sliding alone: then a body
-  /// that lies still falls freely for a step before friction knows where to.
+  /// Two fixed directions at each contact. Bullet's own default is only the direction of sliding:
+  /// then a resting body falls freely for one step, until friction knows the direction.
   bool two_friction_directions = true;
   bullet::ContactSettings contact;
-  unsigned threads = 0;  ///< that look for contacts of models; 0: one for each core
+  unsigned threads = 0;  ///< that find contacts of models; 0: one per core
 };
 
-/// Who moves a body.
+/// What moves a body.
 enum class Motion {
   kDynamic,    ///< forces
-  kStatic,     ///< nobody
-  kKinematic,  ///< the user, pose by pose
+  kStatic,     ///< nothing
+  kKinematic,  ///< the user sets its poses
 };
 
-/// What can be set of a body at any time.
+/// Properties of a body that can change at any time.
 struct BodyMaterial {
   double friction = 0.5;
-  double rolling_friction = 0.0;   ///< metres
-  double spinning_friction = 0.0;  ///< metres
+  double rolling_friction = 0.0;   ///< meters
+  double spinning_friction = 0.0;  ///< meters
   double restitution = 0.0;
   double linear_damping = 0.0;  ///< fraction of the velocity that is lost in a second
   double angular_damping = 0.0;
   Vec3 surface_velocity;  ///< m/s, geometry's frame; of kinematic bodies under the Coulomb solver
-  /// Bodies meet if each one's group is in the other's mask.
+  /// Bodies collide if each one's group is in the other's mask.
   int group = 1;
   int mask = -1;
 };
 
 struct BodySettings {
   Geometry geometry;
-  MassProperties mass_properties;  ///< in the geometry's frame; of dynamic bodies alone
+  MassProperties mass_properties;  ///< in the geometry's frame; only for dynamic bodies
   Motion motion = Motion::kDynamic;
   Pose world_from_geometry;
   BodyMaterial material;
@@ -82,17 +82,17 @@ struct BodySettings {
 /// Seconds of one step.
 struct StepTimings {
   double step;          ///< all of it
-  double narrow_phase;  ///< dispatching all pairs: every shape's algorithms
+  double narrow_phase;  ///< all pairs' collision algorithms
   double query;         ///< the parts of models: finding contacts,
   double reduction;     ///< choosing points,
   double manifold;      ///< filling manifolds
 };
 
-/// A contact point. Metres, world frame; normal on b, pointing towards a.
+/// A contact point. Meters, world frame; normal on b, pointing toward a.
 struct SimulationContact {
   int body_a;
   int body_b;
-  int id;  ///< of the shell's point; Bullet's triangle or child index for other shapes
+  int id;  ///< of the shell's element; for other shapes, Bullet's triangle or child index
   Vec3 point_a;
   Vec3 point_b;
   Vec3 normal;
@@ -100,12 +100,12 @@ struct SimulationContact {
   double impulse;  ///< normal impulse of the last step, N s; 0 in queries
 };
 
-/// What a ray meets first. Metres, world frame.
+/// First hit of a ray. Meters, world frame.
 struct RayHit {
-  int body = -1;          ///< none
-  double fraction = 1.0;  ///< of the way
-  Vec3 point;             ///< the ray's end where it meets nothing
-  Vec3 normal;            ///< of the surface, towards the ray's start; zero where it meets nothing
+  int body = -1;          ///< no hit
+  double fraction = 1.0;  ///< of the ray
+  Vec3 point;             ///< the ray's end without a hit
+  Vec3 normal;            ///< of the surface, toward the ray's start; zero without a hit
 };
 
 struct Bounds {
@@ -116,7 +116,7 @@ struct Bounds {
 struct SimulationState;
 
 /// A world of stock Bullet, float64, with voxshell's collision configuration. Throws
-/// std::out_of_range where a number is of no body or joint of the world.
+/// std::out_of_range if the world has no body or joint with a number.
 class Simulation {
  public:
   explicit Simulation(const SimulationSettings& settings);
@@ -124,12 +124,12 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// Adds a body and returns its number, which no other body ever has.
+  /// Adds a body and returns its number, which is never reused.
   std::size_t add_body(const BodySettings& settings);
   /// Removes a body and the joints that hold it.
   void remove_body(std::size_t body);
 
-  /// Adds a joint and returns its number, which no other joint ever has.
+  /// Adds a joint and returns its number, which is never reused.
   std::size_t add_joint(const JointSettings& settings);
   void remove_joint(std::size_t joint);
   JointReading read_joint(std::size_t joint) const { return joints_[joint].read(); }
@@ -138,32 +138,32 @@ class Simulation {
   void set_motor(std::size_t joint, const Motor& motor);
 
   void step();
-  /// Made since the start, or since that of a state that was restored.
+  /// Number of steps since the start, or since the start of a restored state.
   std::uint64_t step_count() const { return step_count_; }
-  /// Bodies that turn by more than kMostTurn a step, each of them once, with how far that is,
-  /// radians; and forgets them.
+  /// Bodies that turn by more than kMostTurn in a step, with that angle, radians. Each body is
+  /// reported once.
   std::vector<std::pair<std::size_t, double>> take_fast_spins() {
     return std::exchange(fast_spins_, {});
   }
-  /// Bodies that move by more than kMostWay a step, each of them once, with how far that is,
-  /// metres; and forgets them.
+  /// Bodies that move by more than kMostWay in a step, with that distance, meters. Each body is
+  /// reported once.
   std::vector<std::pair<std::size_t, double>> take_long_ways() {
     return std::exchange(long_ways_, {});
   }
   /// A body whose pose or velocity is not finite.
   std::optional<std::size_t> find_lost_body() const;
-  /// Metres a step, and diagonal of a moving body's box, metres. Bullet takes what moves out of the
-  /// simulation where the diagonal of its box and its way in a step reaches 1e6 m
-  /// (btCollisionWorld::updateSingleAabb); turned, a box of this diagonal has one of 8.7e5 m.
+  /// Limits of displacement per step, and of the diagonal of a moving body's box, meters. Bullet
+  /// stops simulating a body when the diagonal of its box and its displacement reach 1e6 m
+  /// (btCollisionWorld::updateSingleAabb). A box of this diagonal, rotated, has one of 8.7e5 m.
   static constexpr double kMostWay = 1e5;
   static constexpr double kWayThatBulletStops = 1e6;
   static constexpr double kMostExtent = 5e5;
-  /// Kilograms. Bullet takes an inverse mass below 2.2e-16 (SIMD_EPSILON) for 0, and so what is
-  /// heavier for a body that no contact stops.
+  /// Kilograms. Bullet treats an inverse mass below 2.2e-16 (SIMD_EPSILON) as 0, so no contact
+  /// stops a heavier body.
   static constexpr double kMostMass = 1e15;
-  /// Bullet looks for pairs of bodies as if none turned farther in a step, radians.
+  /// Bullet searches for pairs as if no body turned farther in a step, radians.
   static constexpr double kMostTurn = std::numbers::pi / 4.0;
-  /// Of the steps since the start or clear_timings(), the last kMostTimings at most.
+  /// Timings of the steps since the start or clear_timings(), at most the last kMostTimings.
   const std::deque<StepTimings>& timings() const { return timings_; }
   void clear_timings() { timings_.clear(); }
   static constexpr std::size_t kMostTimings = 100'000;
@@ -171,7 +171,7 @@ class Simulation {
 
   Pose world_from_geometry(std::size_t body) const;
   void set_world_from_geometry(std::size_t body, const Pose& pose);
-  /// Of the centre of mass, m/s, and rad/s; world frame.
+  /// Of the center of mass, m/s, and rad/s; world frame.
   Vec3 linear_velocity(std::size_t body) const;
   Vec3 angular_velocity(std::size_t body) const;
   void set_linear_velocity(std::size_t body, const Vec3& velocity);
@@ -179,26 +179,28 @@ class Simulation {
   bool is_asleep(std::size_t body) const;
   void wake(std::size_t body);
 
-  /// For the next step. `place` is a point of the world frame; without one, the centre of mass.
+  /// These act in the next step. `place` is a point in the world frame, by default the center of
+  /// mass.
   void apply_force(std::size_t body, const Vec3& force, const std::optional<Vec3>& place);
   void apply_torque(std::size_t body, const Vec3& torque);
-  /// At once.
+  /// These act at once.
   void apply_impulse(std::size_t body, const Vec3& impulse, const std::optional<Vec3>& place);
   void apply_torque_impulse(std::size_t body, const Vec3& impulse);
 
   const BodyMaterial& material(std::size_t body) const;
   void set_material(std::size_t number, const BodyMaterial& material);
-  /// Whether two bodies meet, whatever their groups.
+  /// Lets two bodies collide or not, if their groups permit.
   void set_collision(std::size_t a, std::size_t b, bool collides);
 
-  /// Queries take bodies where they are now, and leave the simulation as it is.
+  /// Queries use the present poses, and do not affect the simulation.
   std::vector<RayHit> cast_rays(const std::vector<Vec3>& starts,
                                 const std::vector<Vec3>& ends) const;
   Bounds bounds(std::size_t body) const;
-  /// Places of two bodies within `margin` of each other, a few for each pair of parts.
+  /// Points of two bodies within `margin` of each other, a few for each pair of parts.
   std::vector<SimulationContact> find_contacts(std::size_t a, std::size_t b, double margin) const;
 
-  /// Both lay Bullet's caches anew, in the same way, so that what follows is the same to the bit.
+  /// Both functions rebuild Bullet's caches in the same way, so that later steps have the same
+  /// bits.
   std::shared_ptr<const SimulationState> save();
   /// Bodies and joints must be those of the state.
   void restore(const SimulationState& state);
@@ -230,12 +232,12 @@ class Simulation {
   std::unique_ptr<TimedDispatcher> dispatcher_;
   std::unique_ptr<Filter> filter_;
   std::unique_ptr<btBroadphaseInterface> broadphase_;
-  std::unique_ptr<btMLCPSolverInterface> lcp_;  ///< of solvers that solve all constraints as one
+  std::unique_ptr<btMLCPSolverInterface> lcp_;  ///< for solvers of all constraints at once
   std::unique_ptr<btConstraintSolver> solver_;
-  btRigidBody anchor_;  ///< what joints to the world hold on to
+  btRigidBody anchor_;  ///< the fixed body of joints to the world
   Numbered<Body> bodies_;
   Numbered<Joint> joints_;
-  std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not meet, ascending
+  std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not collide, ascending
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
   std::uint64_t step_count_ = 0;

@@ -6,20 +6,20 @@
 
 namespace voxshell::python {
 
-/// A body as the simulation keeps it.
+/// A body in the simulation.
 struct Simulation::Body {
   Pose body_from_geometry;
   BulletShape shape;
   btRigidBody rigid_body;
   Motion motion;
   BodyMaterial material;
-  bool spins_fast = false;  ///< has been among Simulation::take_fast_spins()
-  bool moves_far = false;   ///< has been among Simulation::take_long_ways()
+  bool spins_fast = false;  ///< was reported by Simulation::take_fast_spins()
+  bool moves_far = false;   ///< was reported by Simulation::take_long_ways()
 
   Body(const BodySettings& settings, const bullet::BodyFrame& frame);
 };
 
-/// A dispatcher that also says how long the narrow phase took.
+/// A dispatcher that measures the time of the narrow phase.
 class Simulation::TimedDispatcher : public bullet::ParallelDispatcher {
  public:
   using bullet::ParallelDispatcher::ParallelDispatcher;
@@ -30,7 +30,7 @@ class Simulation::TimedDispatcher : public bullet::ParallelDispatcher {
   double seconds = 0.0;  ///< of the last dispatch
 };
 
-/// Which pairs of bodies Bullet looks at.
+/// Filters the pairs of bodies that Bullet examines.
 class Simulation::Filter : public btOverlapFilterCallback {
  public:
   explicit Filter(const Simulation& simulation) : simulation_(simulation) {}

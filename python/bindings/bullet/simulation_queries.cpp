@@ -10,7 +10,7 @@ using bullet::to_bullet;
 
 namespace {
 
-/// Takes down the points of a contact test.
+/// Collects the points of a contact test.
 class ContactList : public btCollisionWorld::ContactResultCallback {
  public:
   explicit ContactList(double margin) { m_closestDistanceThreshold = margin; }
@@ -33,7 +33,7 @@ class ContactList : public btCollisionWorld::ContactResultCallback {
 
 std::vector<RayHit> Simulation::cast_rays(const std::vector<Vec3>& starts,
                                           const std::vector<Vec3>& ends) const {
-  // Bullet's own tree of bounds is a step behind the bodies.
+  // Bullet's own tree of bounds is one step old.
   struct Target {
     btCollisionObject* body;
     btVector3 lower;

@@ -11,14 +11,14 @@ namespace {
 
 using ManifoldState = SimulationState::ManifoldState;
 
-/// A point of the state that has not been given to a new one yet.
+/// A point of the state that no new point has taken over yet.
 struct Saved {
   const btManifoldPoint* point;
   bool taken = false;
 };
 
-/// Lets points of a new manifold go on from those of the state. Points of shells are known by their
-/// ids; Bullet's own points, which have none, by where they lie.
+/// Transfers the state's points to those of a new manifold. Points of shells are matched by id,
+/// Bullet's own points, which have no id, by position.
 void carry_over(btManifoldPoint& point, std::vector<Saved>& saved, double threshold) {
   Saved* best = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
@@ -38,7 +38,7 @@ void carry_over(btManifoldPoint& point, std::vector<Saved>& saved, double thresh
   point = *best->point;
 }
 
-/// Whether all that the state has of the manifold's bodies is one manifold.
+/// True if the state has exactly one manifold of these bodies.
 bool is_whole(const SimulationState& state, const btPersistentManifold& manifold) {
   return std::ranges::count_if(state.manifolds, [&](const ManifoldState& saved) {
            return saved.body_0 == manifold.getBody0()->getUserIndex() &&
@@ -92,8 +92,8 @@ void Simulation::restore(const SimulationState& state) {
   step_count_ = state.step_count;
 }
 
-/// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on all that went before: a new
-/// world has none that the state does not name.
+/// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on the whole past. A new world has
+/// only what the state contains.
 void Simulation::rebuild(const SimulationState& state) {
   drop_world();
   make_world();
@@ -109,7 +109,7 @@ void Simulation::rebuild(const SimulationState& state) {
     rigid_body.setAngularVelocity(saved.angular_velocity);
     rigid_body.setInterpolationLinearVelocity(saved.interpolated_linear_velocity);
     rigid_body.setInterpolationAngularVelocity(saved.interpolated_angular_velocity);
-    // Awake until the contacts are found: sleeping pairs are not looked at.
+    // Bodies stay awake until contacts are found: Bullet skips sleeping pairs.
     rigid_body.forceActivationState(ACTIVE_TAG);
     enter(body);
     rigid_body.clearForces();
@@ -121,7 +121,7 @@ void Simulation::rebuild(const SimulationState& state) {
     world_->addConstraint(&joint.constraint());
   }
   world_->getDispatchInfo().m_timeStep = settings_.time_step;
-  // Contacts are found as in a step: without weight, nothing would be taken to lie still.
+  // Contacts are found as in a step: without gravity, nothing would count as resting.
   world_->applyGravity();
   world_->performDiscreteCollisionDetection();
   warm_up(state);
@@ -136,7 +136,7 @@ void Simulation::rebuild(const SimulationState& state) {
   restored_contacts_ = state.contacts;
 }
 
-/// Gives the manifolds what the next step is to begin with.
+/// Gives the manifolds the impulses with which the next step begins.
 void Simulation::warm_up(const SimulationState& state) {
   std::map<std::pair<int, int>, std::vector<Saved>> saved;
   for (const ManifoldState& manifold : state.manifolds) {
@@ -153,7 +153,7 @@ void Simulation::warm_up(const SimulationState& state) {
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       carry_over(manifold.getContactPoint(i), found->second, threshold);
     }
-    // Bullet's algorithms find one point a step and collect them.
+    // Bullet's algorithms find one point per step and accumulate points.
     const bool collects = threshold < BT_LARGE_FLOAT && is_whole(state, manifold);
     for (Saved& point : found->second) {
       if (!collects || point.taken || manifold.getNumContacts() >= MANIFOLD_CACHE_SIZE) continue;

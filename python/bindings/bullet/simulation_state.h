@@ -10,7 +10,7 @@
 
 namespace voxshell::python {
 
-/// All of a simulation that changes, but for which bodies and joints there are.
+/// Everything in a simulation that changes, except the existence of bodies and joints.
 struct SimulationState {
   struct BodyState {
     std::size_t number;
@@ -40,7 +40,7 @@ struct SimulationState {
   std::vector<BodyState> bodies;
   std::vector<JointState> joints;
   std::set<std::pair<int, int>> apart;
-  std::vector<ManifoldState> manifolds;  ///< whose impulses the next step begins with
+  std::vector<ManifoldState> manifolds;  ///< with the impulses that the next step begins with
   std::vector<SimulationContact> contacts;
   std::uint64_t step_count = 0;
 };

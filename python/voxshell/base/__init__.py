@@ -1,1 +1,1 @@
-"""What all rooms share: arguments, poses and their rotations, settings, files read and written."""
+"""Code that every folder uses: arguments, poses, rotations, settings, and file input and output."""

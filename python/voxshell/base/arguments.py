@@ -1,4 +1,4 @@
-"""Checks of arguments, shared by the public functions. Each says what it wanted and what it got."""
+"""Checks of arguments. Each error states what the public function expects and what it received."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 _MOST_THREADS = 1024
 FARTHEST = 1e15
-"""Metres beyond which a length is refused: its square still fits single precision."""
+"""Largest length that is accepted, meters: its square still fits single precision."""
 
 
 def as_real(value: Any, name: str) -> float:
-    """A finite number."""
+    """Return a finite number."""
     try:
-        # True would be 1, a metre where a length is wanted.
+        # Python converts True to 1, which would be 1 m where a length is expected.
         if isinstance(value, (str, bytes, bytearray, bool, np.bool_)):
             raise TypeError
         number = float(value)
@@ -39,7 +39,7 @@ def as_real(value: Any, name: str) -> float:
 
 
 def as_positive(value: Any, name: str) -> float:
-    """A finite number above zero."""
+    """Return a finite number above zero."""
     number = as_real(value, name)
     if not number > 0.0:
         raise SettingsError(f"{name} must be above 0, not {number:g}")
@@ -47,7 +47,7 @@ def as_positive(value: Any, name: str) -> float:
 
 
 def as_not_negative(value: Any, name: str) -> float:
-    """A finite number of at least 0."""
+    """Return a finite number of at least 0."""
     number = as_real(value, name)
     if number < 0.0:
         raise SettingsError(f"{name} must be at least 0, not {number:g}")
@@ -55,7 +55,7 @@ def as_not_negative(value: Any, name: str) -> float:
 
 
 def as_share(value: float, name: str) -> float:
-    """A number from 0 to 1."""
+    """Return a number from 0 to 1."""
     share = as_real(value, name)
     if not 0.0 <= share <= 1.0:
         raise SettingsError(f"{name} must be from 0 to 1, not {share:g}")
@@ -63,7 +63,7 @@ def as_share(value: float, name: str) -> float:
 
 
 def as_length(value: Any, name: str) -> float:
-    """A length above zero, in metres."""
+    """Return a length above zero, in meters."""
     number = as_positive(value, name)
     if number > FARTHEST:
         raise SettingsError(f"{name} must be at most {FARTHEST:g} m, not {number:g}")
@@ -71,7 +71,7 @@ def as_length(value: Any, name: str) -> float:
 
 
 def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
-    """An integer of a range, both ends included."""
+    """Return an integer within a range that includes both ends."""
     try:
         if isinstance(value, bool):
             raise TypeError
@@ -84,7 +84,7 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
 
 
 def as_threads(value: Any) -> int:
-    """A number of threads for the core, for which None, one a core, is 0."""
+    """Return a number of threads for the core, which takes 0 for None: one thread per CPU core."""
     return 0 if value is None else as_integer(value, "threads", 1, _MOST_THREADS)
 
 
@@ -94,7 +94,7 @@ def as_floats(
     shape: tuple[int | None, ...],
     error: type[VoxshellError] = SettingsError,
 ) -> NDArray[np.float64]:
-    """A contiguous float64 array of a shape, in which None stands for any length."""
+    """Return a contiguous float64 array of a shape; None in the shape stands for any length."""
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
@@ -110,12 +110,12 @@ def as_floats(
 
 
 def as_points(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    """An (n, 3) array; whether its numbers are finite is for the core to check."""
+    """Return an (n, 3) array. The core checks that its numbers are finite."""
     return as_floats(value, name, (None, 3))
 
 
 def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
-    """Three finite numbers."""
+    """Return three finite numbers."""
     x, y, z = as_floats(value, name, (3,)).tolist()
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise SettingsError(f"{name} must be finite, not {(x, y, z)}")
@@ -123,7 +123,7 @@ def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
 
 
 def as_path(value: Any, name: str) -> bytes:
-    """The name of a file as the system has it."""
+    """Return a file name in the encoding of the file system."""
     try:
         path = os.fsencode(value)
     except (TypeError, ValueError):
@@ -134,6 +134,6 @@ def as_path(value: Any, name: str) -> bytes:
 
 
 def describe(shape: tuple[int | None, ...]) -> str:
-    """A shape in words, as in "(n, 3)"."""
+    """Return a shape in words, such as "(n, 3)"."""
     sizes = ["n" if size is None else str(size) for size in shape]
     return f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(sizes)})"

@@ -1,4 +1,4 @@
-"""Input files other than meshes and models: regular ones, of a size that they may have."""
+"""Reading of input files other than meshes and models: regular files of limited size."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 
 
 def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
-    """Reads a whole file.
+    """Read a whole file.
 
     Args:
-        path: Of the file.
-        most: Bytes that it may have.
-        what: Kind of file, for errors: "scene file".
+        path: The file's path.
+        most: Largest size that is accepted, bytes.
+        what: Kind of file, for error messages: "scene file".
 
     Raises:
         SettingsError: The file does not exist, is not a regular file, or is larger than ``most``.
-        FileAccessError: The system does not let it be read.
+        FileAccessError: The system refuses to read the file.
     """
-    # A pipe without a writer would keep open() waiting.
+    # open() would block on a pipe that nobody writes to.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
@@ -39,7 +39,7 @@ def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
         if not stat.S_ISREG(status.st_mode):
             raise SettingsError(f"{path}: not a regular file")
         if status.st_size > most:
-            raise SettingsError(f"{path} has {status.st_size} bytes, and at most {most} are read")
+            raise SettingsError(f"{path} has {status.st_size} bytes; at most {most} are read")
         with open(descriptor, "rb", closefd=False) as file:
             return file.read(status.st_size)
     finally:

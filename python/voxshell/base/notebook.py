@@ -1,4 +1,4 @@
-"""Small summaries for notebooks: what objects show of themselves where a browser displays them."""
+"""HTML summaries that notebooks display for voxshell's objects."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _CELL = "text-align: left; padding: 0.15em 1.2em 0.15em 0; vertical-align: top"
 
 
 def make_table(title: str, facts: Mapping[str, str]) -> str:
-    """A table of facts as HTML that needs nothing else.
+    """Return a table of facts as self-contained HTML.
 
     Args:
         title: Plain text.
-        facts: Plain text by plain text, in the order shown.
+        facts: Names and values, plain text, in the order of display.
 
     Example:
         >>> print(make_table("Ball", {"radius": "0.1 m"}))
@@ -32,10 +32,10 @@ def make_table(title: str, facts: Mapping[str, str]) -> str:
 
 
 def make_frame(page: str, height: int) -> str:
-    """A page within a page, which can neither read nor change what is around it.
+    """Return an iframe that can neither read nor change the page around it.
 
     Args:
-        page: A whole page, HTML.
+        page: A complete HTML page.
         height: Pixels.
     """
     return (

@@ -1,7 +1,7 @@
-"""Places to write to: checked before the work, and filled whole or not at all.
+"""Writing of output files: check the place before the work, then write completely or not at all.
 
-What is not complete yet has a name of its own, beside the place that it is for, and is locked as long as
-its writer lives. The next writer in the same folder removes what a killed one has left.
+An incomplete file has a temporary name beside its target and stays locked while its writer runs. If
+a writer is killed, the next writer in the same folder removes what it left.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 OF_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG)
-"""What the system says of a file without its name; other errors without one are not of files."""
+"""Codes of errors that concern writing even if they name no file."""
 
 _WITHOUT_NAMELESS_FILES = (errno.EISDIR, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOENT)
-"""What disks say that know no files without a name."""
+"""Error codes of file systems that do not support unnamed files."""
 
 
 def check_output_file(path: Path) -> None:
-    """Refuses a place that no file can be written to; before the work that fills it.
+    """Refuse a path where no file can be written. Call this before the work that fills the file.
 
     Raises:
-        SettingsError: It is a folder, a device or a pipe, or there is no folder to write it into.
-        FileAccessError: The system does not let it be written.
+        SettingsError: It is a folder, a device or a pipe, or its folder does not exist.
+        FileAccessError: The system refuses to write it.
     """
     mode = _find_mode(path)
     if mode is not None and stat.S_ISDIR(mode):
@@ -46,16 +46,16 @@ def check_output_file(path: Path) -> None:
 
 
 def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
-    """Refuses a place that no folder of files can be written to; before the work that fills it.
+    """Refuse a path where no files can be written. Call this before the work that fills it.
 
     Args:
-        folder: May not be there yet, nor the folders that it is in.
-        names: The files to be written into it.
+        folder: It and its parents need not exist yet.
+        names: Names of the files to write into it.
 
     Raises:
-        SettingsError: It, or what it would be in, is no folder; or a name is taken by what is no
-            file.
-        FileAccessError: The system does not let it be written.
+        SettingsError: The path or one of its parents is not a folder, or a name belongs to
+            something that is not a regular file.
+        FileAccessError: The system refuses to write it.
     """
     nearest = _find_nearest(folder)
     mode = _find_mode(nearest)
@@ -74,15 +74,15 @@ def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:
 
 
 def check_suffix(path: Path, suffixes: Sequence[str], what: str) -> None:
-    """Refuses a name whose ending says something else than what is written.
+    """Refuse a file name whose suffix does not match what is written.
 
     Args:
-        path: Of a file to write.
-        suffixes: Those that fit, such as ``(".html",)``; capitals do not matter.
-        what: Is written, for people.
+        path: The file to write.
+        suffixes: Valid suffixes, such as ``(".html",)``; case does not matter.
+        what: What is written, for the error message.
 
     Raises:
-        SettingsError: It has another ending, or none.
+        SettingsError: The suffix is another one or missing.
     """
     if path.suffix.lower() not in suffixes:
         ending = f"in {path.suffix!r}" if path.suffix else "without a suffix"
@@ -95,13 +95,13 @@ def check_suffix(path: Path, suffixes: Sequence[str], what: str) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path that takes the place of ``path`` if the block succeeds; where links lead.
+    """Yield a temporary path that replaces ``path``, following links, if the block succeeds.
 
-    The block writes to the file that is there under the temporary path.
+    The file exists under the temporary path already; the block writes to it.
 
     Raises:
         SettingsError: No file can be written there.
-        FileAccessError: The system does not let it be written.
+        FileAccessError: The system refuses to write it.
     """
     check_output_file(path)
     target = _follow(path)
@@ -117,33 +117,35 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_bytes(path: Path, content: bytes | memoryview) -> None:
-    """Writes a file, whole or not at all; where links lead.
+    """Write a file completely or not at all. Symbolic links are followed.
 
-    Libraries that write to a path may lose what the system says of a full disk: let them write to memory.
+    Libraries that write to a path may hide the error of a full disk: let them write to memory
+    instead.
 
     Raises:
         SettingsError: No file can be written there.
-        FileAccessError: The system does not let it be written.
+        FileAccessError: The system refuses to write it.
     """
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
 def write_text(path: Path, text: str) -> None:
-    """The same as UTF-8, with the newlines that the text has."""
+    """Write text as UTF-8 like :func:`write_bytes`, without changing its newlines."""
     write_bytes(path, text.encode())
 
 
 @contextmanager
 def filling(folder: Path) -> Iterator[Path]:
-    """A temporary folder whose files appear in ``folder`` together if the block succeeds.
+    """Yield a temporary folder whose files appear in ``folder`` if the block succeeds.
 
-    A new folder appears with them, by one rename. In one that is there already they take the place of
-    files of their names one by one, each whole, once all are complete. One writer at a time fills it.
+    A new folder appears with all files, by one rename. In an existing folder, the complete files
+    replace those of the same names one after the other. Only one writer can fill a folder at a
+    time.
 
     Raises:
         SettingsError: The files cannot be written there.
-        FileAccessError: The system does not let them be written, or another writer fills the folder.
+        FileAccessError: The system refuses to write them, or another writer is filling the folder.
     """
     check_output_folder(folder)
     target = _follow(folder)
@@ -154,7 +156,8 @@ def filling(folder: Path) -> Iterator[Path]:
         if not is_new:
             held.enter_context(_alone_in(target, folder))
         outer = held.enter_context(unfinished_folder(nearest, folder))
-        # A new folder is renamed with those that it is in, so that a killed writer leaves none of them.
+        # New parents are renamed along with the folder, so that a killed writer leaves none of them
+        # behind.
         temporary = outer.joinpath(*target.relative_to(nearest).parts[1:])
         with _telling(outer, folder), _telling(temporary, folder):
             temporary.mkdir(parents=True, exist_ok=True)
@@ -162,7 +165,7 @@ def filling(folder: Path) -> Iterator[Path]:
             _flush_all(outer)
             if is_new and _appear(outer, nearest / target.relative_to(nearest).parts[0]):
                 return
-            if is_new:  # and made by somebody else meanwhile
+            if is_new:  # another program has made it in the meantime
                 make_folder(target)
                 held.enter_context(_alone_in(target, folder))
             names = sorted(path.name for path in temporary.iterdir())
@@ -173,10 +176,10 @@ def filling(folder: Path) -> Iterator[Path]:
 
 
 def make_folder(folder: Path) -> None:
-    """Makes a folder and those that it is in, where they are not there yet.
+    """Make a folder and its missing parents.
 
     Raises:
-        FileAccessError: The system does not let it be made.
+        FileAccessError: The system refuses to make it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -185,10 +188,10 @@ def make_folder(folder: Path) -> None:
 
 
 def flush(path: Path) -> None:
-    """Brings a file's content to the disk, so that no power cut leaves its new name without it.
+    """Flush a file to the disk, so that a power failure after its rename does not lose its content.
 
     Raises:
-        OSError: The system cannot; the error names the file.
+        OSError: The system cannot flush it; the error names the file.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
@@ -201,7 +204,7 @@ def flush(path: Path) -> None:
 
 
 def flush_folder(folder: Path) -> None:
-    """Brings new names to the disk. Where that cannot be done, files are whole under one name or another."""
+    """Flush new names in a folder to the disk, or files may keep their temporary names."""
     with suppress(OSError):
         flush(folder)
 
@@ -214,7 +217,7 @@ def _flush_all(folder: Path) -> None:
 
 
 def _appear(temporary: Path, target: Path) -> bool:
-    """Whether a folder could take a place where there was none, or an empty one."""
+    """Rename a folder to a new path or over an empty folder; return whether that worked."""
     try:
         temporary.rename(target)
     except OSError as error:
@@ -226,7 +229,7 @@ def _appear(temporary: Path, target: Path) -> bool:
 
 
 def _move(path: Path, target: Path) -> None:
-    """Lets a file take a place, whole at once; also where a link leads to another disk."""
+    """Replace a file in one step, also if a link leads to another disk."""
     try:
         path.replace(target)
     except OSError as error:
@@ -238,7 +241,7 @@ def _move(path: Path, target: Path) -> None:
 
 @contextmanager
 def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
-    """Refuses a folder that another writer fills; the system forgets who has ended, or was killed."""
+    """Lock a folder for one writer. The system releases the lock when the process ends."""
     import fcntl
 
     try:
@@ -253,7 +256,7 @@ def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
             f"cannot write {asked}: another program is writing into it; wait until it ends, or name "
             "another folder"
         ) from None
-    except OSError:  # disks that know no locks
+    except OSError:  # disks without locks
         pass
     try:
         yield
@@ -263,13 +266,13 @@ def _alone_in(folder: Path, asked: Path) -> Iterator[None]:
 
 @contextmanager
 def _telling(temporary: Path, asked: Path) -> Iterator[None]:
-    """Lets errors of the system name the place that was asked for, not the temporary one."""
+    """Make errors of the system name the requested path instead of the temporary one."""
     try:
         yield
     except FileAccessError as error:
         raise FileAccessError(str(error).replace(str(temporary), str(asked))) from error
     except BrokenPipeError:
-        # Of what is printed meanwhile: no pipe is written to here.
+        # Such an error comes from printing: no pipe is written to here.
         raise
     except OSError as error:
         named = isinstance(error.filename, str)
@@ -292,7 +295,7 @@ def _try_folder(folder: Path, asked: Path) -> None:
 
 
 def _find_mode(path: Path) -> int | None:
-    """What is there, where links lead; None where there is nothing."""
+    """Return the file mode of what is at a path, following links; None if nothing is there."""
     try:
         return path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -302,7 +305,7 @@ def _find_mode(path: Path) -> int | None:
 
 
 def _find_nearest(folder: Path) -> Path:
-    """The folder itself, or the nearest one above that is there."""
+    """Return the folder itself, or its nearest parent that exists."""
     return next(
         (each for each in (folder, *folder.parents) if _find_mode(each) is not None), folder
     )

@@ -1,4 +1,4 @@
-"""Poses as callers write them, read into 4x4 matrices; the forms are those that voxshell.pose() lists."""
+"""Conversion of the forms of poses that voxshell.pose() lists to 4x4 matrices."""
 
 from __future__ import annotations
 
@@ -34,15 +34,15 @@ _MANY_FORMS = "(k, 4, 4), (k, 3) or (k, 7) numbers, a pair of (k, 3) and (k, 4),
 
 
 def as_pose(value: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
-    """A 4x4 array, or None; whether it is a rigid transform is for the core to check."""
-    # What most callers hand over, 1 us sooner. The core takes it whatever its order in memory.
+    """Return a 4x4 array, or None. The core checks that it is a rigid transform."""
+    # The most frequent case takes 1 us less this way. The core takes arrays of any memory order.
     if type(value) is _ARRAY and value.dtype is _FLOAT64 and value.shape == _MATRIX:
         return value
     return None if value is None else read_pose(value, name)
 
 
 def as_rigid_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    """A 4x4 array that the core takes: finite, rigid, and not too far away.
+    """Return a 4x4 array that the core accepts: finite, rigid, and not too far away.
 
     Raises:
         PoseError: The value is not a pose, or its rotation is off orthonormal by more than 1e-3.
@@ -54,9 +54,10 @@ def as_rigid_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def as_pose_arrays(**values: Any) -> tuple[int, list[NDArray[np.float64] | None]]:
-    """How many poses are meant, and (count, 4, 4) arrays, by their names.
+    """Return the number of poses and their (count, 4, 4) arrays, in the order of the arguments.
 
-    One of (1, 4, 4), from a single pose, stands for all; so does None, for the identity.
+    An array of (1, 4, 4), made of a single pose, applies to all; so does None, which means the
+    identity.
     """
     arrays: list[NDArray[np.float64] | None] = []
     counts: dict[str, int] = {}
@@ -77,16 +78,17 @@ def as_pose_arrays(**values: Any) -> tuple[int, list[NDArray[np.float64] | None]
 
 
 def mend_poses(error: PoseError, **values: Any) -> dict[str, NDArray[np.float64] | None]:
-    """The poses of a query that the core has refused, with their rotations made exact.
+    """Return the poses that the core has refused, with their rotations made orthonormal.
 
-    Queries ask the core first: a check in Python would take as long as many a query.
+    Queries pass poses to the core unchecked, because a check in Python would take as long as a
+    query.
 
     Args:
-        error: What the core said.
-        **values: Poses as they were given, by their names: one each, or many.
+        error: The core's error.
+        **values: The caller's poses by argument name, one or many each.
 
     Raises:
-        PoseError: One cannot be mended; or none needs to be, which leaves the core's error.
+        PoseError: A pose is too far from rigid. If all poses are rigid, this is the core's error.
     """
     mended: dict[str, NDArray[np.float64] | None] = {}
     changed, is_batch = False, "a_poses" in values
@@ -104,7 +106,7 @@ def mend_poses(error: PoseError, **values: Any) -> dict[str, NDArray[np.float64]
 
 
 def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    """(4, 4) of any form of one pose; a matrix is not checked any further."""
+    """Return the (4, 4) matrix of a single pose in any form; a matrix is returned unchecked."""
     pair = _as_pair(value)
     if pair is not None and pair[0].ndim == 1:
         return _make_pose(pair[0].tolist(), pair[1].tolist(), name)
@@ -126,7 +128,7 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def read_poses(value: Any, name: str) -> NDArray[np.float64]:
-    """(k, 4, 4) of any form of many poses, or (4, 4) of any form of one; matrices are not checked."""
+    """Return (k, 4, 4) for many poses, (4, 4) for one, in any form; matrices are unchecked."""
     pair = _as_pair(value)
     if pair is not None:
         if pair[0].ndim == 1:
@@ -135,7 +137,7 @@ def read_poses(value: Any, name: str) -> NDArray[np.float64]:
     try:
         np.asarray(value)
     except (TypeError, ValueError):
-        # Poses of different forms, or such as are no arrays.
+        # The list mixes forms, or its items are not arrays.
         return np.array([read_pose(pose, f"{name}[{i}]") for i, pose in enumerate(value)])
     array = _as_array(value, name, _MANY_FORMS)
     if array.shape in (_MATRIX, _POSITION, _SEVEN):
@@ -150,10 +152,11 @@ def read_poses(value: Any, name: str) -> NDArray[np.float64]:
 
 
 def make_rigid(pose: NDArray[np.float64], name: str) -> NDArray[np.float64]:
-    """A pose whose rotation is exact: the same array if it is so to 1e-6, else a new one.
+    """Return a pose with an orthonormal rotation: the same array if it is so to 1e-6, or a new one.
 
     Raises:
-        PoseError: It is farther off than 1e-3, mirrors, is not finite, or is too far away.
+        PoseError: It is off by more than 1e-3, mirrors, is not finite, or is too far from the
+            origin.
     """
     a, b, c, x, d, e, f, y, g, h, i, z, *last = pose.ravel().tolist()
     rotation = (a, b, c, d, e, f, g, h, i)
@@ -189,10 +192,10 @@ def make_rigid(pose: NDArray[np.float64], name: str) -> NDArray[np.float64]:
 
 
 def make_all_rigid(poses: NDArray[np.float64], name: str) -> NDArray[np.float64]:
-    """:func:`make_rigid` of (k, 4, 4); the same array if all are exact.
+    """Apply :func:`make_rigid` to (k, 4, 4); return the same array if all are orthonormal already.
 
     Raises:
-        PoseError: As there; it says which.
+        PoseError: As for :func:`make_rigid`; the message says which pose.
     """
     rotations = entries_of(poses[:, :3, :3])
     with np.errstate(all="ignore"):
@@ -205,7 +208,7 @@ def make_all_rigid(poses: NDArray[np.float64], name: str) -> NDArray[np.float64]
             & (rows <= EXACT)
             & (reach <= FARTHEST)
         )
-    for index in np.flatnonzero(~sound):  # of which the first raises
+    for index in np.flatnonzero(~sound):  # the first one that is too far off raises
         make_rigid(poses[index], f"{name}[{index}]")
     wrong = np.flatnonzero(off > EXACT)
     if not len(wrong):
@@ -217,10 +220,10 @@ def make_all_rigid(poses: NDArray[np.float64], name: str) -> NDArray[np.float64]
 
 
 def as_quaternion(numbers: list[float], name: str, order: str = "x, y, z, w") -> list[float]:
-    """Four finite numbers of unit length to 1e-3.
+    """Return four finite numbers whose length is 1 to within 1e-3.
 
     Raises:
-        PoseError: They are not.
+        PoseError: They are not finite or not of unit length.
     """
     if not all(map(math.isfinite, numbers)):
         raise PoseError(f"{name}: quaternion has an entry that is not finite")
@@ -266,7 +269,7 @@ def _assemble(position: Any, rotation: Any) -> NDArray[np.float64]:
 
 
 def _as_pair(value: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Position and quaternion of a pair, (3,) and (4,), or (k, 3) and (k, 4); None of anything else."""
+    """Return position and quaternion of a pair, (3,) and (4,) or (k, 3) and (k, 4), else None."""
     if not isinstance(value, (tuple, list)) or len(value) != 2:
         return None
     try:
@@ -283,7 +286,7 @@ def _as_pair(value: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]] | No
 
 
 def _as_array(value: Any, name: str, forms: str) -> NDArray[np.float64]:
-    """float64 of any shape."""
+    """Return a float64 array of any shape."""
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:

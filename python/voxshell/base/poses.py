@@ -24,39 +24,41 @@ def pose(
     euler: ArrayLike | None = None,
     axis_angle: tuple[ArrayLike, float] | None = None,
 ) -> NDArray[np.float64]:
-    """Makes a pose of a position and at most one rotation.
+    """Make a pose from a position and at most one rotation.
 
-    Wherever voxshell takes a pose, it takes any of these, in metres:
+    Every function that takes a pose accepts these forms. Lengths are in meters:
 
     - a (4, 4) matrix, such as this function returns;
     - a position, (3,), without a rotation;
-    - (7,): a position, then a unit quaternion in the order x, y, z, w, which is that of Bullet and pybullet;
+    - a position and a unit quaternion in the order x, y, z, w, (7,), as in Bullet and pybullet;
     - a pair ``(position, quaternion)`` of these, as pybullet returns.
 
-    Functions that take many poses take (k, 4, 4), (k, 3), (k, 7), a pair of (k, 3) and (k, 4), or a list of
-    poses in any of the forms above. One pose stands for all.
+    Functions that take many poses accept (k, 4, 4), (k, 3), (k, 7), a pair of (k, 3) and (k, 4), or
+    a list of poses in any of the forms above. A single pose applies to all.
 
-    A matrix whose rotation is orthonormal to 1e-6 keeps its bits. One that is off by up to 1e-3, as after
-    rounding to four decimals, is replaced by the nearest rotation; a quaternion whose length is off 1 by
-    up to 1e-3 is made unit length. Anything farther off, and any reflection, raises a :class:`PoseError`.
+    A matrix whose rotation is orthonormal to 1e-6 stays unchanged, bit for bit. If the error is up
+    to 1e-3, as after rounding to four decimals, the nearest rotation replaces it. Likewise,
+    quaternions whose length is off by up to 1e-3 are normalized. Larger errors and reflections
+    raise a :class:`PoseError`.
 
     Args:
-        position: (3,), metres: where the frame's origin is.
-        xyzw: (4,), unit quaternion, the real part last, as in Bullet, SciPy and ROS.
-        wxyz: (4,), unit quaternion, the real part first, as in MuJoCo and trimesh.
-        euler: (3,), radians: roll, pitch and yaw, as the ``rpy`` of URDF. The frame turns about the fixed x
-            axis, then the fixed y axis, then the fixed z axis.
-        axis_angle: An axis, (3,), of any length but 0, and an angle, radians, counter-clockwise about it.
+        position: (3,), meters: the origin of the frame.
+        xyzw: (4,), unit quaternion, real part last, as in Bullet, SciPy and ROS.
+        wxyz: (4,), unit quaternion, real part first, as in MuJoCo and trimesh.
+        euler: (3,), radians: roll, pitch and yaw, like ``rpy`` in URDF. The frame turns about the
+            fixed x axis, then the fixed y axis, then the fixed z axis.
+        axis_angle: An axis, (3,), of any nonzero length, and an angle about it in radians,
+            counterclockwise.
 
     Returns:
-        (4, 4) float64, ``world_from_body``: a new array.
+        (4, 4) float64, ``world_from_body``, a new array.
 
     Raises:
-        PoseError: More than one rotation is given, a number is not finite, an array has another shape, a
-            quaternion is not of unit length, or an axis is zero.
+        PoseError: More than one rotation is given, a number is not finite, an array has another
+            shape, a quaternion is not of unit length, or an axis is zero.
 
     Example:
-        A quarter turn about z, half a metre up:
+        A quarter turn about z, half a meter up:
 
         >>> import math
         >>> import voxshell as vx
@@ -121,7 +123,7 @@ def _turn_about(axis_angle: Any) -> tuple[tuple[float, ...], ...]:
         if angle == 0.0:
             return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
         raise PoseError("the axis of axis_angle must not be zero")
-    x, y, z = x / largest, y / largest, z / largest  # whose squares neither vanish nor overflow
+    x, y, z = x / largest, y / largest, z / largest  # now squares neither underflow nor overflow
     length = math.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     c, s = math.cos(angle), math.sin(angle)

@@ -1,7 +1,7 @@
 """Arithmetic on rotations, entry by entry.
 
-The functions take numbers or arrays of numbers, one for each of many rotations, and give the same bits for
-both on every processor: they only add, multiply and divide.
+The functions take numbers, or arrays with one number per rotation. The results have the same bits
+on every processor, because the functions only add, multiply and divide.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Entries: TypeAlias = "tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any]"
-"""Of a 3x3 matrix, row by row: numbers, or arrays of one shape."""
+"""The entries of a 3x3 matrix, row by row: numbers, or arrays of equal shape."""
 
 EXACT = 1e-6
-"""Rotations this near to orthonormal keep their bits: the core takes them."""
+"""Largest error of a rotation that stays unchanged: the core accepts it."""
 
 CORRECTED = 1e-3
-"""Rotations this near to orthonormal, and quaternions this near to unit length, are made exact."""
+"""Largest error of a rotation or of a quaternion's length that is corrected."""
 
 _NEWTON_STEPS = 4
-"""From CORRECTED to rounding; each step squares the error."""
+"""Enough to get from CORRECTED to rounding error: each step squares the error."""
 
 
 def entries_of(rotation: NDArray[np.float64]) -> Entries:
-    """Of (..., 3, 3)."""
+    """Return the entries of a (..., 3, 3) array."""
     rows = [rotation[..., i, j] for i in range(3) for j in range(3)]
     return tuple(rows)  # pyright: ignore[reportReturnType]
 
 
 def rotation_from_xyzw(x: Any, y: Any, z: Any, w: Any) -> Entries:
-    """Of a quaternion of any length but 0."""
+    """Return the rotation of a quaternion of any nonzero length."""
     s = 2.0 / (x * x + y * y + z * z + w * w)
     xx, yy, zz = s * (x * x), s * (y * y), s * (z * z)
     xy, xz, yz = s * (x * y), s * (x * z), s * (y * z)
@@ -53,9 +53,10 @@ def rotation_from_xyzw(x: Any, y: Any, z: Any, w: Any) -> Entries:
 
 
 def xyzw_from_rotation(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The unit quaternion of a (3, 3) rotation whose w is not negative, (4,).
+    """Return the unit quaternion, (4,), of a (3, 3) rotation, with w not negative.
 
-    Divides by the largest of the four components (Shepperd 1978), so that no rotation loses precision.
+    This divides by the largest of the four components (Shepperd 1978), so that no rotation loses
+    precision.
     """
     a, b, c, d, e, f, g, h, i = rotation.ravel().tolist()
     squares = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
@@ -71,7 +72,7 @@ def xyzw_from_rotation(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def orthonormal_errors(r: Entries) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """How far products of rows are off 1 and 0, as the core measures it."""
+    """Return how far the products of rows are from 1 and 0; the core uses the same measure."""
     a, b, c, d, e, f, g, h, i = r
     return (
         abs(a * a + b * b + c * c - 1.0),
@@ -84,15 +85,15 @@ def orthonormal_errors(r: Entries) -> tuple[Any, Any, Any, Any, Any, Any]:
 
 
 def determinant(r: Entries) -> Any:
-    """Of a matrix."""
+    """Return the determinant of a matrix."""
     a, b, c, d, e, f, g, h, i = r
     return a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
 
 
 def nearest_rotation(r: Entries) -> Entries:
-    """The orthogonal factor of the polar decomposition of a matrix off orthonormal by up to CORRECTED.
+    """Return the orthogonal polar factor of a matrix whose error is at most CORRECTED.
 
-    Newton's iteration (Higham 1986): the mean of the matrix and its inverse's transpose.
+    This is Newton's iteration (Higham 1986): average the matrix and the transpose of its inverse.
     """
     for _ in range(_NEWTON_STEPS):
         a, b, c, d, e, f, g, h, i = r

@@ -1,4 +1,4 @@
-"""Settings as typed dataclasses, whose fields a TOML file can override."""
+"""Settings as typed dataclasses whose fields a TOML file can override."""
 
 from __future__ import annotations
 
@@ -18,52 +18,52 @@ Settings = TypeVar("Settings")
 
 
 _MOST_CHARACTERS = 2_000_000
-"""Of a text; the parser takes a second or two."""
+"""Largest length of a TOML text; the parser takes a second or two for it."""
 
 _LARGEST = 2**63
-"""Of integers, as in TOML's own definition."""
+"""Range of integers in TOML's specification."""
 
 _LONGEST_SHOWN = 80
 
 _MOST_PARTS = 100
-"""Of a dotted key; the parser takes time that grows as their square, 90 s for 100,000."""
+"""Parts of a dotted key. The parser's time grows with their square: 90 s for 100,000."""
 
 TOML_TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?"""(?:"{0,2})|\'{3}.*?\'{3}(?:\'{0,2})|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\''''
     r"|#[^\n]*|[\[\]{}]|\n",
     re.DOTALL,
 )
-"""Texts, comments, brackets and ends of lines of a TOML text: what its statements are told apart by."""
+"""Matches what delimits the statements of a TOML text: strings, comments, brackets, newlines."""
 
 _MOST_NESTED = 100
-"""Brackets in each other; the parser takes time that grows as their square, 10 s for 100,000."""
+"""Depth of nested brackets. The parser's time grows with its square: 10 s for 100,000."""
 
 _DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
 
 
 def read_text(path: Path, what: str) -> str:
-    """Reads a text file.
+    """Read a text file.
 
     Args:
-        path: Of the file.
-        what: Kind of file, for errors: "scene file".
+        path: The file's path.
+        what: Kind of file, for error messages: "scene file".
 
     Raises:
         SettingsError: The file does not exist, is not a regular file, or is too large. The message
-            names it.
-        FileAccessError: The system does not let it be read.
+            names the file.
+        FileAccessError: The system refuses to read the file.
         UnicodeDecodeError: The text is not UTF-8.
     """
-    # A character takes four bytes at most.
+    # A character takes at most four bytes.
     text = read_small_file(path, 4 * _MOST_CHARACTERS, what).decode("utf-8")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """What a TOML text holds.
+    """Parse a TOML text.
 
     Raises:
-        SettingsError: It is no TOML; says at which line.
+        SettingsError: The text is not valid TOML; the message gives the line.
     """
     try:
         import tomllib  # pyright: ignore[reportMissingImports]
@@ -80,15 +80,15 @@ def parse_toml(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"no TOML: {error}") from error
-    except ValueError as error:  # of Python's own limit of the digits of an integer
+    except ValueError as error:  # Python limits the digits of an integer
         number = re.search(r"\d{4000,}", text)
         line = 1 if number is None else _count_lines(text, number.start())
         raise SettingsError(f"no TOML that is read: {error} (at line {line})") from None
 
 
 def _check_keys(text: str) -> None:
-    """Refuses keys of very many parts, quoted ones, too."""
-    # Of texts and comments only the lines count.
+    """Refuse dotted keys of very many parts, including quoted ones."""
+    # Only the newlines of strings and comments matter.
     plain = TOML_TOKEN.sub(lambda token: "\n" * token[0].count("\n") or "x", text)
     if found := _DOTTED.search(plain):
         raise SettingsError(
@@ -98,7 +98,7 @@ def _check_keys(text: str) -> None:
 
 
 def _check_depth(text: str) -> None:
-    """Refuses brackets that are nested deeply."""
+    """Refuse deeply nested brackets."""
     depth = 0
     line = 1
     for token in TOML_TOKEN.finditer(text):
@@ -115,15 +115,16 @@ def _count_lines(text: str, end: int) -> int:
 
 
 def override(settings: Settings, table: Mapping[str, Any], name: str) -> Settings:
-    """The same settings with some fields replaced.
+    """Return a copy of settings with some fields replaced.
 
     Args:
         settings: A frozen dataclass.
-        table: Values by field, as TOML has them; lists become tuples.
-        name: Of the table, for errors.
+        table: Values by field name, as parsed from TOML; lists become tuples.
+        name: The table's name, for error messages.
 
     Raises:
-        SettingsError: A key is no field, or a value is not of its type or range; it names the key.
+        SettingsError: A key is unknown, or a value has a wrong type or range; the message names the
+            key.
 
     Example:
         >>> from dataclasses import dataclass
@@ -144,12 +145,12 @@ def override(settings: Settings, table: Mapping[str, Any], name: str) -> Setting
 
 
 def make(kind: type[Settings], table: Mapping[str, Any], name: str) -> Settings:
-    """Settings from a table that gives all fields without a default.
+    """Make settings from a table that must give every field without a default.
 
     Args:
         kind: A frozen dataclass.
-        table: Values by field, as TOML has them; lists become tuples.
-        name: Of the table, for errors.
+        table: Values by field name, as parsed from TOML; lists become tuples.
+        name: The table's name, for error messages.
 
     Raises:
         SettingsError: As for :func:`override`, or a field is missing.
@@ -178,7 +179,7 @@ def _convert_table(kind: type[Any], table: Mapping[str, Any], name: str) -> dict
 
 
 def _convert(value: Any, kind: Any, name: str) -> Any:
-    """The value as its field's type has it."""
+    """Return a value as the type of its field."""
     origin = get_origin(kind)
     if origin in (Union, UnionType):
         return _convert(value, next(k for k in get_args(kind) if k is not type(None)), name)
@@ -194,7 +195,7 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
             )
         return value
     words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
-    # TOML writes 2 for a float of 2, and True is an int to Python.
+    # TOML writes 2 for the float 2.0, and in Python True is an int.
     accepted = (int, float) if kind is float else (kind,)
     if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
         raise SettingsError(f"{name} must be {words[kind]}, not {_show(value)}")
@@ -204,11 +205,11 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
 
 
 def _show(value: Any) -> str:
-    """As Python writes it, in a line."""
+    """Return a value in one line, as Python writes it."""
     if isinstance(value, int) and abs(value) > _LARGEST:
         return f"an integer of {value.bit_length()} bits"
     try:
         text = repr(value)
-    except ValueError:  # of Python's own limit of the digits of an integer
+    except ValueError:  # Python limits the digits of an integer
         return f"a {type(value).__name__} with an integer of too many digits"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."

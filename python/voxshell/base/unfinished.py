@@ -1,4 +1,4 @@
-"""What is being written has a name of its own, is locked as long as its writer lives, and is swept after that."""
+"""Temporary files: locked while they are written, and removed if their writer was killed."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 _UNFINISHED = re.compile(r"\.unfinished-([0-9a-f]{8})-[0-9a-f]{16}(\.[^.]*)?")
-"""Names of what is not complete: the writer's machine, and a random number."""
+"""Matches temporary names, which contain a hash of the machine's name and a random number."""
 
 _MOST_TRIALS = 100
 
 STALE_SECONDS = 3600.0
-"""Age at which unfinished things are removed whose writer may be alive: it runs on another machine, or the
-disk knows no locks."""
+"""Age at which temporary files are removed although their writer may be alive: it runs on another
+machine, or the disk has no locks."""
 
 
 @contextmanager
 def unfinished_folder(parent: Path, asked: Path) -> Iterator[Path]:
-    """A folder for what is not complete, on the disk that it will stay on; it may be renamed.
+    """Yield a temporary folder on the disk of its parent; the block may rename it.
 
     Args:
-        parent: Where it is.
-        asked: What errors name.
+        parent: The folder that contains it.
+        asked: The path that error messages name.
 
     Raises:
-        FileAccessError: The system does not let it be made.
+        FileAccessError: The system refuses to make it.
     """
     sweep(parent)
     with unfinished(parent, asked, create_folder) as folder:
@@ -46,7 +46,7 @@ def unfinished_folder(parent: Path, asked: Path) -> Iterator[Path]:
 
 
 def sweep(folder: Path) -> None:
-    """Removes what killed writers have left unfinished in a folder."""
+    """Remove the temporary files that killed writers have left in a folder."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if is_unfinished(entry.name):
@@ -54,12 +54,12 @@ def sweep(folder: Path) -> None:
 
 
 def is_unfinished(name: str) -> bool:
-    """Whether a file or folder of this name is not complete."""
+    """Return whether a name is that of a temporary file or folder."""
     return _UNFINISHED.fullmatch(name) is not None
 
 
 def remove_stale(path: Path) -> None:
-    """Removes something unfinished unless its writer may be alive."""
+    """Remove a temporary file or folder unless its writer may be alive."""
     import fcntl
 
     with suppress(OSError):
@@ -71,7 +71,7 @@ def remove_stale(path: Path) -> None:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 return
-            except OSError:  # disks that know no locks
+            except OSError:  # disks without locks
                 tells = False
             if tells or os.fstat(descriptor).st_mtime < time.time() - STALE_SECONDS:
                 _remove(path)
@@ -83,7 +83,7 @@ def remove_stale(path: Path) -> None:
 def unfinished(
     parent: Path, asked: Path, create: Callable[[Path], int | None], suffix: str = ""
 ) -> Iterator[Path]:
-    """Something that is locked until the block ends, and removed unless it has another name by then."""
+    """Lock a temporary file or folder during the block, then remove it unless it was renamed."""
     for _ in range(_MOST_TRIALS):
         temporary = parent / f".unfinished-{_name_machine()}-{secrets.token_hex(8)}{suffix}"
         descriptor = None
@@ -92,7 +92,7 @@ def unfinished(
                 descriptor = create(temporary)
             except OSError as error:
                 raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
-            # A program that sweeps may have found it before it was locked.
+            # Another program's sweep may have removed it before it was locked.
             if descriptor is not None and _lock(descriptor) and _is_at(descriptor, temporary):
                 yield temporary
                 return
@@ -105,12 +105,12 @@ def unfinished(
 
 
 def create_file(path: Path) -> int:
-    """A new file, open; its descriptor."""
+    """Create a file and return its open descriptor."""
     return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
 
 
 def create_folder(path: Path) -> int | None:
-    """A new folder, open; its descriptor. None where a program that sweeps has removed it before it could be opened."""
+    """Create a folder and return its descriptor; None if another program's sweep has removed it."""
     path.mkdir()
     try:
         return os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -119,7 +119,7 @@ def create_folder(path: Path) -> int | None:
 
 
 def _lock(descriptor: int) -> bool:
-    """Whether nobody else holds it; also where the disk knows no locks."""
+    """Return whether the lock was taken, or the disk has no locks."""
     import fcntl
 
     try:
@@ -140,7 +140,7 @@ def _is_at(descriptor: int, path: Path) -> bool:
 
 @cache
 def _name_machine() -> str:
-    """Locks may be unknown to other machines that have the same disk: what is theirs is left to them."""
+    """Return a hash of this machine's name. Locks may not work across machines."""
     return hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
 
 
@@ -152,6 +152,6 @@ def _remove(path: Path) -> None:
 
 
 def close(descriptor: int) -> None:
-    """Of what was only locked, or is on the disk already: there is nothing to lose."""
+    """Close a descriptor. No data is pending, so errors do not matter."""
     with suppress(OSError):
         os.close(descriptor)

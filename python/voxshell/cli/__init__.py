@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def _describe_default(value: object) -> str | None:
-    """As one would type it; nothing for what is off, or on, unless said otherwise."""
+    """Return a default value as one would type it; None for flags and empty values."""
     if value is None or isinstance(value, bool) or value == ():
         return None
     return " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
@@ -70,5 +70,5 @@ if not _extensions:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Runs the command line; exits with 0 only on success."""
+    """Run the command line and exit; the exit code is 0 only on success."""
     sys.exit(run(app, sys.argv[1:] if arguments is None else arguments))

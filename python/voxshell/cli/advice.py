@@ -1,9 +1,9 @@
-"""Which voxel size and point spacing suit a mesh: measured on coarse models, and extrapolated.
+"""Advice on voxel size and point spacing: measured on coarse models, and extrapolated.
 
-Points and the times of builds and contact queries are taken to grow as a + b n^2 with the resolution n:
-the surface's share grows so, and the rest does not grow. The field's memory and the measured errors
-are taken to follow powers of n, as flat and curved surfaces differ in them. A yes or no costs what it
-costs on the finest model that was measured.
+Points and the times of builds and contact queries are assumed to grow as a + b n^2 with the
+resolution n, because the part due to the surface grows so, and the rest is constant. The field's
+memory and the measured errors are assumed to follow powers of n, which differ between flat and
+curved surfaces. The time of a collision query (yes or no) is that of the finest measured model.
 """
 
 from __future__ import annotations
@@ -32,43 +32,43 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import Mesh
 
 MEASURED = (25, 50, 100)
-"""Resolutions that models are built at; the finer ones only while time is left."""
+"""Resolutions of measured models; the finer ones only while there is time."""
 
 ESTIMATED = (50, 100, 200, 400)
-"""Resolutions that are told about."""
+"""Resolutions in the advice."""
 
 PATIENCE = 10.0
 """Seconds of building after which no finer model is measured."""
 
 MOST_BUILD_SECONDS, MOST_BYTES, MOST_QUERY_SECONDS = 30.0, 100e6, 200e-6
-"""What a model may cost that is recommended; a query at 1 kHz leaves four fifths of the time."""
+"""Limits of a recommended model; at 1 kHz, a query leaves four fifths of the time."""
 
 DEPTH = 0.002
-"""How deep the bodies of a timed query are in one another, as part of the mesh's diagonal."""
+"""Depth of the bodies' overlap in timed queries, as a fraction of the mesh's diagonal."""
 
 _POSES, _SEED = 24, 1
 _BRIEF_BUILD = 0.5
-"""Seconds; what takes less is built twice, and the faster counts."""
+"""A build of less than these seconds is repeated, and the faster one counts."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A voxel size, which is the point spacing as well.
+    """Properties of models with a voxel size, which is also the point spacing.
 
     Attributes:
         resolution: Voxels along the mesh's longest side.
-        size: Of voxels and spacing, metres.
-        measured: Whether it was built, or extrapolated.
+        size: Size of voxels and spacing, meters.
+        measured: True if the model was built, False if it is extrapolated.
         field_bytes: Memory of the field.
-        points: Of the shell.
-        error: What building it measures: the field is off by this much on the surface, metres; 99 %
-            of the places have less.
-        coverage: The same of how far the surface stands out above what the shell sees.
-        field_bound: What is proved of the field's error everywhere near the surface, metres.
-        shell_bound: What is proved of the way from the surface to the shell, metres.
-        build_seconds: To build field and shell, on this machine.
+        points: Number of points of the shell.
+        error: Error of the field on the surface, measured when the model is built, meters; 99 % of
+            the places have less.
+        coverage: Likewise, how far the surface rises above the shell.
+        field_bound: Proven bound of the field's error near the surface, meters.
+        shell_bound: Proven bound of the distance from the surface to the shell, meters.
+        build_seconds: Time to build field and shell on this machine.
         contacts_seconds: Median time of all contacts of two such bodies that touch.
-        collide_seconds: The same of a yes or no.
+        collide_seconds: Median time of a collision query (yes or no).
     """
 
     resolution: int
@@ -91,10 +91,10 @@ def estimate(
     resolutions: tuple[int, ...] = ESTIMATED,
     measured: tuple[int, ...] = MEASURED,
 ) -> list[Estimate]:
-    """What models of a mesh would be like, by ascending resolution.
+    """Return the properties of models of a mesh, by ascending resolution.
 
     Raises:
-        MeshError: The mesh cannot be made a model.
+        MeshError: No model can be built from the mesh.
     """
     known = measure(mesh, progress, measured)
     return [
@@ -106,7 +106,7 @@ def estimate(
 def measure(
     mesh: Mesh, progress: Callable[[str, float], object], resolutions: tuple[int, ...]
 ) -> list[Estimate]:
-    """Builds models, at least two, and measures them."""
+    """Build at least two models and measure them."""
     models: list[Model] = []
     seconds: list[float] = []
     for index, resolution in enumerate(resolutions):
@@ -126,7 +126,7 @@ def measure(
     depth = DEPTH * float(np.linalg.norm(np.ptp(finest.bounds, axis=0)))
     poses = find_poses_between(finest, _POSES, depth, depth, _SEED)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", AccuracyWarning)  # what a size can miss is in the table
+        warnings.simplefilter("ignore", AccuracyWarning)  # the table shows these errors
         return _estimate_models(models, seconds, resolutions, poses)
 
 
@@ -136,7 +136,7 @@ def _estimate_models(
     resolutions: tuple[int, ...],
     poses: NDArray[np.float64],
 ) -> list[Estimate]:
-    """Their figures, with the times of queries that take two bodies of one model."""
+    """Return the models' properties, with times of queries of two bodies of one model."""
     return [
         Estimate(
             resolution=resolution,
@@ -157,7 +157,7 @@ def _estimate_models(
 
 
 def recommend(estimates: list[Estimate]) -> Estimate:
-    """The finest that costs no more than is allowed; the coarsest where none does."""
+    """Return the finest model within the limits; the coarsest if none is."""
     affordable = [
         each
         for each in estimates
@@ -169,10 +169,10 @@ def recommend(estimates: list[Estimate]) -> Estimate:
 
 
 def _build(mesh: Mesh, resolution: int) -> tuple[Model, float]:
-    """A model, and how long it took."""
+    """Return a model and the time that it took to build."""
     seconds = math.inf
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", MeshWarning)  # the mesh's own model has told of it
+        warnings.simplefilter("ignore", MeshWarning)  # the mesh's own model has warned already
         for _ in range(2):
             start = time.perf_counter()
             model = Model.from_mesh(mesh, resolution=resolution, cache=False)
@@ -183,7 +183,7 @@ def _build(mesh: Mesh, resolution: int) -> tuple[Model, float]:
 
 
 def _extend(known: list[Estimate], resolution: int) -> Estimate:
-    """From the two finest that were measured."""
+    """Extrapolate from the two finest measured models."""
     coarse, fine = known[-2:]
 
     def grow(name: str) -> float:
@@ -215,7 +215,7 @@ def _extend(known: list[Estimate], resolution: int) -> Estimate:
 
 
 def _time(ask: Callable[[NDArray[np.float64]], object], poses: NDArray[np.float64]) -> float:
-    """Median over the poses of the least of three, seconds."""
+    """Return the median over the poses of the shortest of three times, seconds."""
     seconds = np.empty((3, len(poses)))
     for row in seconds:
         for index, pose in enumerate(poses):

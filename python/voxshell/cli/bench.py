@@ -1,4 +1,4 @@
-"""``voxshell bench``: how long queries of a mesh take on this machine."""
+"""``voxshell bench``: times of queries of a mesh on this machine."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from voxshell.cli.progress import Track
 
 LEAST_DEPTH, MOST_DEPTH = 0.25, 1.0
-"""How deep the bodies are in one another, in voxels."""
+"""Depths of the bodies' overlap, in voxels."""
 
 _STEP = 0.01
-"""How far a body moves between a query and the next one of a series, in voxels."""
+"""Displacement between consecutive queries of a series, in voxels."""
 
 
 def bench(
@@ -117,7 +117,7 @@ def bench(
 def _time_all(
     model: Model, poses: NDArray[np.float64], repeats: int, track: Track
 ) -> dict[str, NDArray[np.float64]]:
-    """Seconds of each query and pose, the least of the repeats."""
+    """Return the time of each query and pose, the shortest of the repeats, seconds."""
     scratch = QueryScratch()
     queries: dict[str, Callable[[Any], object]] = {
         "collide": lambda pose: collide(model, model, None, pose),

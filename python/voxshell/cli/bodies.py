@@ -1,4 +1,4 @@
-"""Bodies as arguments name them: model files, meshes, and shapes in words."""
+"""Bodies in arguments: model files, meshes, and shapes in words."""
 
 from __future__ import annotations
 
@@ -39,14 +39,15 @@ class ModelOptions:
         tolerance: Largest error of the model in meters. For a uniform model, give sizes instead:
         voxel_size: Edge of the distance field's cells in meters, after --scale.
         resolution: Number of cells along the mesh's longest side, instead of voxel_size.
-        point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by default.
+        point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by
+            default.
         target_points: Number of points, reached within 1 %, instead of point_spacing.
         scale: Factor that converts the mesh to meters: 0.001 for millimeters.
         padding: Grid beyond the mesh's bounds in meters; 16 voxels by default.
         sign: How to find the inside: by the closed surface, by winding numbers, or automatically.
         open: Build a closed solid or a sheet from an open mesh, or decide by its openings.
-        sheet_thickness: Thickness of that sheet in meters; a 200th of the longest side by default, of uniform
-            models at least two voxels.
+        sheet_thickness: Thickness of that sheet in meters; a 200th of the longest side by default,
+            of uniform models at least two voxels.
         threads: Threads to build with; one per core by default.
         cache: Read models that were built before from the disk, and keep new ones there.
     """
@@ -65,7 +66,7 @@ class ModelOptions:
     cache: Annotated[bool, Parameter(negative="--no-cache")] = True
 
     def build(self, path: Path, progress: Callable[[str, float], object] | None = None) -> Model:
-        """The model of a mesh file."""
+        """Return the model of a mesh file."""
         return Model.from_mesh(path, progress=progress, **vars(self))
 
 
@@ -73,12 +74,12 @@ DEFAULTS = ModelOptions()
 
 
 def is_model_file(path: Path) -> bool:
-    """Whether a file is called a model."""
+    """Return whether a file name is that of a model."""
     return path.suffix.lower() == MODEL_SUFFIX
 
 
 def require_file(path: Path) -> None:
-    """Refuses what is no file, before any work.
+    """Refuse a path without a file, before any work.
 
     Raises:
         MeshError: It does not exist, or is a folder.
@@ -89,11 +90,11 @@ def require_file(path: Path) -> None:
 
 
 def load_model(path: Path) -> Model:
-    """A model from its file.
+    """Load a model from its file.
 
     Raises:
         MeshError: There is no such file.
-        ModelFileError: It cannot be read, or is no model.
+        ModelFileError: It cannot be read, or is not a model.
     """
     require_file(path)
     try:
@@ -103,10 +104,10 @@ def load_model(path: Path) -> Model:
 
 
 def refuse_unused(options: ModelOptions, *texts: str) -> None:
-    """Refuses options for meshes where no argument is a mesh, before any work.
+    """Refuse options for meshes if no argument is a mesh, before any work.
 
     Raises:
-        SettingsError: It names the options.
+        SettingsError: There are such options; the message names them.
     """
     if not all(is_model_file(Path(text)) or text.split(":")[0] in _SHAPES for text in texts):
         return
@@ -117,7 +118,7 @@ def refuse_unused(options: ModelOptions, *texts: str) -> None:
     ]
     if unused:
         raise SettingsError(
-            f"{', '.join(unused)}: options for meshes have no effect, as {' and '.join(texts)} "
+            f"{', '.join(unused)}: options for meshes have no effect, because {' and '.join(texts)} "
             f"{'is not a mesh' if len(texts) == 1 else 'are not meshes'}; leave them out, or pass a mesh"
         )
 
@@ -127,18 +128,18 @@ def read_body(
     options: ModelOptions,
     progress: Callable[[str, float], object] | None = None,
 ) -> Collidable:
-    """The body that an argument names.
+    """Return the body that an argument names.
 
     Args:
         text: A model file (``.vxs``), a mesh file, or a shape such as "plane", "sphere:0.1" or
-            "box:0.1,0.1,0.05"; where a file has that name, the file.
-        options: How to build a mesh's model.
+            "box:0.1,0.1,0.05". An existing file takes precedence.
+        options: Options to build a model from a mesh.
         progress: As for :meth:`voxshell.Model.from_mesh`.
 
     Raises:
         MeshError: A mesh cannot be read or built.
         ModelFileError: A model file cannot be read.
-        SettingsError: A shape's numbers are wrong, or there is no such shape.
+        SettingsError: A shape's numbers are invalid, or there is no such shape.
     """
     path = Path(text)
     if not path.exists() and (match := re.fullmatch(r"([a-z]+)(?::(.*))?", text)):
@@ -150,7 +151,7 @@ def read_body(
 
 
 def describe_model(model: Model) -> dict[str, Any]:
-    """What there is to know of a model, ready for JSON; metres and bytes."""
+    """Return the properties of a model for JSON; meters and bytes."""
     vertices, faces = model.mesh
     return {
         "vertices": len(vertices),
@@ -180,9 +181,9 @@ def _make_shape(name: str, numbers: str | None) -> Collidable:
     try:
         values = [float(number) for number in (numbers or "").split(",")]
     except ValueError:
-        raise SettingsError(f"write {usage}, in metres, not {name}:{numbers or ''}") from None
+        raise SettingsError(f"write {usage}, in meters, not {name}:{numbers or ''}") from None
     if len(values) != len(names):
         raise SettingsError(
-            f"write {usage}, in metres: {len(names)} number{'s'[: len(names) > 1]}, not {len(values)}"
+            f"write {usage}, in meters: {len(names)} number{'s'[: len(names) > 1]}, not {len(values)}"
         )
     return make(*values)

@@ -1,4 +1,4 @@
-"""``voxshell build``: a mesh made ready to collide, in a file."""
+"""``voxshell build``: a model file from a mesh."""
 
 from __future__ import annotations
 
@@ -31,10 +31,11 @@ def build(
     """Build a model file from a mesh: its distance field and its shell of points.
 
     `voxshell query`, `voxshell.Model.load` and `voxshell/model_file.h` read the file in
-    milliseconds. The file appears only once it is complete. `voxshell info MESH --advise` helps to choose
-    sizes.
+    milliseconds. The file appears only once it is complete. `voxshell info MESH --advise` helps to
+    choose sizes.
 
-    For example, a part in millimeters with voxels of 2 mm, and a bunny with a given number of points:
+    For example, a part in millimeters with voxels of 2 mm, and a bunny with a given number of
+    points:
 
         voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
         voxshell build bunny.obj -o bunny.vxs --resolution 200 --target-points 5000
@@ -47,10 +48,10 @@ def build(
     """
     require_file(mesh)
     if is_model_file(mesh):
-        raise SettingsError(f"{mesh} is a model already; give the mesh that it was made of")
+        raise SettingsError(f"{mesh} is a model already; pass the mesh that it was built from")
     check_output_file(output)
     if output.exists() and output.samefile(mesh):
-        raise SettingsError(f"{output} is the mesh itself; give the model a name of its own")
+        raise SettingsError(f"{output} is the mesh itself; choose another name for the model")
     start = time.perf_counter()
     progress = open_progress(Console(quiet=json_only, stderr=True))
     with progress, tracked(progress, f"build {mesh.name}") as track:

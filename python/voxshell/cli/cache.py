@@ -1,4 +1,4 @@
-"""``voxshell cache``: the models that are kept on the disk."""
+"""``voxshell cache``: the models in the cache on the disk."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def list_models(*, json_only: Json = False) -> None:
     """List the models, the most recently used first.
 
     Args:
-        json_only: Print JSON: the key, the size in bytes and the time of last use (seconds since 1970).
+        json_only: Print JSON: the key, the size in bytes and the time of last use (seconds since
+            1970).
     """
     entries = _open().entries()
     if json_only:

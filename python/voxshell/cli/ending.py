@@ -1,4 +1,4 @@
-"""How commands end: what they say, and with which exit code."""
+"""The end of commands: messages and exit codes."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ SUCCESS, FAILURE, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 
 def run(app: App, arguments: Sequence[str]) -> int:
-    """Runs a command and says on standard error what went wrong, in one message.
+    """Run a command; report an error in one message on standard error.
 
     Returns:
-        The exit code: 0; 1 where something failed that was asked for rightly; 2 where arguments,
-        settings or input files are wrong; 130 after Ctrl-C.
+        The exit code: 0 on success; 1 on failure; 2 if arguments, settings or input files are
+        wrong; 130 after Ctrl-C.
     """
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
@@ -56,14 +56,14 @@ def run(app: App, arguments: Sequence[str]) -> int:
             _say("error", str(error))
             return WRONG_USE
         except BrokenPipeError:
-            # Whoever read the output has gone; Python would complain again when it flushes.
+            # The reader of the output has ended; Python would report that again when it flushes.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return FAILURE
         except OSError as error:
             _say("error", _describe_system_error(error))
             return FAILURE
         except MemoryError:
-            _say("error", "out of memory; give fewer or simpler meshes, or larger sizes")
+            _say("error", "out of memory; use fewer or simpler meshes, or larger sizes")
             return FAILURE
         except KeyboardInterrupt:
             _say("stopped", "")
@@ -72,7 +72,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
 
 
 def _find_command(app: App, arguments: Sequence[str]) -> list[str]:
-    """The words of the arguments that name a command, and one of its own."""
+    """Return the arguments' words that name a command, and one word after them."""
     found = []
     for word in arguments:
         if word.startswith("-"):
@@ -91,7 +91,7 @@ def _describe(error: CycloptsError) -> str:
 
 
 def _describe_system_error(error: OSError) -> str:
-    """Of files, errors have a name; without one they come of what is printed."""
+    """Describe an error; those without a file name come from printing."""
     if error.filename is None and error.errno in OF_WRITING:
         return f"cannot write to standard output: {error.strerror}"
     return str(error)

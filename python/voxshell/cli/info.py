@@ -1,4 +1,4 @@
-"""``voxshell info``: what a mesh or a model is, and which voxel size suits it."""
+"""``voxshell info``: properties of a mesh or a model, and suitable voxel sizes."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from voxshell.cli.advice import Estimate
 
 _COARSE = 20
-"""Resolution at which it is tried whether a mesh can be made a model."""
+"""Resolution of the coarse model that shows whether a model can be built from a mesh."""
 
 _LARGE = 10.0
-"""Metres; a mesh larger than this is probably in millimetres."""
+"""A mesh larger than this, in meters, is probably in millimeters."""
 
 
 def info(
@@ -78,7 +78,7 @@ def info(
             "center_of_mass": matter.center_of_mass.tolist(),
         }
         facts = describe_facts(model)
-        facts.append(("centre of mass", _format_point(matter.center_of_mass)))
+        facts.append(("center of mass", _format_point(matter.center_of_mass)))
         facts.append(("file", format_size(file.stat().st_size)))
     else:
         require_file(file)
@@ -106,7 +106,7 @@ def _read_scaled(file: Path, scale: float) -> Mesh:
 
 
 def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-    """For JSON and in words, from the mesh and a coarse model of it."""
+    """Describe a mesh for JSON and in words, from itself and a coarse model of it."""
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MeshWarning)
@@ -128,7 +128,7 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
     ]
     if extents.max() > _LARGE:
         facts.append(
-            ("hint", f"{extents.max():.4g} m is large; for a mesh in millimetres, --scale 0.001")
+            ("hint", f"{extents.max():.4g} m is large; for a mesh in millimeters, --scale 0.001")
         )
     described = {
         "vertices": len(vertices),
@@ -144,7 +144,7 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
 
 
 def _measure_mesh(mesh: Mesh) -> tuple[float, float]:
-    """Enclosed volume and area, m3 and m2, by the divergence theorem."""
+    """Return enclosed volume and area, m3 and m2, by the divergence theorem."""
     a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     middle = mesh.vertices.mean(axis=0)

@@ -1,4 +1,4 @@
-"""Ctrl-C while a command runs: it stops the command, which tidies up, wherever it comes."""
+"""Ctrl-C while a command runs: it stops the command, which cleans up, at any place."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _IMPORT_CODE = "<frozen importlib._bootstrap>"
 
 @contextmanager
 def raising_interrupts() -> Iterator[None]:
-    """Lets Ctrl-C raise ``KeyboardInterrupt`` in the block, where it is not ignored.
+    """Make Ctrl-C raise ``KeyboardInterrupt`` in the block, unless it is ignored.
 
-    Not amid an import, but after it: libraries take an exception there for a missing part and go on
-    without it, or abort.
+    During an import, the exception is delayed until the import ends. Libraries would take an
+    exception there for a missing module and continue without it, or abort.
     """
     handler = signal.getsignal(signal.SIGINT)
     if not callable(handler):

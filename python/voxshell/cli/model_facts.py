@@ -1,4 +1,4 @@
-"""What there is to say of a model, in words."""
+"""Properties of a model in words."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from voxshell.model.model import Model
 
 MEASURED_FIELD = "field off by"
-"""Measured: errors of the field's distance on the surface."""
+"""Measured errors of the field's distance on the surface."""
 
 MEASURED_SHELL = "surface seen to"
-"""Measured: how far the surface stands out above what the shell sees."""
+"""Measured heights of the surface above the shell."""
 
 PROVED = "proved bound"
-"""What holds at every place, and is mostly far more than what is measured."""
+"""Proven bounds, which hold everywhere and are usually much larger than measured errors."""
 
 
 def describe_facts(model: Model) -> list[tuple[str, str]]:
-    """Names and values, one a line."""
+    """Return names and values, one per line."""
     field, shell = model.field, model.shell
     vertices, faces = model.mesh
     return [
@@ -44,7 +44,7 @@ def describe_facts(model: Model) -> list[tuple[str, str]]:
 
 
 def describe_accuracy(model: Model) -> list[tuple[str, str]]:
-    """What was measured on the model's surface, and what is proved of it."""
+    """Return measured errors on the model's surface, and proven bounds."""
     accuracy = model.accuracy
     return [
         (MEASURED_FIELD, _format_errors(accuracy.distance)),
@@ -64,7 +64,7 @@ def describe_accuracy(model: Model) -> list[tuple[str, str]]:
 
 
 def list_accuracy(model: Model) -> dict[str, Any]:
-    """The same for JSON: metres and radians."""
+    """Return measured errors and proven bounds for JSON: meters and radians."""
     return {
         "measured": asdict(model.accuracy),
         "proved": {"field": field_bound(model), "shell": shell_bound(model)},
@@ -73,12 +73,12 @@ def list_accuracy(model: Model) -> dict[str, Any]:
 
 
 def field_bound(model: Model) -> float:
-    """The field and the mesh differ in what is inside no farther than this from the surface: proved, metres."""
+    """Return the proven distance from the surface where field and mesh may disagree, meters."""
     return model.field.surface_error
 
 
 def shell_bound(model: Model) -> float:
-    """No place of the surface is proved to be farther than this from the shell, metres."""
+    """Return the proven largest distance of the surface from the shell, meters."""
     return math.sqrt(3.0) * model.shell.spacing
 
 
@@ -90,12 +90,12 @@ def _format_errors(errors: ErrorStatistic) -> str:
 
 
 def format_extents(bounds: NDArray[np.float64]) -> str:
-    """Edges of the box around a body, metres."""
+    """Return the edge lengths of the box around a body, meters."""
     return f"{' x '.join(f'{x:.4g}' for x in np.ptp(bounds, axis=0))} m"
 
 
 def describe_sign(model: Model) -> str:
-    """How it was told what is inside."""
+    """Return how the inside was found."""
     if model.field.sign_method == "closed":
         return "by the closed surface"
     return f"by winding numbers, with a confidence of {model.field.sign_confidence:.3f}"

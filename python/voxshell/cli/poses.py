@@ -1,4 +1,4 @@
-"""Poses as arguments and files give them."""
+"""Poses in arguments and files."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, row by row)"
-"""How many numbers make a pose."""
+"""The numbers that a pose consists of."""
 
 _WHAT = "file of poses"
 
 _MOST_BYTES = 500_000_000
-"""Of a file of poses: four million matrices of text."""
+"""Largest file of poses, bytes: four million matrices of text."""
 
 
 def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
-    """The (4, 4) matrix that some numbers stand for: see :data:`FORMS`.
+    """Return the (4, 4) matrix of a pose that is given as :data:`FORMS`.
 
     Args:
-        numbers: Metres; the quaternion of unit length to 0.001, which is made exact.
-        name: Of the argument, for errors.
+        numbers: Meters; the length of the quaternion must be 1 to 0.001, and is corrected.
+        name: The argument's name, for error messages.
 
     Raises:
-        PoseError: There are too few or too many, they are not finite, or the quaternion has another
-            length.
+        PoseError: There are too few or too many numbers, they are not finite, or the quaternion has
+            another length.
 
     Example:
         >>> make_pose([0.1, 0, 0, 0, 0, 1, 0], "pose")[:2].round(6) + 0.0
@@ -49,15 +49,15 @@ def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def read_poses(path: Path) -> NDArray[np.float64]:
-    """The poses of a file, (n, 4, 4).
+    """Read poses from a file, (n, 4, 4).
 
     Args:
-        path: A ``.npy`` file with an array (n, 4, 4) or rows of :data:`FORMS`; or a ``.csv`` file with
-            such rows, of which the first may be a heading.
+        path: A ``.npy`` file with an array (n, 4, 4) or rows of :data:`FORMS`; or a ``.csv`` file
+            with such rows, of which the first may be a heading.
 
     Raises:
-        SettingsError: The file cannot be read, or is neither of these; says which line is wrong.
-        PoseError: A row is no pose.
+        SettingsError: The file cannot be read or has another format; the message gives the line.
+        PoseError: A row is not a pose.
     """
     rows = _read_array(path) if path.suffix.lower() == ".npy" else _read_table(path)
     if not rows:
@@ -71,7 +71,7 @@ def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
         array = np.load(io.BytesIO(data), allow_pickle=False)
     except MemoryError:
         raise SettingsError(f"{path} is not a NumPy array: it is larger than its file") from None
-    except Exception as error:  # of which damaged headers raise every kind
+    except Exception as error:  # damaged headers raise any type
         why = str(error).partition("\n")[0] or type(error).__name__
         raise SettingsError(f"{path} is not a NumPy array: {why}") from None
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu" or array.ndim < 2:
@@ -99,7 +99,7 @@ def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
             if number == 1:
                 continue
             raise SettingsError(
-                f"{path}:{number}: not all of it is numbers: {str(words)[:80]}"
+                f"{path}:{number}: not all entries are numbers: {str(words)[:80]}"
             ) from None
         if values:
             rows.append((f"{path}:{number}", values))

@@ -1,4 +1,4 @@
-"""Lines of progress for long work."""
+"""Progress displays for long work."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def open_progress(console: Console) -> Progress:
-    """A display of tasks: how long each has taken, the time left, and what it is at."""
+    """Return a display of tasks with elapsed time, remaining time and current stage."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(bar_width=16),
@@ -35,24 +35,24 @@ def open_progress(console: Console) -> Progress:
 
 
 class Track:
-    """One line of a display."""
+    """A line of a progress display."""
 
     def __init__(self, progress: Progress, task: TaskID) -> None:
         self._progress = progress
         self._task = task
 
     def update(self, stage: str, fraction: float) -> None:
-        """Says what is being done and how far it is, 0 to 1."""
+        """Show the current stage and the completed fraction, 0 to 1."""
         self._progress.update(self._task, completed=fraction, stage=stage)
 
     def advance(self, fraction: float) -> None:
-        """Says how far it is, 0 to 1."""
+        """Show the completed fraction, 0 to 1."""
         self._progress.update(self._task, completed=fraction)
 
 
 @contextmanager
 def tracked(progress: Progress, description: str) -> Iterator[Track]:
-    """A line that is full when the block ends well."""
+    """Yield a line that shows completion when the block succeeds."""
     track = Track(progress, progress.add_task(description, total=1.0, stage=""))
     yield track
     track.update("", 1.0)

@@ -1,4 +1,4 @@
-"""``voxshell query``: how two bodies touch."""
+"""``voxshell query``: contacts, collision, distance or force of two bodies."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Numbers: TypeAlias = Annotated[
 ]
 
 _MOST_POSES, _MOST_CONTACTS = 20, 8
-"""Lines of a table."""
+"""Largest number of lines in a table."""
 
 
 def query(
@@ -71,8 +71,8 @@ def query(
     extents), sphere:RADIUS, capsule:RADIUS,LENGTH, cylinder:RADIUS,LENGTH, cone:RADIUS,HEIGHT. One
     of the two must be a mesh or a model.
 
-    A pose is 3 numbers (x y z), 7 (x y z and a quaternion x y z w) or 16 (a 4x4 matrix, row by row),
-    world from body, in meters. A body without a pose is at the origin.
+    A pose is 3 numbers (x y z), 7 (x y z and a quaternion x y z w) or 16 (a 4x4 matrix, row by
+    row), world from body, in meters. A body without a pose is at the origin.
 
     For example, a part 10 mm above another, the force on a part in the ground, and many poses:
 
@@ -85,7 +85,8 @@ def query(
         b: The second body. Normals lie on it and point toward the first.
         pose: Pose of b.
         a_pose: Pose of a.
-        poses: Many poses of b: a .csv file with one pose per line, or a .npy file, (n, 4, 4) or rows.
+        poses: Many poses of b: a .csv file with one pose per line, or a .npy file, (n, 4, 4) or
+            rows.
         ask: The query; wrench needs --stiffness.
         shell: The body whose points are tested. auto chooses the body, or both, that misses least;
             fewest chooses the body with fewer points.
@@ -109,7 +110,7 @@ def query(
         world_from_b = (np.eye(4) if pose is None else make_pose(pose, "pose"))[None]
     with open_progress(Console(quiet=json_only, stderr=True)) as progress:
         bodies: dict[str, Collidable] = {}
-        # A body that meets itself is read once.
+        # If both arguments are equal, the body is read once.
         for text in dict.fromkeys((a, b)):
             with tracked(progress, f"read {Path(text).name}") as track:
                 bodies[text] = read_body(text, options, track.update)
@@ -151,7 +152,7 @@ def _ask(
     stiffness: float | None,
     track: Track,
 ) -> list[dict[str, Any]]:
-    """What came of each pose, ready for JSON."""
+    """Return the result for each pose, ready for JSON."""
     answers: list[dict[str, Any]] = [
         {"pose": index, "b_pose": pose.tolist()} for index, pose in enumerate(b_poses)
     ]
@@ -213,7 +214,7 @@ def _describe_wrench(found: Wrench) -> dict[str, Any]:
 
 
 def _make_tables(answers: list[dict[str, Any]]) -> Iterable[Any]:
-    """A line a pose; of a single pose, its deepest contacts, too."""
+    """Yield a table with a line for each pose; for a single pose, also its deepest contacts."""
     single = len(answers) == 1
     names = [key for key in ("contacts", "collide", "distance", "wrench") if key in answers[0]]
     headings = {
@@ -228,7 +229,7 @@ def _make_tables(answers: list[dict[str, Any]]) -> Iterable[Any]:
         table.add_row(str(answer["pose"]), *cells)
     yield table
     if len(answers) > _MOST_POSES:
-        yield f"and {len(answers) - _MOST_POSES} poses more: --json lists all"
+        yield f"and {len(answers) - _MOST_POSES} more poses: --json lists all"
     if single and answers[0].get("contacts", {}).get("count"):
         yield _make_contact_table(answers[0]["contacts"])
     if single and "distance" in answers[0] and math.isfinite(answers[0]["distance"]["distance"]):
@@ -263,5 +264,5 @@ def _format_answer(name: str, answer: Any) -> tuple[str, ...]:
 
 
 def _format_vector(vector: Any) -> str:
-    # Far below a nanometre or a nanonewton is what rounding left.
+    # Numbers far below a nanometer or a nanonewton are rounding errors.
     return " ".join(f"{0.0 if abs(x) < 1e-10 else float(x):.4g}" for x in vector)

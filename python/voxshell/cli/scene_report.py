@@ -1,4 +1,4 @@
-"""What the simulation of a scene file leaves in its folder: all of it or nothing."""
+"""The output files of a scene's simulation: all of them or none."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 PAGE, PLOT, RESULTS = "index.html", "plot.png", "results.json"
 EXPORT = "recording"
-"""Name of exports without its suffix."""
+"""Name of exports without suffix."""
 
 
 def check_extras(scene: Scene) -> None:
-    """Tells before the work what would be missing after it.
+    """Check before the simulation that all libraries for the outputs are installed.
 
     Raises:
         MissingExtraError: An output needs a library that is not installed.
@@ -53,12 +53,12 @@ def check_extras(scene: Scene) -> None:
 
 
 def is_video(outputs: OutputSettings) -> bool:
-    """Whether pictures are to be drawn."""
+    """Return whether the outputs include a video."""
     return bool({"mp4", "gif"} & set(outputs.exports))
 
 
 def list_files(scene: Scene) -> list[str]:
-    """The names of what the scene asks for."""
+    """Return the names of the files that the scene requests."""
     outputs = scene.outputs
     tables = {"poses": outputs.poses, "contacts": outputs.contacts}
     return [
@@ -77,7 +77,7 @@ def write_outputs(
     run: SceneRun,
     progress: Callable[[str, float], object],
 ) -> list[Path]:
-    """Writes what the scene asks for; the files appear together, once all are complete.
+    """Write the files that the scene requests; they appear together, once all are complete.
 
     Returns:
         Their paths.
@@ -91,7 +91,7 @@ def write_outputs(
 
 
 def summarise(run: SceneRun) -> list[dict[str, Any]]:
-    """Of each body: where it ended, how fast, how deep its contacts were, ready for JSON."""
+    """Return each body's final position, speed, and depths of contacts, ready for JSON."""
     rows = []
     for index, name in enumerate(run.names):
         depths = [
@@ -113,7 +113,7 @@ def summarise(run: SceneRun) -> list[dict[str, Any]]:
 
 
 def describe_results(scene: Scene, world: World, run: SceneRun) -> dict[str, Any]:
-    """Settings, the end of each body, times of steps and versions, ready for JSON."""
+    """Return settings, final states of bodies, times of steps and versions, ready for JSON."""
     narrow = run.timings["narrow_phase"]
     return {
         "scene": str(scene.path),
@@ -140,7 +140,7 @@ def describe_results(scene: Scene, world: World, run: SceneRun) -> dict[str, Any
             "median": float(np.median(run.timings["step"])),
             "p99": float(np.percentile(run.timings["step"], 99)),
         },
-        "units": "seconds, metres, radians, m/s, rad/s",
+        "units": "seconds, meters, radians, m/s, rad/s",
         "environment": describe_environment(),
     }
 
@@ -196,7 +196,7 @@ def _write_table(path: Path, columns: Mapping[str, NDArray[np.generic]]) -> None
 
 
 def _draw(path: Path, scene: Scene, run: SceneRun) -> None:
-    """Heights, speeds and numbers of contacts over time, of the bodies that move."""
+    """Plot heights, speeds and numbers of contacts of the moving bodies over time."""
     from matplotlib.figure import Figure
 
     up = -np.array(scene.world.gravity)

@@ -1,4 +1,4 @@
-"""``voxshell simulate``: scenes, run and written down."""
+"""``voxshell simulate``: simulation of scenes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
 
 _STILL = 1e-9
-"""Metres a second; what is slower moves by rounding alone."""
+"""Speed below which motion is only rounding, m/s."""
 
 simulate = App(name="simulate", usage="Usage: voxshell simulate --out PATH [OPTIONS] FILE")
 
@@ -45,9 +45,9 @@ def scene(
 ) -> None:
     """Simulate a scene file: bodies of meshes and shapes that fall, slide and collide.
 
-    Writes the outputs that the file names into OUT: index.html (an offline replay), poses and contacts
-    (Parquet or CSV), plot.png, and results.json (settings, final states, times). The files appear
-    once all are complete.
+    Writes the outputs that the file names into OUT: index.html (an offline replay), poses and
+    contacts (Parquet or CSV), plot.png, and results.json (settings, final states, times). The files
+    appear once all are complete.
 
     A short scene:
 
@@ -75,10 +75,11 @@ def scene(
     Args:
         file: The scene in TOML; the page on scene files in the documentation shows every key.
         out: The folder to write into; created if missing.
-        export: Also write the motion as recording.mp4 or recording.gif (videos), recording.glb (glTF: Blender,
-            three.js, Unity) or recording.usda or recording.usdc (Universal Scene Description).
-        watch: Show the simulation in the browser at the address that is printed, and begin when somebody presses
-            Resume there. What is dragged there changes the results.
+        export: Also write the motion as recording.mp4 or recording.gif (videos), recording.glb
+            (glTF: Blender, three.js, Unity) or recording.usda or recording.usdc (Universal Scene
+            Description).
+        watch: Show the simulation in the browser at the address that is printed, and begin when
+            somebody presses Resume there. What is dragged there changes the results.
         json_only: Print only the content of results.json.
     """
     from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs
@@ -92,7 +93,7 @@ def scene(
     read = replace(read, outputs=outputs)
     check_extras(read)
     if watch:
-        import_viser()  # before meshes are made into models, which may take long
+        import_viser()  # fail before models are built, which may take long
     check_output_folder(out, list_files(read))
     with open_progress(Console(quiet=json_only, stderr=True)) as progress:
         with tracked(progress, "build") as track:
@@ -135,7 +136,7 @@ def scene(
 
 @contextmanager
 def _watching(world: World, title: str | None) -> Iterator[None]:
-    """Shows a world in the browser, from the first step that somebody asks for there; with a title alone."""
+    """Show a paused world in the browser during the block; without a title, show nothing."""
     if title is None:
         yield
         return

@@ -1,4 +1,4 @@
-"""Tables in one style; they fit 80 columns."""
+"""Tables in one style that fit into 80 columns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def new_table(*headings: str, title: str | None = None) -> Table:
-    """An empty table: words to the left, all other columns to the right."""
+    """Return an empty table: words are left-aligned, all other columns right-aligned."""
     table = bare_table(title)
     for index, heading in enumerate(headings):
         table.add_column(heading, justify="right" if index else "left", no_wrap=True)
@@ -21,7 +21,7 @@ def new_table(*headings: str, title: str | None = None) -> Table:
 
 
 def bare_table(title: str | None = None, *, expand: bool = False) -> Table:
-    """A table without columns; as wide as the terminal where it is to expand."""
+    """Return a table without columns; if expanded, it is as wide as the terminal."""
     return Table(
         title=title,
         title_justify="left",
@@ -33,7 +33,7 @@ def bare_table(title: str | None = None, *, expand: bool = False) -> Table:
 
 
 def list_facts(facts: Iterable[tuple[str, str]], title: str | None = None) -> Table:
-    """Names and values, one a line."""
+    """Return a table of names and values, one per line."""
     table = Table(
         title=title,
         title_justify="left",

@@ -1,4 +1,4 @@
-"""``voxshell view``: look into a model, and drag it and another body against each other."""
+"""``voxshell view``: a page to inspect a model, and to drag two bodies against each other."""
 
 from __future__ import annotations
 
@@ -57,10 +57,10 @@ def view(
     if export is not None:
         check_output_file(export)
     refuse_unused(options, *((body,) if other is None else (body, other)))
-    import_viser()  # before meshes are made into models, which may take long
+    import_viser()  # fail before models are built, which may take long
     bodies: dict[str, Collidable] = {}
     with open_progress(Console(stderr=True)) as progress:
-        # A body that meets itself is read once.
+        # If both arguments are equal, the body is read once.
         for text in dict.fromkeys((body,) if other is None else (body, other)):
             with tracked(progress, f"read {Path(text).name}") as track:
                 bodies[text] = read_body(text, options, track.update)

@@ -1,1 +1,1 @@
-"""Measurements: timing them, poses to time at, and writing results down with their environment."""
+"""Measurements: timing, poses, and results with their environment."""

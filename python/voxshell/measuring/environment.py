@@ -1,4 +1,4 @@
-"""What a measurement was made with."""
+"""The environment of a measurement."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LIBRARIES = (
 
 
 def describe_environment() -> dict[str, object]:
-    """Versions, machine and commit, ready for JSON."""
+    """Return versions, machine and commit, ready for JSON."""
     return {
         "voxshell": voxshell.__version__,
         "commit": _find_commit(),
@@ -40,7 +40,7 @@ def describe_environment() -> dict[str, object]:
 
 
 def read_cpuinfo(field: str) -> str:
-    """What the system says of its first processor; empty where it does not say."""
+    """Return a field of the system's first processor; empty if it is unknown."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -50,7 +50,7 @@ def read_cpuinfo(field: str) -> str:
 
 
 def _find_commit() -> str | None:
-    """Of the checkout that the package is in, with "-dirty" where it has changes; else None."""
+    """Return the commit of the package's checkout, with "-dirty" if it has changes, or None."""
     try:
         result = subprocess.run(
             ["git", "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"],

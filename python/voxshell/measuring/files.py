@@ -1,4 +1,4 @@
-"""Results as files: each appears whole or not at all."""
+"""Files of results: each is written completely or not at all."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Writes JSON; numbers that are not finite become null."""
+    """Write JSON; numbers that are not finite become null."""
     write_text(path, json.dumps(finite(value), indent=2, allow_nan=False) + "\n")
 
 
 def write_csv(path: Path, heading: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """Writes a table as CSV."""
+    """Write a table as CSV."""
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow(heading)
@@ -31,7 +31,7 @@ def write_csv(path: Path, heading: Iterable[str], rows: Iterable[Iterable[object
 
 
 def write_parquet(path: Path, columns: Mapping[str, Any]) -> None:
-    """Writes a table as Parquet.
+    """Write a table as Parquet.
 
     Raises:
         MissingExtraError: pyarrow is not installed.
@@ -44,18 +44,18 @@ def write_parquet(path: Path, columns: Mapping[str, Any]) -> None:
 
 
 def write_figure(path: Path, figure: Any) -> None:
-    """Writes a figure of matplotlib's as a PNG."""
+    """Write a matplotlib figure as PNG."""
     content = io.BytesIO()
-    # Without the version, the same data gives the same bytes everywhere.
+    # Without matplotlib's version, equal data gives equal bytes everywhere.
     figure.savefig(content, format="png", metadata={"Software": None})
     write_bytes(path, content.getbuffer())
 
 
 def import_pyarrow() -> tuple[Any, Any]:
-    """The library and its Parquet.
+    """Return pyarrow and its Parquet module.
 
     Raises:
-        MissingExtraError: It is not installed.
+        MissingExtraError: pyarrow is not installed.
     """
     try:
         import pyarrow
@@ -64,14 +64,14 @@ def import_pyarrow() -> tuple[Any, Any]:
         raise MissingExtraError(
             "Parquet files need pyarrow: pip install voxshell[report]"
         ) from error
-    # Threads of its own would run beside what is timed.
+    # pyarrow's own threads would disturb timed code.
     pyarrow.set_cpu_count(1)
     pyarrow.set_io_thread_count(1)
     return pyarrow, pyarrow.parquet
 
 
 def finite(value: Any) -> Any:
-    """The same, with None for numbers that JSON does not have."""
+    """Replace numbers that JSON does not support by None."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Poses in which two bodies just touch."""
+"""Poses in which two bodies overlap slightly."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 def find_poses_between(
     model: Model, count: int, least_depth: float, most_depth: float, seed: int
 ) -> NDArray[np.float64]:
-    """World_from_body of a second body, (count, 4, 4): it comes from afar and stops a bit too late.
+    """Return ``world_from_body``, (count, 4, 4), of a body that moves slightly into another one.
 
     Args:
-        model: Of both bodies; the first is at the world's origin.
-        count: How many poses.
-        least_depth: How far it goes on after the first touch, at least,
-        most_depth: and at most, metres; negative: how far it is pulled back.
-        seed: Of orientations, directions and depths.
+        model: The model of both bodies; the first is at the world's origin.
+        count: Number of poses.
+        least_depth: Smallest displacement after the first touch, meters; negative moves back.
+        most_depth: Largest displacement, likewise.
+        seed: Seed of orientations, directions and depths.
     """
     from trimesh.transformations import random_rotation_matrix
 
@@ -36,7 +36,7 @@ def find_poses_between(
         pose[:] = random_rotation_matrix(rng.random(3))
         direction = rng.normal(size=3)
         direction /= np.linalg.norm(direction)
-        # The middles lie on a line along the direction.
+        # The centers lie on a line along the direction.
         origin = middle - pose[:3, :3] @ middle
         near, far = 0.0, reach
         for _ in range(24):

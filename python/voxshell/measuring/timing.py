@@ -1,4 +1,4 @@
-"""Measuring times so that they mean something."""
+"""Conditions for meaningful time measurements."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ if TYPE_CHECKING:
 
 @contextmanager
 def pinned() -> Iterator[None]:
-    """Keeps this process on one core, the last it may use, which interrupts visit least.
+    """Keep this process on one core: the last allowed one, which has the fewest interrupts.
 
-    What is built before, on all cores, stays outside the block. Where the system has no such calls
-    nothing happens.
+    Build whatever uses all cores outside the block. Without system calls for this, nothing happens.
     """
     if not hasattr(os, "sched_setaffinity"):
         yield

@@ -1,4 +1,4 @@
-"""Quantities as people read them: three digits in the unit that suits."""
+"""Quantities for people: three digits in a suitable unit."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B"))
 
 
 def format_time(seconds: float) -> str:
-    """A duration.
+    """Return a duration as text.
 
     Example:
         >>> [format_time(t) for t in (1.234e-5, 0.0456, 9.996e-3, 90.0, float("nan"))]
@@ -21,7 +21,7 @@ def format_time(seconds: float) -> str:
 
 
 def format_length(metres: float) -> str:
-    """A length, which may be negative.
+    """Return a length, which may be negative, as text.
 
     Example:
         >>> [format_length(x) for x in (0.2115, -0.00123, 4.5e-6, 12.0, 1e-20)]
@@ -31,7 +31,7 @@ def format_length(metres: float) -> str:
 
 
 def format_size(count: float) -> str:
-    """Bytes.
+    """Return a number of bytes as text.
 
     Example:
         >>> [format_size(n) for n in (512, 81_920, 9_996_000)]
@@ -45,7 +45,7 @@ def _format(value: float, units: tuple[tuple[float, str], ...]) -> str:
         return "-"
     if abs(value) < 0.005 * units[-1][0]:
         return f"0 {next(name for size, name in units if size == 1.0)}"
-    # Rounded before the unit and the digits are chosen: 9.996 has one digit more than 10.0.
+    # Round before choosing the unit and the digits: 9.996 has one digit more than 10.0.
     rounded = float(f"{value:.3g}")
     size, name = next((unit for unit in units if abs(rounded) >= unit[0]), units[-1])
     number = float(f"{value / size:.3g}")

@@ -1,4 +1,4 @@
-"""Models of meshes, their parts and files, and analytic shapes: what can collide."""
+"""Models of meshes, their parts and files, and analytic shapes."""
 
 from voxshell.model.accuracy import Accuracy, AccuracyWarning, ErrorStatistic
 from voxshell.model.cache import CacheWarning

@@ -1,4 +1,4 @@
-"""How exact a model is, measured on its surface when it was built."""
+"""Accuracy of a model, measured on its surface when it is built."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
 
 
 class AccuracyWarning(UserWarning):
-    """A model is off by more than its tolerance, or two bodies may miss contacts that are deep."""
+    """A model's error exceeds its tolerance, or two bodies may miss deep contacts."""
 
 
 @dataclass(frozen=True)
 class ErrorStatistic:
-    """The absolute errors at many places of a surface.
+    """Absolute errors at many places on a surface.
 
     Attributes:
         median: Half of the places have at most this error.
         p99: 99 % of the places have at most this error.
-        max: The largest error at any of the places that were looked at.
+        max: The largest error of all places.
     """
 
     median: float
@@ -31,23 +31,24 @@ class ErrorStatistic:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How exact a model is, measured at 100,000 places of its surface when it was built.
+    """Accuracy of a model, measured at 100,000 places on its surface when it was built.
 
-    The places lie on faces, by area, along edges and at vertices; half of those along edges are on
-    sharp edges, if there are any. This is a statistic, not a proof: for what holds everywhere, see
-    :func:`contact_bounds`.
+    The places lie on faces (in proportion to their area), along edges and at vertices. Half of
+    those along edges are on sharp edges, if there are any. This is a statistic, not a proof. For
+    proven bounds see :func:`contact_bounds`.
 
     Attributes:
-        places: How many places were looked at.
-        distance: Error of the field's distance, which is 0 on the surface; metres.
-        normal: Angle from the field's gradient, just inside of the surface, to the cone of the
-            normals of the nearest faces; radians. pi where the gradient is 0.
-        coverage: How far the surface stands out above the nearest elements of the shell, along its
-            own normal; metres. A flat body may get this deep without being seen by the shell.
-        gap: Largest distance of any place from the nearest element of the shell that does not face
-            away from it; metres. A body that is sharper than this may enter between elements.
-        is_sharp: Whether faces meet at a convex edge by more than 20 degrees.
-        curvature: Largest convex curvature elsewhere, from the angles between faces; 1/metres.
+        places: Number of places.
+        distance: Error of the field's distance, which should be 0 on the surface; meters.
+        normal: Angle between the field's gradient just inside the surface and the cone of the
+            normals of the nearest faces; radians. It is pi where the gradient is 0.
+        coverage: How far the surface rises along its own normal above the nearest points and edge
+            segments of the shell; meters. The shell may miss a flat body that overlaps by less.
+        gap: Largest distance of any place from the nearest point or edge segment of the shell that
+            does not face away from it; meters. A body that is narrower than this may slip between
+            them.
+        is_sharp: True if faces meet at a convex edge by more than 20 degrees.
+        curvature: Largest convex curvature elsewhere, from the angles between faces; 1/meters.
 
     Example:
         >>> import trimesh
@@ -86,7 +87,7 @@ class Accuracy:
 
 
 def read_accuracy(core: CoreModel) -> Accuracy:
-    """The accuracy that a model of the core holds."""
+    """Return the accuracy of a model of the core."""
     places, distance, normal, coverage, gap, is_sharp, curvature = core.accuracy
     return Accuracy(
         places,

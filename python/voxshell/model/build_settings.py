@@ -1,4 +1,4 @@
-"""Checks of what a model is built with, beside lengths and numbers of points."""
+"""Checks of a build's settings other than lengths and numbers of points."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from voxshell.errors import SettingsError
 
 
 def as_sign(value: str) -> str:
-    """How inside and outside are told apart."""
+    """Return a method to find the inside of a mesh."""
     if value not in ("auto", "closed", "winding"):
         raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {value!r}")
     return value
 
 
 def as_open(value: str) -> str:
-    """What becomes of an open mesh."""
+    """Return a treatment of open meshes."""
     if value not in ("auto", "solid", "sheet"):
         raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {value!r}")
     return value
 
 
 def as_sheet_thickness(value: float | None, open_as: str) -> float:
-    """Metres; 0: chosen by the core."""
+    """Return a thickness in meters, or 0 to let the core choose."""
     if value is None:
         return 0.0
     if open_as == "solid":
@@ -30,7 +30,7 @@ def as_sheet_thickness(value: float | None, open_as: str) -> float:
 
 
 def as_padding(value: float) -> float:
-    """Metres around the mesh."""
+    """Return a padding around the mesh, in meters."""
     number = as_real(value, "padding")
     if not 0.0 <= number <= FARTHEST:
         raise SettingsError(f"padding must be from 0 to {FARTHEST:g} m, not {number:g}")

@@ -1,4 +1,4 @@
-"""Warns of what a new model falls short of: faults of its mesh, and its tolerance."""
+"""Warnings about a new model: faults of its mesh and a missed tolerance."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
     from voxshell.model.accuracy import Accuracy
     from voxshell.model.field import DistanceField
 
-_LARGE_FIELD = 64.0  # megabytes, from which on models by tolerance warn
-_FAR_OFF = 4.0  # tolerances that the worst place may be off: what is proved of closed meshes is 1.4
+_LARGE_FIELD = 64.0  # megabytes; models by tolerance warn above this
+_FAR_OFF = 4.0  # accepted error of the worst place, in tolerances; 1.4 is proven for closed meshes
 
 
 def warn_of_faults(core: CoreModel, open_as: str) -> None:
-    """Warns of what is wrong with a mesh, and says what was made of it.
+    """Warn about the faults of a mesh, and say how they were handled.
 
     Args:
         core: The model.
-        open_as: What the caller chose for open meshes.
+        open_as: The caller's choice for open meshes.
     """
     grid = core.grid
     if grid.was_turned:
@@ -36,19 +36,19 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
         elif flipped or non_manifold:
             warnings.warn(
                 f"mesh has {open_edges} open, {non_manifold} non-manifold and {flipped} wrongly oriented "
-                f"edges (first near [{place}] metres); its triangles were turned to face outwards, and "
+                f"edges (first near [{place}] meters); its triangles were turned to face outward, and "
                 "repeated ones left out; the model's mesh is closed",
                 MeshWarning,
                 stacklevel=3,
             )
         return
     if not (open_edges or non_manifold or flipped or overlaps or openings):
-        return  # closed parts that touch: nothing is wrong with the mesh
+        return  # closed parts that touch are not a fault
     warnings.warn(
         f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
         f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
-        f"{hidden} triangles wholly or partly inside others (first near [{place}] metres); winding numbers tell what "
-        f"is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
+        f"{hidden} triangles wholly or partly inside others (first near [{place}] meters); winding numbers "
+        f"decide what is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
         f"sign='winding' to accept it{openings and '; '}{openings}",
         MeshWarning,
         stacklevel=3,
@@ -56,12 +56,12 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
 
 
 def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy) -> None:
-    """Warns where a model built to a tolerance falls short of it."""
+    """Warn if a model that was built to a tolerance misses it."""
     megabytes = field.nbytes / 1e6
     if megabytes > _LARGE_FIELD:
         warnings.warn(
-            f"the model's field takes {megabytes:.0f} MB, as much of the mesh is rough at its tolerance "
-            f"of {tolerance * 1e3:.3g} mm; pass a larger tolerance for less",
+            f"the model's field takes {megabytes:.0f} MB, because much of the mesh is rough at its tolerance "
+            f"of {tolerance * 1e3:.3g} mm; pass a larger tolerance to reduce it",
             AccuracyWarning,
             stacklevel=3,
         )
@@ -71,25 +71,25 @@ def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy)
         return
     distance, coverage = accuracy.distance.p99 * 1e3, accuracy.coverage.p99 * 1e3
     closed = field.sign_method == "closed"
-    why = "" if closed else "; exact cells need a closed mesh, so repairing it would help most"
+    why = "" if closed else "; exact cells need a closed mesh, so repair it if you can"
     warnings.warn(
-        f"the model is to be exact to {tolerance * 1e3:.3g} mm, but on 99 % of its surface the field "
-        f"is exact to {distance:.3g} mm and the shell to {coverage:.3g} mm, and at worst to {worst * 1e3:.3g} mm"
-        f"{why}; pass a tolerance of {reached:.3g} m to accept this, or, for a uniform model, a voxel_size",
+        f"the model misses its tolerance of {tolerance * 1e3:.3g} mm: on 99 % of its surface the field's error "
+        f"is at most {distance:.3g} mm and the shell's {coverage:.3g} mm; the largest error is {worst * 1e3:.3g} mm"
+        f"{why}; pass a tolerance of {reached:.3g} m to accept this, or a voxel_size for a uniform model",
         AccuracyWarning,
         stacklevel=3,
     )
 
 
 def _describe_openings(core: CoreModel, open_as: str) -> str:
-    """What was made of the openings, unless the caller chose that; nothing where there are none."""
+    """Return how openings were handled; empty if there are none or the caller chose that."""
     loops, share, mouths, diameter, first, thickness = core.openings
     if loops == 0 or open_as != "auto":
         return ""
     place = ", ".join(f"{coordinate:.4g}" for coordinate in first)
     count = "1 opening" if loops == 1 else f"{loops} openings"
     where = (
-        f"{count}, the largest {diameter:.3g} m across, the first near [{place}] metres; caps would "
+        f"{count}, the largest {diameter:.3g} m across, the first near [{place}] meters; caps would "
         f"have {100.0 * share:.3g} % of the surface's area"
     )
     if thickness > 0.0:

@@ -1,12 +1,13 @@
-"""Models that were built before, kept on the disk.
+"""A cache of models on the disk.
 
-:meth:`voxshell.Model.from_mesh` looks here before it builds. A model is found again by a digest of
-its mesh and settings, so that nothing that is found can be out of date. Any number of processes may
-use one folder at the same time, and may be killed at any time.
+:meth:`voxshell.Model.from_mesh` looks here before it builds. The key of a model is a digest of its
+mesh and settings, so an entry never goes out of date. Any number of processes may use a folder at
+the same time, and may be killed at any time.
 
-The folder is ``$VOXSHELL_CACHE_DIR``, or ``voxshell/models`` in ``$XDG_CACHE_HOME`` or ``~/.cache``.
-It holds at most ``$VOXSHELL_CACHE_SIZE``, such as "500MB"; 2 GB by default; "0" turns the cache off.
-The models that were not used for longest go first.
+The folder is ``$VOXSHELL_CACHE_DIR``, or ``voxshell/models`` in ``$XDG_CACHE_HOME`` or
+``~/.cache``. Its limit is ``$VOXSHELL_CACHE_SIZE``, for example "500MB". The default is 2 GB, and
+"0" turns the cache off. When the folder exceeds its limit, the least recently used models are
+removed.
 """
 
 from __future__ import annotations
@@ -40,13 +41,13 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import Mesh
 
 WORTH_SECONDS = 0.05
-"""A model that was built faster is not kept: to store and find it would take as long."""
+"""Models with a shorter build are not kept: storing and loading them would take as long."""
 
 MOST_IN_MEMORY = 16
-"""Models kept in memory where the folder cannot be used."""
+"""Number of models kept in memory if the folder cannot be used."""
 
 LONGEST_WAIT = 600.0
-"""Seconds to wait for another process that builds the same model, before building it as well."""
+"""Seconds to wait while another process builds the same model; then this one builds it, too."""
 
 _SUFFIX, _LOCK_SUFFIX = ".vxs", ".lock"
 _MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})\.vxs")
@@ -54,18 +55,18 @@ _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
 
 
 class CacheWarning(UserWarning):
-    """Models cannot be kept on the disk: the message says why. They are kept in memory instead."""
+    """Models cannot be kept on the disk, so they are kept in memory. The message says why."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One model on the disk.
+    """A model on the disk.
 
     Attributes:
         key: Digest of its mesh and settings.
         seal: Digest of the key and the file's checksum.
         size: Bytes.
-        used: When it was last used, seconds since 1970.
+        used: Time of last use, seconds since 1970.
     """
 
     key: str
@@ -78,9 +79,9 @@ class ModelCache:
     """A folder of models.
 
     Args:
-        folder: Where they are; it is made when the first model is stored. None: there is no such
-            place.
-        capacity: Bytes that they may take; 0 keeps none.
+        folder: The folder, which is made when the first model is stored. None if there is no home
+            directory.
+        capacity: Limit of their total size, bytes; 0 keeps none.
 
     Example:
         >>> import tempfile, trimesh
@@ -102,16 +103,16 @@ class ModelCache:
         build: Callable[[], CoreModel],
         waiting: Callable[[], object] = lambda: None,
     ) -> CoreModel:
-        """The model of a key, built where it is not there yet.
+        """Return the model of a key, and build it if it is not in the cache.
 
-        Of several processes or threads that ask for the same model, one builds it. Where the folder
-        cannot be used, models are kept in memory instead, with one warning. What asks for the model
-        while it is built by the same thread, as a progress callback may, builds one of its own.
+        If several processes or threads request the same model, one of them builds it. If the folder
+        cannot be used, models are kept in memory and one warning is issued. A progress callback
+        that requests the model being built by its own thread builds another one.
 
         Args:
             key: From :func:`compute_key`.
-            build: Makes the model.
-            waiting: Called now and then while another process builds it; may raise.
+            build: Builds the model.
+            waiting: Called repeatedly while another process builds the model; may raise.
         """
         if self.capacity <= 0 or key in _building.keys:
             return build()
@@ -124,8 +125,8 @@ class ModelCache:
         with self._locked(key, waiting) as problem:
             if problem is not None:
                 return self._build_for_memory(key, build, problem)
-            # Somebody else may have built it in the meantime, or left a damaged file.
-            with suppress(OSError):  # of which storing tells
+            # Another process may have built it in the meantime, or left a damaged file.
+            with suppress(OSError):  # storing reports it
                 model = _recall(key) or self._load(key)
             if model is not None:
                 return model
@@ -137,7 +138,7 @@ class ModelCache:
             return model
 
     def entries(self) -> list[Entry]:
-        """What is there, the most recently used first."""
+        """Return all models, the most recently used first."""
         found = [
             Entry(match[1], match[2], status.st_size, status.st_mtime)
             for file, status in self._files()
@@ -146,10 +147,10 @@ class ModelCache:
         return sorted(found, key=lambda entry: (-entry.used, entry.key))
 
     def clear(self) -> int:
-        """Removes all models; returns how many there were.
+        """Remove all models and return how many there were.
 
         Raises:
-            OSError: One cannot be removed.
+            OSError: A model cannot be removed.
         """
         removed = 0
         for entry in self.entries():
@@ -160,7 +161,7 @@ class ModelCache:
         return removed
 
     def sweep(self) -> None:
-        """Removes what processes that were killed left behind."""
+        """Remove what killed processes left behind."""
         for file, _ in self._files():
             with suppress(OSError):
                 if is_unfinished(file.name):
@@ -176,12 +177,12 @@ class ModelCache:
         return self.folder / _name(entry.key, entry.seal)
 
     def _load(self, key: str) -> CoreModel | None:
-        """None where there is none, or none that can be used."""
+        """Load a model; return None if there is none that can be used."""
         if self.folder is None:
             raise FileNotFoundError("no home directory; set VOXSHELL_CACHE_DIR")
         for path in self._find(key):
             try:
-                # A sound file of another model has another seal.
+                # The seal of a valid file of another model differs.
                 if path.name != _name(key, _read_seal(key, path)):
                     continue
                 model = _core.Model.load(os.fsencode(path))
@@ -193,7 +194,7 @@ class ModelCache:
         return None
 
     def _find(self, key: str) -> list[Path]:
-        """The files of a key; what killed processes left behind is removed on the way."""
+        """Return the files of a key, and remove what killed processes left behind."""
         assert self.folder is not None
         names = []
         try:
@@ -241,7 +242,7 @@ class ModelCache:
 
     @contextmanager
     def _locked(self, key: str, waiting: Callable[[], object]) -> Iterator[OSError | None]:
-        """Holds the lock of a key, or gives the reason why there is none."""
+        """Hold the lock of a key, or yield the error that prevents it."""
         assert self.folder is not None
         lock = FileLock(self.folder / (key + _LOCK_SUFFIX))
         give_up = time.monotonic() + LONGEST_WAIT
@@ -287,14 +288,14 @@ def _name(key: str, seal: str) -> str:
 
 
 def _read_seal(key: str, path: Path) -> str:
-    """Of a model file, which holds its checksum behind its magic, under a key."""
+    """Return the seal of a model file: its checksum follows the magic number."""
     with path.open("rb") as file:
         checksum = file.read(16)[8:]
     return hashlib.sha256(key.encode() + checksum).hexdigest()[:16]
 
 
 class _Building(threading.local):
-    """What the thread is building, for which it must not wait."""
+    """The models that a thread is building; it must not wait for them."""
 
     def __init__(self) -> None:
         self.keys: set[str] = set()
@@ -330,20 +331,20 @@ def _remember(key: str, model: CoreModel) -> None:
 
 
 def open_cache() -> ModelCache:
-    """The cache that the environment names.
+    """Return the cache that the environment names.
 
     Raises:
-        SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
+        SettingsError: ``VOXSHELL_CACHE_SIZE`` is not a size.
     """
     return ModelCache(find_folder(os.environ), read_capacity(os.environ))
 
 
 def compute_key(mesh: Mesh, settings: Mapping[str, float]) -> str:
-    """A digest of all that a model depends on: mesh, settings and the code that builds it.
+    """Return a digest of everything that a model depends on: mesh, settings and code.
 
     Args:
-        mesh: In metres, as it goes to the core.
-        settings: As they go to the core.
+        mesh: The mesh as the core receives it, in meters.
+        settings: The settings as the core receives them.
     """
     digest = hashlib.sha256(_digest_of_code())
     for name, value in sorted(settings.items()):
@@ -356,6 +357,6 @@ def compute_key(mesh: Mesh, settings: Mapping[str, float]) -> str:
 
 @cache
 def _digest_of_code() -> bytes:
-    """Of the compiled core: another version, or another build, may build another model."""
+    """Return a digest of the compiled core: another build of it may build other models."""
     assert _core.__file__ is not None
     return hashlib.sha256(Path(_core.__file__).read_bytes()).digest()

@@ -1,4 +1,4 @@
-"""Where models are kept and how many: what the environment says of the cache."""
+"""Folder and size of the cache, from environment variables."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12}
 
 
 def find_folder(environment: Mapping[str, str]) -> Path | None:
-    """Where models are kept; None where there is no home.
+    """Return the folder of models; None if there is no home directory.
 
     Example:
         >>> find_folder({"XDG_CACHE_HOME": "/var/cache/me"})
@@ -28,7 +28,7 @@ def find_folder(environment: Mapping[str, str]) -> Path | None:
     if folder := environment.get("VOXSHELL_CACHE_DIR"):
         return Path(os.path.abspath(os.path.expanduser(folder)))
     base = environment.get("XDG_CACHE_HOME", "")
-    if not os.path.isabs(base):  # as its specification has it
+    if not os.path.isabs(base):  # the XDG specification says to ignore relative paths
         home = os.path.expanduser("~")
         if not os.path.isabs(home):
             return None
@@ -37,10 +37,10 @@ def find_folder(environment: Mapping[str, str]) -> Path | None:
 
 
 def read_capacity(environment: Mapping[str, str]) -> int:
-    """Bytes that models may take.
+    """Return the limit of the models' total size, bytes.
 
     Raises:
-        SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
+        SettingsError: ``VOXSHELL_CACHE_SIZE`` is not a size.
 
     Example:
         >>> read_capacity({"VOXSHELL_CACHE_SIZE": "1.5 GB"})

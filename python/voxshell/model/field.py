@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 SERIALS = itertools.count()
-"""Tell bodies apart for as long as the program runs; ids may return."""
+"""Numbers that identify bodies while the program runs; Python may reuse an id()."""
 
 
 class Field:
-    """A signed distance field: how far a point is from a surface, negative inside.
+    """A signed distance field: the distance of a point from a surface, negative inside.
 
-    Models have a :class:`DistanceField`; :class:`Plane`, :class:`Box`, :class:`Sphere` and the other
-    analytic shapes are ones by formula. Immutable.
+    A model has a :class:`DistanceField`. The analytic shapes, such as :class:`Plane`, :class:`Box`
+    and :class:`Sphere`, are fields that evaluate a formula. Fields are immutable.
     """
 
     __slots__ = ("_core", "_judged", "_serial", "_shell_model")
@@ -37,13 +37,13 @@ class Field:
         self._judged: set[int] = set()
 
     def sample(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Signed distances at points, evaluated in single precision as every query does.
+        """Return signed distances at points, in single precision like every query.
 
         Args:
-            points: (n, 3) float64, metres, body frame.
+            points: (n, 3) float64, meters, body frame.
 
         Returns:
-            (n,) float64, metres, negative inside.
+            (n,) float64, meters, negative inside.
 
         Raises:
             SettingsError: ``points`` has another shape, or numbers that are not finite.
@@ -56,14 +56,15 @@ class Field:
         return self._core.sample(as_points(points, "points"))
 
     def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Gradients of the distance at points: directions away from the surface's inside.
+        """Return gradients of the distance at points; they point out of the surface.
 
         Args:
-            points: (n, 3) float64, metres, body frame.
+            points: (n, 3) float64, meters, body frame.
 
         Returns:
-            (n, 3) float64. Unit length for analytic shapes; of a model's field, the exact gradient
-            of :meth:`sample`, whose length is near 1 except close to the medial axis.
+            (n, 3) float64. Analytic shapes return unit length. The field of a model returns the
+            exact gradient of :meth:`sample`, whose length is near 1 except close to the medial
+            axis.
 
         Raises:
             SettingsError: ``points`` has another shape, or numbers that are not finite.
@@ -78,10 +79,10 @@ class Field:
 
 
 class DistanceField(Field):
-    """The distance field of a model: true distances on a sparse regular grid, trilinear between.
+    """The distance field of a model: distances at the nodes of a sparse grid, trilinear in between.
 
-    The grid is fine near the surface and coarser far away. Beyond it, the surface is taken to be
-    where the nearest point of the grid sees it.
+    The grid is fine near the surface and coarser far from it. Outside the grid, the distance is
+    estimated from the nearest point of the grid.
 
     Example:
         >>> import trimesh
@@ -102,50 +103,51 @@ class DistanceField(Field):
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Nodes along x, y and z."""
+        """Number of nodes along x, y and z."""
         x, y, z = self._grid.shape
         return x, y, z
 
     @property
     def voxel_size(self) -> float:
-        """Edge of a grid cell, metres."""
+        """Edge length of a grid cell, meters."""
         return self._grid.voxel_size
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Position of the first node, (3,) float64, metres, body frame."""
+        """Position of the first node, (3,) float64, meters, body frame."""
         return np.array(self._grid.origin)
 
     @property
     def nbytes(self) -> int:
-        """Memory of the field, bytes."""
+        """Memory that the field takes, bytes."""
         return self._grid.nbytes
 
     @property
     def interpolation_error(self) -> float:
-        """Near the surface :meth:`sample` is off the true distance by at most this, metres."""
+        """Largest error of :meth:`sample` near the surface, meters."""
         return self._grid.interpolation_error
 
     @property
     def surface_error(self) -> float:
-        """Where the field and the mesh differ in what is inside, the surface is no farther than this, metres.
+        """Farthest from the surface that field and mesh disagree on what is inside, meters.
 
-        A proof: of models by tolerance cell by cell, when they are built; of uniform ones that of
-        :attr:`interpolation_error`.
+        This bound is proven: for models by tolerance cell by cell when they are built, for uniform
+        models by :attr:`interpolation_error`.
         """
         return self._grid.surface_error
 
     @property
     def sign_method(self) -> str:
-        """How it was told what is inside: "closed" by the surface, "winding" by winding numbers."""
+        """How the inside was found: "closed" by the surface, "winding" by winding numbers."""
         return self._grid.sign_method
 
     @property
     def sign_confidence(self) -> float:
-        """1 for a closed mesh; else the share of its area that clearly bounds an inside.
+        """1 for a closed mesh; otherwise the fraction of its area that clearly bounds an inside.
 
-        That is, on both of whose sides the winding number is not near a half: near 1 for a mesh
-        with a few holes, 0 for a sheet, at any voxel size. Below a half a mesh is refused.
+        There, the winding number is not near one half on either side of the surface. The value is
+        near 1 for a mesh with a few holes and 0 for a sheet, at any voxel size. Below one half, a
+        mesh is refused.
         """
         return self._grid.sign_confidence
 

@@ -1,4 +1,4 @@
-"""Locks among processes and threads."""
+"""Locks between processes and threads."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from pathlib import Path
 
 
 class FileLock:
-    """A lock among processes and threads: a locked file, which its holder removes."""
+    """A lock between processes and threads: a locked file that its holder removes."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._descriptor: int | None = None
 
     def try_acquire(self) -> bool:
-        """Whether it is held now.
+        """Try to take the lock; return whether this object holds it.
 
         Raises:
-            OSError: There can be no lock in this place.
+            OSError: No lock is possible in this place.
         """
         import fcntl
 
@@ -26,7 +26,7 @@ class FileLock:
             descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                # Whoever held it before may have removed the file that is open here.
+                # The previous holder may have removed the file that is open here.
                 if os.path.samestat(os.fstat(descriptor), os.stat(self._path)):
                     self._descriptor = descriptor
                     return True
@@ -47,6 +47,6 @@ class FileLock:
         if self._descriptor is not None:
             with suppress(OSError):
                 os.unlink(self._path)
-            with suppress(OSError):  # which holds no data
+            with suppress(OSError):  # the file holds no data
                 os.close(self._descriptor)
             self._descriptor = None

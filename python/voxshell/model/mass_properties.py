@@ -1,4 +1,4 @@
-"""Mass, centre of mass and inertia of a body."""
+"""Mass, center of mass and inertia of a body."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """Mass, centre of mass and inertia of a body, in its mesh's frame and axes.
+    """Mass, center of mass and inertia of a body, in the frame of its mesh.
 
     Attributes:
         mass: Kilograms.
-        center_of_mass: (3,) float64, metres.
-        inertia: (3, 3) float64, kg m2, symmetric, about the centre of mass.
+        center_of_mass: (3,) float64, meters.
+        inertia: (3, 3) float64, kg m2, symmetric, about the center of mass.
     """
 
     mass: float

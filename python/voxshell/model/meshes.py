@@ -1,4 +1,4 @@
-"""What goes in as a mesh: files, trimesh objects, arrays."""
+"""Conversion of meshes to arrays: from files, trimesh objects and arrays."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ if TYPE_CHECKING:
     MeshLike: TypeAlias = (
         "trimesh.Trimesh | tuple[ArrayLike, ArrayLike] | str | os.PathLike[str] | Mesh"
     )
-    """What :meth:`voxshell.Model.from_mesh` takes."""
+    """Everything that :meth:`voxshell.Model.from_mesh` accepts as a mesh."""
 
 
 MODEL_SUFFIX = ".vxs"
-"""Of model files, which are no meshes."""
+"""Suffix of model files, which are not meshes."""
 
 
 class MeshWarning(UserWarning):
-    """A mesh has faults that were overcome; the message counts and locates them."""
+    """A mesh has faults that were handled. The message says how many and where."""
 
 
 class Mesh(NamedTuple):
     """A triangle mesh as arrays: ``vertices, faces = model.mesh``.
 
     Attributes:
-        vertices: (n, 3) float64, metres.
-        faces: (m, 3) uint32, rows of ``vertices``, counter-clockwise seen from outside.
+        vertices: (n, 3) float64, meters.
+        faces: (m, 3) uint32, indices of ``vertices``, counterclockwise when seen from outside.
     """
 
     vertices: NDArray[np.float64]
@@ -50,13 +50,13 @@ class Mesh(NamedTuple):
 
 
 def read_mesh(mesh: MeshLike) -> Mesh:
-    """The arrays of a mesh, checked: types, shapes, that numbers are finite and indices of a vertex.
+    """Return the arrays of a mesh after checking types, shapes, finite numbers and indices.
 
     Raises:
-        MeshError: A file cannot be read or holds no triangles; arrays have a wrong shape or type,
-            numbers that are not finite, or indices that are not of a vertex. It names the file.
-        MemoryLimitError: The system gives no more memory for a file.
-        InputTypeError: ``mesh`` is none of the kinds that are taken.
+        MeshError: A file cannot be read or holds no triangles; or arrays have a wrong shape or
+            type, numbers that are not finite, or indices out of range. The message names the file.
+        MemoryLimitError: The system has not enough memory for a file.
+        InputTypeError: ``mesh`` has an unsupported type.
     """
     if isinstance(mesh, (str, os.PathLike)):
         with naming_file(mesh):
@@ -83,7 +83,7 @@ def read_mesh(mesh: MeshLike) -> Mesh:
 
 @contextmanager
 def naming_file(mesh: MeshLike) -> Iterator[None]:
-    """Puts the path in front of what is wrong with a mesh, where it is a file's."""
+    """Prefix errors of a mesh with the path of its file, if it has one."""
     try:
         yield
     except MeshError as error:
@@ -93,24 +93,24 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
 
 
 def _load(path: str) -> trimesh.Trimesh:
-    """A mesh from a file; the bodies of a scene become one mesh."""
+    """Return the mesh of a file; the bodies of a scene become one mesh."""
     if path.lower().endswith(MODEL_SUFFIX) and os.path.isfile(path):
         raise MeshError(
-            f"{path} is a model already: load it with voxshell.Model.load, or give the mesh that it "
-            "was made of"
+            f"{path} is a model already: load it with voxshell.Model.load, or pass the mesh that it "
+            "was built from"
         )
     try:
         kind, data, neighbors = open_mesh_file(path)
         with _keeping_interrupts(until_the_end=True):
-            import trimesh  # takes longer than all the rest of voxshell
-        # Materials might refer to anything, and make no difference to a mesh.
+            import trimesh  # this import takes longer than that of voxshell
+        # Materials may refer to any file, and do not affect a mesh.
         options = {"skip_materials": True} if kind in ("glb", "gltf", "obj", "ply") else {}
         with _keeping_interrupts():
-            # Without process, vertices stay as they are in the file; the core merges equal ones.
+            # Without processing, vertices stay as in the file; the core merges equal ones.
             mesh = trimesh.load(
                 io.BytesIO(data),
                 file_type=kind,
-                # All that trimesh asks of it is bytes by name.
+                # trimesh only asks it for bytes by name.
                 resolver=neighbors if kind in ("glb", "gltf") else None,  # pyright: ignore[reportArgumentType]
                 force="mesh",
                 process=False,
@@ -120,11 +120,11 @@ def _load(path: str) -> trimesh.Trimesh:
         raise MeshError(f"cannot read mesh {path}: {error}") from None
     except MemoryError as error:
         raise MemoryLimitError(
-            f"cannot read mesh {path}: the system gives no more memory; simplify the mesh"
+            f"cannot read mesh {path}: out of memory; simplify the mesh"
         ) from error
     except OSError as error:
         raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
-    except Exception as error:  # of which readers of damaged files raise every kind
+    except Exception as error:  # readers raise any type if a file is damaged
         raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise MeshError(
@@ -134,26 +134,27 @@ def _load(path: str) -> trimesh.Trimesh:
 
 
 def _explain(path: str, error: Exception) -> str:
-    """Why a file could not be read, and what to do."""
+    """Return why a file cannot be read, and a remedy."""
     if isinstance(error, ImportError):
-        return f"its reader is not there: {error}"
-    # trimesh's reader of OBJ files takes indices for granted.
+        return f"its reader is not installed: {error}"
+    # trimesh's reader of OBJ files does not check indices.
     beyond = re.search(r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error))
     if beyond and path.lower().endswith(".obj"):
         return (
-            f"a face has the vertex {beyond[1]}, counted from 0, of {beyond[2]}; the file is "
-            "damaged: export it again"
+            f"a face refers to vertex {beyond[1]}, counted from 0, but there are {beyond[2]}; the file "
+            "is damaged: export it again"
         )
     kind = os.path.splitext(path)[1][1:].upper()
-    return f"it is damaged, or no {kind} file ({error}); export it again"
+    return f"it is damaged or not in {kind} format ({error}); export it again"
 
 
 @contextmanager
 def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
-    """Raises interrupts that the block swallows: trimesh takes any for a fault in what it reads.
+    """Raise interrupts that the block swallows: trimesh mistakes them for faults in a file.
 
     Args:
-        until_the_end: Interrupts only then: what trimesh imports in C++ aborts at an exception.
+        until_the_end: Delay interrupts until the block ends: C++ code that trimesh imports aborts
+            on exceptions.
     """
     handler = signal.getsignal(signal.SIGINT)
     in_main_thread = threading.current_thread() is threading.main_thread()
@@ -167,7 +168,7 @@ def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
         interrupted = True
         if not until_the_end:
             handler(number, frame)
-            interrupted = False  # it did not raise, which nobody has to do again
+            interrupted = False  # the handler did not raise, so there is nothing to raise later
 
     signal.signal(signal.SIGINT, interrupt)
     try:
@@ -179,7 +180,7 @@ def _keeping_interrupts(*, until_the_end: bool = False) -> Iterator[None]:
 
 
 def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
-    """Indices of vertices. Negative ones would count from the end, which no mesh file means."""
+    """Return vertex indices. Negative ones are refused: Python would count them from the end."""
     try:
         faces = np.asarray(value)
     except (TypeError, ValueError) as failure:
@@ -195,7 +196,7 @@ def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
     if wrong.any():
         row, column = (int(i) for i in np.argwhere(wrong)[0])
         raise MeshError(
-            f"{np.count_nonzero(wrong)} of {faces.size} face indices are not of the "
+            f"{np.count_nonzero(wrong)} of {faces.size} face indices are out of range for "
             f"{vertex_count} vertices (first: {faces[row, column]} in face {row}, both counted from "
             "0); remove those faces, or export the mesh again"
         )

@@ -1,4 +1,4 @@
-"""Models: meshes made ready to collide."""
+"""Models: meshes prepared for collision."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ _LARGEST_INT = 2**31 - 1
 
 
 class Model:
-    """A mesh made ready to collide: distance field, point shell and mass properties.
+    """A mesh prepared for collision: a distance field, a point shell and mass properties.
 
-    Build one with :meth:`from_mesh`. Models are immutable; any number of threads, bodies and poses
-    may share one. Arrays are in the mesh's frame and metres; they are read-only and stay valid
-    after the model is gone.
+    Build one with :meth:`from_mesh`. Models are immutable, so threads, bodies and poses may share
+    them. Arrays are in the mesh's frame, in meters, and read-only. They stay valid after the model
+    is deleted.
 
     Example:
         >>> import trimesh
@@ -61,7 +61,7 @@ class Model:
         if not isinstance(core, CoreModel):
             raise InputTypeError("build a model with Model.from_mesh(mesh)")
         self._core = core
-        self._is_sparse: bool = core.tolerance > 0.0  # few points where it is flat
+        self._is_sparse: bool = core.tolerance > 0.0  # flat regions have few points
         self._serial = next(SERIALS)
         self._judged: set[int] = set()
         self._field = DistanceField(core.field, core.grid)
@@ -86,76 +86,79 @@ class Model:
         cache: bool = True,
         progress: Callable[[str, float], object] | None = None,
     ) -> Model:
-        """Builds a model of a mesh.
+        """Build a model from a mesh.
 
-        Without sizes the model is built to a tolerance: its voxels, exact cells, points and edge
-        segments follow from the shape, so that neither the field nor the shell misses more than the
+        By default the model is built to a tolerance: its voxels, exact cells, points and edge
+        segments follow from the shape, so that the errors of both field and shell stay below the
         tolerance. With any of ``voxel_size``, ``resolution``, ``point_spacing`` and
-        ``target_points`` it is uniform, as in the thesis. :attr:`accuracy` is what was measured
-        either way.
+        ``target_points`` the model is uniform, as in the thesis. :attr:`accuracy` holds the
+        measured errors of either kind.
 
-        Takes from milliseconds to minutes: the time grows with the number of voxels. Ctrl-C stops
-        it. The same model again comes from the disk.
+        A build takes from milliseconds to minutes. The time grows with the number of voxels. Ctrl-C
+        stops it. A model that was built before is loaded from the disk.
 
         Args:
-            mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), rows of
-                vertices, counter-clockwise seen from outside; or the path of a file that trimesh
-                reads, whose bodies become one mesh.
-            tolerance: How far the model may be off the mesh, metres, after ``scale``; not together
-                with any size. The default follows from the longest side and from the wall that is
-                thinnest: a 2,000th of the side, but no more than 0.2 mm or, above 4 m, a
-                20,000th of the side; and a 20th of the thickness.
-            voxel_size: Edge of the field's grid cells, metres, after ``scale``.
-            resolution: Or how many of them along the mesh's longest side; 100 where only the
-                points' spacing or number is given.
-            point_spacing: Edge of the voxels that get one point each, metres, after ``scale``; the
-                field's voxel size if neither this nor ``target_points`` is given.
-            target_points: Or how many points are wanted, which is reached within 1 %.
-            scale: Factor on all vertices, to bring the mesh to metres (0.001 for millimetres).
-            padding: Metres of grid beyond the mesh's bounds, by default 16 voxels; at least eight
-                are kept. The field continues beyond its grid, less precisely.
-            sign: How to tell what the mesh has inside. "closed": by its surface, and a mesh that is
-                not closed, is inside out or overlaps itself is refused. "winding": inside is where
-                the generalised winding number is above a half, which works for open, nested,
-                overlapping and non-manifold meshes as long as most of a surface is there. "auto":
-                as closed if the mesh is, else by winding numbers and with a warning.
-            open: What a mesh with open edges becomes. "solid": it is closed, and inside is where the
-                winding number is above a half. "sheet": its open parts are kept as sheets of
-                ``sheet_thickness``, which collide from both sides; parts that are closed stay solid.
-                "auto": with ``sign="auto"``, a sheet where caps across its openings would have 15 %
-                of the surface's area or more, or where it is a tube, with a warning that says which;
-                else a solid.
-            sheet_thickness: Metres, after ``scale``, half of it on either side of the surface; by
-                default a 200th of the longest side, and of uniform models at least two voxels.
-            threads: How many to use, up to 1024; one a core by default. The result is the same.
-            cache: Keep the model on the disk, and take it from there where it was built before: see
+            mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), which are
+                indices of vertices, counterclockwise when seen from outside; or the path of a file
+                that trimesh reads. The bodies of a file become one mesh.
+            tolerance: Largest accepted error of the model, meters, after ``scale``. Exclusive with
+                all sizes. The default is a 2,000th of the longest side, at most 0.2 mm or, above 4
+                m, a 20,000th of the side; and at most a 20th of the thickness of the thinnest wall.
+            voxel_size: Edge length of the field's grid cells, meters, after ``scale``.
+            resolution: Alternative to ``voxel_size``: number of cells along the mesh's longest
+                side. The default is 100 if only the spacing or number of points is given.
+            point_spacing: Edge length of the voxels that get one point each, meters, after
+                ``scale``. The default is the field's voxel size.
+            target_points: Alternative to ``point_spacing``: number of points, reached within 1 %.
+            scale: Factor on all vertices, to convert the mesh to meters (0.001 for millimeters).
+            padding: Width of the grid beyond the mesh's bounds, meters. The default is 16 voxels;
+                at least eight are used. The field continues beyond its grid, less accurately.
+            sign: How to find the inside of the mesh. "closed": by the surface; a mesh that is not
+                closed, is inside out or overlaps itself is refused. "winding": inside is where the
+                generalized winding number is above one half. This works for open, nested,
+                overlapping and non-manifold meshes if most of the surface exists. "auto": "closed"
+                if the mesh is closed, otherwise "winding" with a warning.
+            open: How to treat a mesh with open edges. "solid": close it; inside is where the
+                winding number is above one half. "sheet": make its open parts sheets of
+                ``sheet_thickness``, which collide from both sides; closed parts stay solid. "auto":
+                with ``sign="auto"``, make a sheet if it is a tube, or if caps across its openings
+                would have 15 % of the surface's area or more; otherwise make a solid. A warning
+                says which.
+            sheet_thickness: Meters, after ``scale``; half of it lies on each side of the surface.
+                The default is a 200th of the longest side, and at least two voxels in a uniform
+                model.
+            threads: Number of threads, up to 1024; one per CPU core by default. It does not affect
+                the result.
+            cache: Keep the model on the disk, and load it from there if it was built before: see
                 :mod:`voxshell.model.cache`. Models that are built in less than 50 ms are not kept.
-            progress: Called from this thread about every 50 ms with the name of the stage and the
-                share of it that is done, 0 to 1. If it raises, the build stops and raises that.
+            progress: Called from this thread about every 50 ms with the name of the stage and its
+                completed fraction, 0 to 1. If it raises, the build stops and raises the same
+                exception.
 
         Returns:
-            The model, with the mesh as it is after equal vertices are merged, and vertices without
-            triangles and triangles without three corners are dropped.
+            The model. Its mesh is the input with equal vertices merged, and without unused vertices
+            and degenerate triangles.
 
         Raises:
             MeshError: The mesh cannot be read, encloses no volume, has numbers that are not finite,
-                is smaller than a voxel or the point spacing, or is not closed where ``sign`` says so.
-            SettingsError: A setting is out of range, or contradicts another.
-            SettingsError: ``VOXSHELL_CACHE_SIZE`` is no size.
-            MemoryLimitError: The field or shell would be too large; the message says which setting
-                would do.
-            InputTypeError: ``mesh`` is of none of the types above.
+                is smaller than a voxel or the point spacing, or is not closed although ``sign``
+                requires it.
+            SettingsError: A setting is out of range or contradicts another, or
+                ``VOXSHELL_CACHE_SIZE`` is not a size.
+            MemoryLimitError: The field or shell would be too large. The message suggests a setting
+                that fits.
+            InputTypeError: ``mesh`` has an unsupported type.
 
         Warns:
-            MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out; says how often
-                and where, and what was made of it.
-            AccuracyWarning: The field or the shell is off by more than the tolerance on more than
-                1 % of the surface; says by how much, and what it would take.
+            MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out. The message
+                says how often and where, and how it was handled.
+            AccuracyWarning: The error of the field or the shell exceeds the tolerance on more than
+                1 % of the surface. The message says by how much, and what to do.
 
         Example:
             >>> import trimesh
             >>> import voxshell as vx
-            >>> mesh = trimesh.creation.torus(major_radius=50, minor_radius=20)  # millimetres
+            >>> mesh = trimesh.creation.torus(major_radius=50, minor_radius=20)  # millimeters
             >>> model = vx.Model.from_mesh(mesh, voxel_size=0.004, target_points=1000, scale=0.001)
             >>> 990 <= len(model.shell) <= 1010
             True
@@ -225,17 +228,17 @@ class Model:
         return model
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the model to a file, which :meth:`load` reads in milliseconds.
+        """Write the model to a file, which :meth:`load` reads in milliseconds.
 
-        The file appears whole or not at all, in place of one that had its name. The same model
-        gives the same bytes.
+        The file is written completely or not at all; it replaces a file of the same name. Equal
+        models give equal bytes.
 
         Args:
-            path: Of the file; any name will do.
+            path: The file's path, with any suffix.
 
         Raises:
             FileAccessError: The file cannot be written: no such folder, no permission, disk full.
-            InputTypeError: ``path`` is no path.
+            InputTypeError: ``path`` is not a path.
 
         Example:
             >>> import os, tempfile, trimesh
@@ -251,22 +254,22 @@ class Model:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:
-        """Reads a model that :meth:`save` wrote.
+        """Read a model that :meth:`save` wrote.
 
-        Whatever the file holds, a model that comes out is sound: its checksum is right, every index
-        is in range and every number finite.
+        A file is loaded only if it is valid: its checksum is correct, all indices are in range and
+        all numbers are finite.
 
         Args:
-            path: Of the file.
+            path: The file's path.
 
         Returns:
-            The model, equal to the one that was saved in every bit.
+            The model, equal to the saved one in every bit.
 
         Raises:
             FileAccessError: The file cannot be read.
-            ModelFileError: It is no model file, is damaged, or is of another version.
-            MemoryLimitError: It is larger than 4 GiB or than the memory that can be had.
-            InputTypeError: ``path`` is no path.
+            ModelFileError: It is not a model file, is damaged, or has another version.
+            MemoryLimitError: It is larger than 4 GiB or than the available memory.
+            InputTypeError: ``path`` is not a path.
 
         Example:
             >>> import voxshell as vx
@@ -277,7 +280,7 @@ class Model:
         return cls(CoreModel.load(as_path(path, "path")))
 
     def __reduce__(self) -> tuple[Callable[[bytes], Model], tuple[bytes]]:
-        """Pickles as the bytes of a model file."""
+        """Pickle the model as the bytes of a model file."""
         return _unpickle, (self._core.to_bytes(),)
 
     @property
@@ -287,22 +290,22 @@ class Model:
 
     @property
     def field(self) -> DistanceField:
-        """The signed distance field, which other bodies' points are tested against."""
+        """The signed distance field; queries test other bodies' points against it."""
         return self._field
 
     @property
     def shell(self) -> PointShell:
-        """The points on the surface, which are tested against other bodies' fields."""
+        """The points on the surface; queries test them against other bodies' fields."""
         return self._shell
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Lower and upper corner of the mesh, (2, 3) float64, metres."""
+        """Lower and upper corner of the mesh's bounding box, (2, 3) float64, meters."""
         return np.array(self._core.bounds)
 
     @property
     def accuracy(self) -> Accuracy:
-        """How exact the model is, measured on its surface when it was built.
+        """Accuracy of the model, measured on its surface when it was built.
 
         Example:
             >>> import trimesh
@@ -315,11 +318,11 @@ class Model:
 
     @property
     def thickness(self) -> float:
-        """Thickness of the body's thinnest walls, metres.
+        """Thickness of the body's thinnest walls, meters.
 
-        The first percentile, by area, of the lengths of chords that begin on the surface, go
-        straight in and leave through a face that is opposite to within 30 degrees; at most the
-        shortest side of the bounds.
+        A chord starts on the surface, runs straight in, and leaves through a face that is opposite
+        to within 30 degrees. This is the first percentile of their lengths, weighted by area, and
+        at most the shortest side of the bounds.
 
         Example:
             >>> import trimesh
@@ -332,23 +335,23 @@ class Model:
 
     @property
     def tolerance(self) -> float | None:
-        """How far field and shell were allowed to be off the mesh, metres; None if uniform."""
+        """Largest error that the build allowed for field and shell, meters; None if uniform."""
         return self._core.tolerance or None
 
     def mass_properties(
         self, mass: float = 1.0, kind: Literal["solid", "surface"] = "solid"
     ) -> MassProperties:
-        """Mass, centre of mass and inertia of the model as a uniform body.
+        """Return mass, center of mass and inertia of the model as a body of uniform density.
 
         Args:
             mass: Kilograms.
-            kind: "solid" for the volume that the mesh encloses, "surface" for a thin skin on it.
+            kind: "solid" for the volume inside the mesh, "surface" for a thin skin on it.
 
         Returns:
-            In the mesh's frame and axes, the inertia about the centre of mass.
+            The properties in the mesh's frame, with the inertia about the center of mass.
 
         Raises:
-            SettingsError: ``mass`` is not above 0, or ``kind`` is another word.
+            SettingsError: ``mass`` is not above 0, or ``kind`` is unknown.
 
         Example:
             >>> import trimesh
@@ -377,7 +380,7 @@ class Model:
         )
 
     def _repr_html_(self) -> str:
-        """A table of facts, for notebooks."""
+        """Return a table of facts for notebooks."""
         x, y, z = self.field.shape
         size = " x ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.bounds, axis=0))
         facts = {

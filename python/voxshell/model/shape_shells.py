@@ -1,4 +1,4 @@
-"""Point shells of analytic shapes, for queries with models that are sparse where they are flat."""
+"""Point shells of analytic shapes, for queries against models by tolerance."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from voxshell.model.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder
 if TYPE_CHECKING:
     from voxshell.model.field import Field
 
-_AROUND = 64  # faces around a round shape: its mesh is off by a thousandth of the radius
-_SUBDIVISIONS = 4  # of an icosahedron, for as many
+_AROUND = 64  # faces around a round shape, so that its mesh is off by a thousandth of the radius
+_SUBDIVISIONS = 4  # of an icosahedron, for the same accuracy
 
 
 def find_shell(shape: Field) -> _core.Model | None:
-    """The model whose shell stands for a shape's surface; None of shapes without an end.
+    """Return a model whose shell covers a shape's surface, or None if the shape is unbounded.
 
-    A shell by tolerance has few points where the mesh is flat, so a shape may lie between them.
-    With a shell of its own, the shape is found by its points in the model's field as well. It is
-    built once for each shape, from an inscribed mesh, and equal shapes share it.
+    A shell by tolerance has few points where its mesh is flat, so a shape may lie between them. The
+    shape's own shell finds such contacts in the model's field. It is built once from an inscribed
+    mesh, and equal shapes share it.
     """
     if shape._shell_model is None:
         if isinstance(shape, ConvexPolyhedron):
@@ -52,7 +52,7 @@ def _build_of_sizes(kind: type[Field], *sizes: float) -> _core.Model:
     if kind is Box:
         mesh = trimesh.creation.box(2.0 * np.asarray(sizes))
         return _build(mesh.vertices, mesh.faces)
-    # Of radius 1 first: trimesh merges the corners of small ones.
+    # Build at radius 1 first: trimesh merges vertices that are close together.
     radius = sizes[0]
     length = sizes[-1] / radius
     if kind is Sphere:

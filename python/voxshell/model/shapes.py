@@ -1,4 +1,4 @@
-"""Analytic shapes: exact fields that need no mesh. They have no point shell of their own."""
+"""Analytic shapes: exact fields that need no mesh. They have no point shell."""
 
 from __future__ import annotations
 
@@ -28,13 +28,14 @@ if TYPE_CHECKING:
 
 
 class Plane(Field):
-    """The half-space below a plane: a solid ground without an end.
+    """The half-space below a plane: an infinite solid ground.
 
     The points p on its surface satisfy ``normal . p == offset``.
 
     Args:
-        normal: (3,), out of the solid, body frame; any length but 0, it is brought to 1.
-        offset: Distance of the surface from the origin along the unit normal, metres.
+        normal: (3,), pointing out of the solid, body frame. It may have any nonzero length; it is
+            normalized.
+        offset: Signed distance of the surface from the origin along the unit normal, meters.
 
     Raises:
         SettingsError: ``normal`` is zero, or a number is not finite.
@@ -52,7 +53,7 @@ class Plane(Field):
         largest = max(abs(x), abs(y), abs(z))
         if largest == 0.0:
             raise SettingsError("normal must not be zero: it says which side of the plane is solid")
-        # Divided twice, so that no square over- or underflows.
+        # Normalize in two steps, so that no square overflows or underflows.
         x, y, z = x / largest, y / largest, z / largest
         length = math.sqrt(x * x + y * y + z * z)
         self._normal = (x / length, y / length, z / length)
@@ -63,12 +64,12 @@ class Plane(Field):
 
     @property
     def normal(self) -> NDArray[np.float64]:
-        """Unit normal, out of the solid, (3,) float64, body frame."""
+        """Unit normal, pointing out of the solid, (3,) float64, body frame."""
         return np.array(self._normal)
 
     @property
     def offset(self) -> float:
-        """Distance of the surface from the origin along the normal, metres."""
+        """Signed distance of the surface from the origin along the normal, meters."""
         return self._offset
 
     def __repr__(self) -> str:
@@ -76,10 +77,10 @@ class Plane(Field):
 
 
 class Box(Field):
-    """A solid box, centred at its origin, along its axes.
+    """A solid box, centered at its origin and aligned with its axes.
 
     Args:
-        half_extents: (3,), half of the lengths of its edges along x, y and z, metres.
+        half_extents: (3,), half of the edge lengths along x, y and z, meters.
 
     Raises:
         SettingsError: A half extent is not above 0.
@@ -103,7 +104,7 @@ class Box(Field):
 
     @property
     def half_extents(self) -> NDArray[np.float64]:
-        """Half of the edges along x, y and z, (3,) float64, metres."""
+        """Half of the edge lengths along x, y and z, (3,) float64, meters."""
         return np.array(self._half_extents)
 
     def __repr__(self) -> str:
@@ -111,10 +112,10 @@ class Box(Field):
 
 
 class Sphere(Field):
-    """A solid sphere, centred at its origin.
+    """A solid sphere, centered at its origin.
 
     Args:
-        radius: Metres.
+        radius: Meters.
 
     Raises:
         SettingsError: ``radius`` is not above 0.
@@ -133,7 +134,7 @@ class Sphere(Field):
 
     @property
     def radius(self) -> float:
-        """Metres."""
+        """Meters."""
         return self._radius
 
     def __repr__(self) -> str:
@@ -141,11 +142,12 @@ class Sphere(Field):
 
 
 class Capsule(Field):
-    """A solid cylinder along z with half a sphere on each end, centred at its origin.
+    """A solid cylinder along z with a hemisphere on each end, centered at its origin.
 
     Args:
-        radius: Metres.
-        length: Between the centres of the half-spheres, metres: the caps are not in it.
+        radius: Meters.
+        length: Distance between the centers of the hemispheres, meters. It does not include the
+            caps.
 
     Raises:
         SettingsError: ``radius`` or ``length`` is not above 0.
@@ -165,12 +167,12 @@ class Capsule(Field):
 
     @property
     def radius(self) -> float:
-        """Metres."""
+        """Meters."""
         return self._radius
 
     @property
     def length(self) -> float:
-        """Between the centres of the half-spheres, metres."""
+        """Distance between the centers of the hemispheres, meters."""
         return self._length
 
     def __repr__(self) -> str:
@@ -178,11 +180,12 @@ class Capsule(Field):
 
 
 class Cylinder(Field):
-    """A solid cylinder along z, centred at its origin.
+    """A solid cylinder along z, centered at its origin.
 
     Args:
-        radius: Metres.
-        length: Along z, metres.
+        radius: Meters.
+        length: Along z, meters.
+    length: Length along z, meters.
 
     Raises:
         SettingsError: ``radius`` or ``length`` is not above 0.
@@ -202,12 +205,12 @@ class Cylinder(Field):
 
     @property
     def radius(self) -> float:
-        """Metres."""
+        """Meters."""
         return self._radius
 
     @property
     def length(self) -> float:
-        """Along z, metres."""
+        """Length along z, meters."""
         return self._length
 
     def __repr__(self) -> str:
@@ -215,11 +218,11 @@ class Cylinder(Field):
 
 
 class Cone(Field):
-    """A solid cone about z: its base at ``z = -height / 2``, its apex at ``height / 2``.
+    """A solid cone along z: its base is at ``z = -height / 2``, its apex at ``z = height / 2``.
 
     Args:
-        radius: Of the base, metres.
-        height: Along z, metres.
+        radius: Radius of the base, meters.
+        height: Height along z, meters.
 
     Raises:
         SettingsError: ``radius`` or ``height`` is not above 0.
@@ -239,12 +242,12 @@ class Cone(Field):
 
     @property
     def radius(self) -> float:
-        """Of the base, metres."""
+        """Radius of the base, meters."""
         return self._radius
 
     @property
     def height(self) -> float:
-        """Along z, metres."""
+        """Height along z, meters."""
         return self._height
 
     def __repr__(self) -> str:
@@ -252,21 +255,22 @@ class Cone(Field):
 
 
 class ConvexPolyhedron(Field):
-    """A solid convex polyhedron: the largest of the signed distances to its faces' planes.
+    """A solid convex polyhedron: the largest of the signed distances to the planes of its faces.
 
-    Exact inside and where the nearest point of the surface is on a face. Beyond edges and corners
-    it is less than the true distance, so that a margin rounds nothing there.
+    The distance is exact inside, and outside where the nearest point of the surface is on a face.
+    Beyond edges and corners it is less than the true distance, so a margin does not round them.
 
     Args:
-        mesh: As for :meth:`voxshell.Model.from_mesh`: closed, convex to 1e-5 of its longest side,
-            of at most 4096 faces. For the hull of points: ``voxshell.ConvexHull(points).mesh``,
-            which is good to 2e-4 of its size, or ``trimesh.convex.convex_hull(points)``.
+        mesh: Any mesh that :meth:`voxshell.Model.from_mesh` accepts, if it is closed, convex to
+            within 1e-5 of its longest side, and has at most 4096 faces. To get the hull of points,
+            use ``voxshell.ConvexHull(points).mesh``, which is accurate to 2e-4 of its size, or
+            ``trimesh.convex.convex_hull(points)``.
 
     Raises:
-        MeshError: The mesh cannot be read, is not closed, or is not convex; the message says by how
+        MeshError: The mesh cannot be read, is not closed, or is not convex. The message says by how
             much.
-        MemoryLimitError: It has more faces.
-        InputTypeError: ``mesh`` is no mesh.
+        MemoryLimitError: It has too many faces.
+        InputTypeError: ``mesh`` is not a mesh.
 
     Example:
         >>> import trimesh
@@ -291,7 +295,7 @@ class ConvexPolyhedron(Field):
 
     @property
     def mesh(self) -> Mesh:
-        """The triangles as they were given: (n, 3) float64, metres, and (m, 3) uint32; read-only."""
+        """The triangles as given: (n, 3) float64, meters, and (m, 3) uint32; read-only."""
         return self._mesh
 
     def __repr__(self) -> str:

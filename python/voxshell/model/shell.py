@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 class PointShell:
-    """Points on a model's surface and, in models with a tolerance, its sharp edges.
+    """Points on the surface of a model and, in models by tolerance, segments of its sharp edges.
 
-    A uniform model has one point in each voxel that the surface crosses. A model with a tolerance has
+    A uniform model has one point in each voxel that the surface crosses. A model by tolerance has
     more points where the surface curves, a point at each sharp corner, and edge segments.
 
-    A point's id is its row in these arrays. The ids of edge segments follow: segment i has the id
-    ``len(shell) + i``. All arrays are read-only, in single precision, and the very numbers that
-    queries use.
+    The id of a point is its row in these arrays. The ids of edge segments follow: segment i has the
+    id ``len(shell) + i``. All arrays are read-only, in single precision, and exactly what queries
+    use.
 
     Example:
         >>> import trimesh
@@ -44,9 +44,10 @@ class PointShell:
 
     @property
     def points(self) -> NDArray[np.float32]:
-        """Positions, (n, 3) float32, metres, body frame; a new array each time.
+        """Positions, (n, 3) float32, meters, body frame; a new array each time.
 
-        Queries hold them coordinate by coordinate, and nothing holds them twice: keep the array while you use it.
+        Queries store the coordinates separately, so each access makes a copy: keep the array while
+        you use it.
         """
         return self._core.points
 
@@ -57,15 +58,15 @@ class PointShell:
 
     @property
     def areas(self) -> NDArray[np.float32]:
-        """The surface that each point stands for, (n,) float32, m2; they sum to the mesh's area."""
+        """Surface area that each point represents, (n,) float32, m2; the sum is the mesh's area."""
         return self._core.areas
 
     @property
     def edges(self) -> NDArray[np.float32]:
-        """The ends of the edge segments, (m, 2, 3) float32, metres, body frame; a new array each time.
+        """End points of the edge segments, (m, 2, 3) float32, meters, body frame; a new array.
 
-        Sharp edges are cut into short pieces. A piece touches at the place of its least distance, which
-        queries find for each pose. There are none in uniform models.
+        Sharp edges are cut into short segments. The contact of a segment is at its point of least
+        distance, which queries find for each pose. Uniform models have no edge segments.
 
         Example:
             >>> import numpy as np
@@ -80,12 +81,12 @@ class PointShell:
 
     @property
     def spacing(self) -> float:
-        """Edge of the voxels that hold one point each, metres; the largest where there are several."""
+        """Edge length of the voxels with one point each, meters; the largest if they differ."""
         return self._core.spacing
 
     @property
     def tree(self) -> PointSphereTree:
-        """The clusters of the points."""
+        """The tree of clusters over the points."""
         return PointSphereTree(self._core.tree)
 
     def __repr__(self) -> str:
@@ -98,11 +99,11 @@ class PointShell:
 
 
 class PointSphereTree:
-    """Nested clusters of a shell's points, each with the smallest sphere that encloses it.
+    """Nested clusters of a shell's points, each with its smallest enclosing sphere.
 
     Levels count from the root, which is level 1; level L has ``branching ** (L - 1)`` clusters. A
-    cluster of a level is a *segment* of the shell at that level. Clusters are made of whole buckets
-    of eight points.
+    cluster is called a *segment* of the shell at its level. Clusters consist of whole buckets of
+    eight points.
 
     Example:
         >>> import trimesh
@@ -124,33 +125,34 @@ class PointSphereTree:
 
     @property
     def branching(self) -> int:
-        """Children of a cluster."""
+        """Number of children of a cluster."""
         return self._core.branching
 
     @property
     def levels(self) -> int:
-        """Levels with spheres: as many as have a bucket of points for each cluster."""
+        """Number of levels with spheres; on these levels, each cluster has at least one bucket."""
         return self._core.levels
 
     def spheres(self, level: int) -> NDArray[np.float32]:
-        """The enclosing spheres of a level's clusters.
+        """Return the enclosing spheres of the clusters on a level.
 
         Args:
             level: From 1, the root, to :attr:`levels`.
 
         Returns:
-            (m, 4) float32, read-only: centre x, y, z and radius; metres, body frame.
+            (m, 4) float32, read-only: center x, y, z and radius; meters, body frame.
 
         Raises:
-            SettingsError: There is no such level.
+            SettingsError: ``level`` is out of range.
         """
         return self._core.spheres(as_integer(level, "level", 1, self.levels))
 
     def segments(self, level: int) -> NDArray[np.int64]:
-        """The cluster that each point belongs to.
+        """Return the cluster of each point on a level.
 
         Args:
-            level: From 1 to 12. Below :attr:`levels` there are no spheres, but segments still, some empty.
+            level: From 1 to 12. Levels below :attr:`levels` have segments but no spheres; some
+                segments are empty.
 
         Returns:
             (n,) int64, from 0 to ``branching ** (level - 1) - 1``, ascending.

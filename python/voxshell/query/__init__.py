@@ -1,4 +1,4 @@
-"""Questions to a pair of bodies, one pose or many, without Bullet."""
+"""Queries of two bodies, in one pose or many, without Bullet."""
 
 from voxshell.query.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.query.bounds import ContactBounds, contact_bounds

@@ -1,4 +1,4 @@
-"""Warns, once a pair, where queries may miss much of a body."""
+"""Warnings, once per pair, if queries may miss much of a body."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from voxshell.model.model import Model
 
 Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
-"""What the core wants of two bodies: the field and the model of each."""
+"""The field and the model of each of two bodies, as the core takes them."""
 
-_OF_SIDE = 0.02  # of the smaller body's shortest side
-_OF_WALL = 0.25  # of the thinner wall, half of the way to its middle
+_OF_SIDE = 0.02  # limit as a fraction of the smaller body's shortest side
+_OF_WALL = 0.25  # limit as a fraction of the thinner wall: half the distance to its middle
 _PACKAGE = os.path.dirname(os.path.dirname(__file__))
 _MOST_REMEMBERED = 10_000
 
 
 class Missing(NamedTuple):
-    """What queries of two bodies may miss, and what it is too much of, metres."""
+    """Depth that queries of two bodies may miss, and the length that limits it; meters."""
 
     miss: float
     length: float
@@ -37,7 +37,7 @@ class Missing(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Of the length."""
+        """The missed depth as a fraction of the length."""
         return self.miss / self.length
 
     def __str__(self) -> str:
@@ -55,12 +55,12 @@ _ADVICE = (
 
 
 def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
-    """Warns where the automatic role of two bodies may miss much of the smaller one.
+    """Warn if the automatic role of two bodies may miss much of the smaller one.
 
     Args:
         a: A body.
-        b: Another.
-        parts: What the core wants of them: the field and the shell's model of each.
+        b: Another body.
+        parts: The field and the shell's model of each, as the core takes them.
     """
     for body, other in ((a, b), (b, a)):
         if len(body._judged) >= _MOST_REMEMBERED:
@@ -72,7 +72,7 @@ def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
 
 
 def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
-    """Warns of the worst of the pairs of models that may meet in a world."""
+    """Warn about the worst pair of models that may meet in a world."""
     parts = ((a.field._core, a._core, b.field._core, b._core) for a, b in pairs)
     found = [missing for missing in map(measure, parts) if missing is not None]
     if not found:
@@ -83,7 +83,7 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
 
 
 def measure(parts: Parts) -> Missing | None:
-    """What the automatic role of two bodies may miss, if that is too much."""
+    """Return what the automatic role of two bodies may miss, or None if that is acceptable."""
     role, miss, _, _, _, _, side, wall = _core.role(*parts, _core.Shells.AUTOMATIC)
     if miss > _OF_WALL * wall:
         return Missing(miss, wall, "the thinner wall", ROLES[role])
@@ -93,7 +93,7 @@ def measure(parts: Parts) -> Missing | None:
 
 
 def _warn(text: str) -> None:
-    """Shown at the first line outside of the package."""
+    """Show a warning at the first line outside of the package."""
     level = 1
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):

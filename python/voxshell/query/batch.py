@@ -1,4 +1,4 @@
-"""Questions about two bodies in many poses at once, on all cores."""
+"""Queries of two bodies in many poses at once, on all CPU cores."""
 
 from __future__ import annotations
 
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
 class ContactBatch:
     """The contacts of two bodies in k poses; from :func:`voxshell.contacts_batch`.
 
-    The arrays of all poses' :class:`Contacts`, one after another: those of pose ``i`` are rows
-    ``offsets[i]`` to ``offsets[i + 1]``. Read-only, in the world frame, valid on their own.
-    ``len()`` is k; indexing and iterating give each pose's :class:`Contacts`.
+    The arrays hold the :class:`Contacts` of all poses, one after another: pose ``i`` has the rows
+    ``offsets[i]`` to ``offsets[i + 1]``. They are read-only, in the world frame, and stay valid
+    without this object. ``len()`` is k; indexing and iterating return the :class:`Contacts` of each
+    pose.
 
     Example:
         >>> import numpy as np
@@ -76,7 +77,7 @@ class ContactBatch:
 
     @property
     def offsets(self) -> NDArray[np.int64]:
-        """Where each pose's contacts begin, and the last ends, (k + 1,) int64."""
+        """First row of each pose's contacts, and the total number of rows, (k + 1,) int64."""
         return self._core.offsets
 
     @property
@@ -134,29 +135,30 @@ def contacts_batch(
     threads: int | None = None,
     progress: Callable[[str, float], object] | None = None,
 ) -> ContactBatch:
-    """Finds where two bodies touch in each of many poses: :func:`contacts` for all of them.
+    """Find the contacts of two bodies in each of many poses, as :func:`contacts` does.
 
-    Other Python threads run meanwhile. Ctrl-C stops it.
+    Other Python threads continue to run. Ctrl-C stops the query.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_poses: ``world_from_a``: (k, 4, 4), (k, 3) or (k, 7) float64, or another form that :func:`pose`
-            lists; or one pose for all. None: the identity.
+        a_poses: ``world_from_a``: (k, 4, 4), (k, 3) or (k, 7) float64, or another form that
+            :func:`pose` lists; a single pose applies to all. None: the identity.
         b_poses: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
         level: As for :func:`contacts`.
-        max_points: As for :func:`contacts`, of each pose.
-        threads: How many to use, up to 1024; one a core by default. The result is the same.
-        progress: Called from this thread about every 50 ms with the name of the stage and the
-            share of it that is done, 0 to 1. If it raises, the work stops and raises that.
+        max_points: As for :func:`contacts`, for each pose.
+        threads: Number of threads, up to 1024; one per CPU core by default. It does not affect the
+            result.
+        progress: Called from this thread about every 50 ms with the name of the stage and its
+            completed fraction, 0 to 1. If it raises, the query stops and raises the same exception.
 
     Returns:
-        The contacts of all poses, in order: for each pose the bits that :func:`contacts` gives.
+        The contacts of all poses, in order, with the same bits that :func:`contacts` returns.
 
     Raises:
-        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite. The
             message says which.
         SettingsError: As for :func:`contacts`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.
@@ -214,7 +216,7 @@ def collide_batch(
     threads: int | None = None,
     progress: Callable[[str, float], object] | None = None,
 ) -> NDArray[np.bool_]:
-    """Tells in which of many poses two bodies touch: :func:`collide` for all of them.
+    """Return in which of many poses two bodies touch, as :func:`collide` does.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
@@ -222,15 +224,16 @@ def collide_batch(
         a_poses: As for :func:`contacts_batch`.
         b_poses: As for :func:`contacts_batch`.
         shell: As for :func:`contacts`.
-        margin: Metres; above 0, bodies that near touch as well.
-        threads: How many to use, up to 1024; one a core by default. The result is the same.
+        margin: Bodies that are nearer than this count as touching, meters.
+        threads: Number of threads, up to 1024; one per CPU core by default. It does not affect the
+            result.
         progress: As for :func:`contacts_batch`.
 
     Returns:
         (k,) bool.
 
     Raises:
-        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite. The
             message says which.
         SettingsError: As for :func:`collide`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.

@@ -1,4 +1,4 @@
-"""What contacts and a yes or no are worth, in terms of the meshes themselves."""
+"""Bounds that relate contacts of models to the meshes themselves."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 class ContactBounds(NamedTuple):
-    """How the contacts of two bodies relate to their meshes; metres.
+    """How the contacts of two bodies relate to their meshes; meters.
 
     Attributes:
-        overlap: Where one body is deeper in the other than this, there is a contact. Of uniform models
-            depth is that of the surface of the body whose points are tested.
-        clearance: Where the surfaces are farther apart than this, and neither body is inside the
-            other, there is none: proved.
-        shell: Whose points "auto" tests: "a", "b" or "both".
-        miss: As ``overlap``, but wholly as it was measured when the models were built.
+        overlap: If one body is deeper in the other than this, there is a contact. For uniform
+            models, this is the depth of the surface of the body whose points are tested.
+        clearance: If the surfaces are farther apart than this, and neither body is inside the
+            other, there is no contact. This is proven.
+        shell: The body whose points "auto" tests: "a", "b" or "both".
+        miss: Like ``overlap``, but all of its parts were measured when the models were built.
     """
 
     overlap: float
@@ -31,12 +31,12 @@ class ContactBounds(NamedTuple):
 
 
 def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> ContactBounds:
-    """States what contacts of two bodies say about their meshes, and who is their shell.
+    """Return bounds that relate the contacts of two bodies to their meshes.
 
-    What the fields add is proved: :attr:`DistanceField.surface_error`. Of uniform models it is also
-    proved that no place of the surface is farther than sqrt(3) spacings from a point of the shell. How
-    far the surface of a model by tolerance stands out above its points and edges was measured at
-    100,000 places when it was built (:attr:`Accuracy.coverage`).
+    The errors of fields are proven: :attr:`DistanceField.surface_error`. For uniform models it is
+    also proven that every place of the surface is within sqrt(3) spacings of a point of the shell.
+    For models by tolerance, the rise of the surface above points and edges was measured at 100,000
+    places when the model was built (:attr:`Accuracy.coverage`).
 
     Args:
         a: A :class:`Model`, or an analytic shape.
@@ -44,8 +44,9 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
         shell: As for :func:`contacts`.
 
     Returns:
-        The bounds, at no margin, the same for ``contact_bounds(b, a)`` with "a" and "b" exchanged.
-        They hold in exact arithmetic; single precision adds about 1e-7 of the bodies' coordinates.
+        The bounds for a margin of 0. ``contact_bounds(b, a)`` returns the same with "a" and "b"
+        exchanged. They hold in exact arithmetic; single precision adds about 1e-7 of the bodies'
+        coordinates.
 
     Raises:
         InputTypeError: ``a`` or ``b`` is not a body.

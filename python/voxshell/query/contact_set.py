@@ -20,12 +20,12 @@ ROLES: dict[_core.Role, Literal["a", "b", "both"]] = {
     _core.Role.B: "b",
     _core.Role.BOTH: "both",
 }
-"""Names for the core's roles: whose points are tested."""
+"""Names of the core's roles: the body whose points are tested."""
 _NAMES = np.array(["a", "b"])
 
 
 def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
-    """Names for the core's numbers, read-only."""
+    """Return the names of the core's numbers, read-only."""
     names = _NAMES[shells]
     names.flags.writeable = False
     return names
@@ -34,8 +34,8 @@ def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
 class Contacts:
     """The contacts of two bodies a and b, as parallel arrays; from :func:`voxshell.contacts`.
 
-    Each contact is a point of one body's shell that lies inside the other body, or nearer to it
-    than the margin. Arrays are in the world frame, read-only, and stay valid on their own.
+    Each contact is a point of one body's shell that is inside the other body, or nearer to it than
+    the margin. The arrays are in the world frame, read-only, and stay valid without this object.
 
     Example:
         >>> import trimesh
@@ -56,68 +56,68 @@ class Contacts:
 
     @property
     def points_a(self) -> NDArray[np.float64]:
-        """Where a touches, (n, 3) float64, metres: on a's surface."""
+        """Contact points on the surface of a, (n, 3) float64, meters."""
         return self._core.points_a
 
     @property
     def points_b(self) -> NDArray[np.float64]:
-        """Where b touches, (n, 3) float64, metres: on b's surface.
+        """Contact points on the surface of b, (n, 3) float64, meters.
 
-        ``points_b - points_a == depths * normals``, but for rounding.
+        ``points_b - points_a == depths * normals`` up to rounding.
         """
         return self._core.points_b
 
     @property
     def normals(self) -> NDArray[np.float64]:
-        """Unit normals, (n, 3) float64: on b, pointing towards a. Moving a along them separates."""
+        """Unit normals, (n, 3) float64: on b, pointing toward a. Moving a along them separates."""
         return self._core.normals
 
     @property
     def depths(self) -> NDArray[np.float64]:
-        """Penetration depths, (n,) float64, metres: positive inside, above ``-margin``."""
+        """Penetration depths, (n,) float64, meters: positive inside, and above ``-margin``."""
         return self._core.depths
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Which elements of their shell these are, (n,) int64: rows of ``model.shell.points``.
+        """Ids of the contacts' shell elements, (n,) int64: rows of ``model.shell.points``.
 
-        From ``len(model.shell)`` on they are rows of ``model.shell.edges``, less that number; those
-        of :attr:`ambiguous` contacts follow on the last.
+        Ids from ``len(model.shell)`` on, minus that number, are rows of ``model.shell.edges``. The
+        ids of :attr:`ambiguous` contacts that belong to no element follow those of edges.
         """
         return self._core.ids
 
     @property
     def segments(self) -> NDArray[np.int64]:
-        """The cluster of each element at the query's level, (n,) int64; 0 without a level.
+        """Cluster of each element at the query's level, (n,) int64; 0 without a level.
 
-        Clusters of edge segments are numbered after those of points.
+        The clusters of edge segments are numbered after those of points.
         """
         return self._core.segments
 
     @property
     def shell(self) -> Literal["a", "b", "both"]:
-        """Whose points were tested: "a", "b" or "both"."""
+        """The body whose points were tested: "a", "b" or "both"."""
         return ROLES[self._core.role]
 
     @property
     def shells(self) -> NDArray[np.str_]:
-        """Whose shell each point is of, (n,) of "a" and "b"; each shell counts its own ids."""
+        """The body whose shell has the id of each contact, (n,) of "a" and "b"."""
         return name_shells(self._core.shells)
 
     @property
     def ambiguous(self) -> NDArray[np.bool_]:
-        """Whether depth and normal are ambiguous, (n,): another surface is about as near.
+        """True where depth and normal are ambiguous because another surface is about as near, (n,).
 
-        So they are in the middle of a wall, within 9 % of half its thickness; on the axis of a rod;
-        and between faces that meet at less than 60 degrees. Deep inside a model, they are also
-        ambiguous within a cell of the planes on which two faces are equally near, where depth and
-        normal lead to a place that is off the surface by more than a quarter voxel or 1.5 % of the
-        depth. What is ambiguous depends on the other body's shape at the contact's place alone, and
-        is looked up at each access.
+        This is the case in the middle of a wall, within 9 % of half its thickness; on the axis of a
+        rod; and between faces that meet at less than 60 degrees. Deep inside a model, it is also
+        the case within a cell of the planes where two faces are equally near, if depth and normal
+        lead to a place that is off the surface by more than a quarter voxel or 1.5 % of the depth.
+        Only the other body's shape at the contact decides. Each access computes the array anew.
 
-        So are contacts where no part of the surface is in contact, as one body lies wholly inside
-        the other, or in its very place. Such a contact is of a place deep inside its body, with that
-        place's depth; its normal is zero where none is better than another.
+        If one body lies wholly inside the other, or coincides with it, no part of the surface may
+        be in contact. Then a contact at a place deep inside the body, with that place's depth,
+        stands for the overlap. It is ambiguous, too, and its normal is zero where no direction is
+        better than another. place's depth; its normal is zero where none is better than another.
 
         Example:
             >>> import numpy as np
@@ -137,25 +137,25 @@ class Contacts:
 
     @property
     def exact(self) -> bool:
-        """True if nothing can have been missed, as it always is without a budget.
+        """True if no contact can have been missed, which is certain without a budget.
 
-        (``max_points`` leaves contacts out, but misses none.)
+        ``max_points`` leaves out contacts, but these do not count as missed.
         """
         return self._core.exact
 
     @property
     def depth_bound(self) -> float:
-        """Metres: no contact that was missed is deeper. Minus infinity where this is exact."""
+        """No missed contact is deeper than this, meters; minus infinity if :attr:`exact`."""
         return self._core.depth_bound
 
     def manifold(self, max_points: int = 4) -> Contacts:
-        """A few contacts that stand for all: the deepest, then those that span the largest area.
+        """Return up to four representative contacts: the deepest, then those that span most area.
 
         Args:
-            max_points: From 1 to 4. Points that would add no area are left out.
+            max_points: From 1 to 4. Contacts that would add no area are left out.
 
         Returns:
-            The contacts chosen, in the order chosen; the deepest is first.
+            The chosen contacts in the order of choice; the deepest is first.
 
         Raises:
             SettingsError: ``max_points`` is out of range.
@@ -171,11 +171,11 @@ class Contacts:
         return Contacts(self._core.manifold(as_integer(max_points, "max_points", 1, 4)))
 
     def deepest_per_segment(self) -> Contacts:
-        """The deepest contact of each segment at the query's level.
+        """Return the deepest contact of each segment at the query's level.
 
         Returns:
-            One contact a segment that has any, ascending by id; of both shells, a's segments
-            before b's. Of equally deep ones, the smaller id.
+            One contact for each segment that has any, in ascending order of ids. For both shells,
+            a's segments come before b's. Among equally deep contacts, the one with the smaller id.
 
         Example:
             >>> import trimesh
@@ -189,7 +189,7 @@ class Contacts:
         return Contacts(self._core.deepest_per_segment())
 
     def _repr_html_(self) -> str:
-        """A table of facts, for notebooks."""
+        """Return a table of facts for notebooks."""
         facts = {"contacts": self._count_by_shell()}
         if len(self) > 0:
             deepest = int(np.argmax(self.depths))

@@ -1,4 +1,4 @@
-"""How near two bodies are, or how deep in one another."""
+"""Distance of two bodies, or depth of their overlap."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Distance:
-    """How near two bodies are, or how deep in one another; from :func:`voxshell.distance`.
+    """Distance of two bodies, or depth of their overlap; from :func:`voxshell.distance`.
 
-    ``point_a - point_b == distance * normal``, but for rounding.
+    ``point_a - point_b == distance * normal`` up to rounding.
 
     Attributes:
-        distance: Metres; negative: minus the deepest penetration. Infinite where nothing is nearer
-            than was asked for: then the arrays hold NaN.
-        point_a: Where it is measured on a, (3,) float64, metres, world frame.
-        point_b: On b, likewise.
-        normal: Unit normal, (3,) float64, world frame: on b, pointing towards a.
-        shell: Whose shell one of the points is of; the other lies on the other's surface. None
-            where nothing is that near.
+        distance: Meters. If bodies overlap, minus the largest depth. Infinite if the bodies are not
+            nearer than ``max_distance``; then the arrays hold NaN.
+        point_a: Witness point on a, (3,) float64, meters, world frame.
+        point_b: Witness point on b, likewise.
+        normal: Unit normal, (3,) float64, world frame: on b, pointing toward a.
+        shell: The body whose shell one witness point belongs to; the other one lies on the other
+            body's surface. None if the bodies are not that near.
     """
 
     distance: float
@@ -54,35 +54,35 @@ def distance(
     max_distance: float = math.inf,
     scratch: QueryScratch | None = None,
 ) -> Distance:
-    """Finds how near two bodies are, and where.
+    """Find the distance of two bodies, and where it is.
 
-    That is the smallest distance of any point of the shell from the other body's surface, so
-    apart it is never less than the meshes' true distance (but for the error of a model's field),
-    and more by at most sqrt(3) spacings of the shell. Where the nearest point lies beyond the grid of
-    the other model's field (by default 16 voxels around it), the field is off by up to as much as the
-    rim of the grid is away from the surface. Where bodies overlap the distance is negative: the deepest of the
-    :func:`contacts`, bit for bit.
+    This is the smallest distance of any shell element from the other body's surface. Apart from the
+    error of a model's field, it is never less than the true distance of the meshes, and exceeds it
+    by at most sqrt(3) spacings of the shell. If the nearest point lies outside the grid of the
+    other model's field (by default 16 voxels around it), the error may be as large as the distance
+    between surface and rim of the grid. If bodies overlap, the distance is minus the depth of the
+    deepest of the :func:`contacts`, bit for bit.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
-        shell: As for :func:`contacts`; of both shells the nearer, or the deeper.
-        max_distance: Metres, or infinity: what is not nearer than this is not looked for, which
-            saves time.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+        shell: As for :func:`contacts`; for both shells, the smaller distance counts.
+        max_distance: Meters, or infinity. The query saves time by ignoring everything that is
+            farther away.
+        scratch: Speeds up a series of queries; see :class:`QueryScratch`.
 
     Returns:
-        The distance and where it is measured. Where nothing is nearer than ``max_distance``, the
-        distance is infinite, and the points and the normal are NaN. Of equally near points, the
-        one with the smaller id.
+        The distance and its witness points. If nothing is nearer than ``max_distance``, the
+        distance is infinite, and points and normal are NaN. Among equally near points, the one with
+        the smaller id counts.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
-            ``max_distance`` is NaN or minus infinity.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``max_distance``
+            is NaN or minus infinity.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
         >>> import numpy as np
@@ -94,11 +94,11 @@ def distance(
         >>> nearest = vx.distance(ball, vx.Plane(), world_from_ball)
         >>> round(nearest.distance, 6)
         0.25
-        >>> nearest.point_b.round(6) + 0.0  # the place on the ground below the ball
+        >>> nearest.point_b.round(6) + 0.0  # the point on the ground below the ball
         array([0., 0., 0.])
         >>> vx.distance(ball, vx.Plane(), world_from_ball, max_distance=0.2).distance
         inf
-        >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of it in the ground
+        >>> round(vx.distance(ball, vx.Plane()).distance, 6)  # half of the ball is in the ground
         -0.1
     """
     bodies, shells = as_pair(a, b, shell)

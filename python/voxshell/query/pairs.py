@@ -1,4 +1,4 @@
-"""Checks of what queries are asked about: two bodies, whose points to test, how near counts."""
+"""Checks of the arguments of queries: two bodies, the choice of a shell, and lengths and counts."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from voxshell.query.accuracy_warning import Parts, judge
 from voxshell.query.scratch import QueryScratch
 
 Collidable: TypeAlias = Model | Field
-"""What queries take: a model, or a field without a shell such as a plane, box or sphere."""
+"""A body in a query: a model, or a field without a shell such as a plane, box or sphere."""
 
 Shell: TypeAlias = Literal["auto", "fewest", "a", "b", "both"]
-"""Whose points are tested against the other's field."""
+"""The choice of the body whose points are tested against the other's field."""
 
 SHELLS = {
     "auto": _core.Shells.AUTOMATIC,
@@ -27,13 +27,13 @@ SHELLS = {
     "b": _core.Shells.B,
     "both": _core.Shells.BOTH,
 }
-_OF_BOTH = ("auto", "both")  # choices that ask an analytic shape, too
+_OF_BOTH = ("auto", "both")  # choices that may use the shell of an analytic shape, too
 _MOST = 2**63 - 1
 _SINGLE_MAX = float(np.finfo(np.float32).max)
 
 
 def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]:
-    """The field and the model, if it is one, that the core wants of a body."""
+    """Return the field of a body for the core, and its model if it is one."""
     if isinstance(body, Model):
         return body._field._core, body._core
     if isinstance(body, Field):
@@ -45,7 +45,7 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
 
 
 def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:
-    """What the core wants of two bodies; warns of a pair whose automatic role may miss much."""
+    """Return two bodies as the core takes them; warn if their automatic role may miss much."""
     bodies = parts_of_pair(a, b, shell)
     if shell == "auto" and b._serial not in a._judged and (bodies[1] or bodies[3]):
         judge(a, b, bodies)
@@ -53,7 +53,7 @@ def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:
 
 
 def parts_of_pair(a: Any, b: Any, shell: Any) -> Parts:
-    """The fields and the models whose shells may be asked: analytic shapes may have one, too."""
+    """Return fields and models with usable shells; an analytic shape may have a model, too."""
     field_a, model_a = parts(a, "a")
     field_b, model_b = parts(b, "b")
     if shell in _OF_BOTH:
@@ -67,13 +67,13 @@ def parts_of_pair(a: Any, b: Any, shell: Any) -> Parts:
 def _find_shell(shape: Field) -> _core.Model | None:
     if shape._shell_model is not None:
         return shape._shell_model
-    from voxshell.model.shape_shells import find_shell  # trimesh takes long to import
+    from voxshell.model.shape_shells import find_shell  # importing trimesh takes long
 
     return find_shell(shape)
 
 
 def as_shells(shell: Any) -> _core.Shells:
-    """What the core calls a choice of shells."""
+    """Return the core's value for a choice of shells."""
     if isinstance(shell, str) and shell in SHELLS:
         return SHELLS[shell]
     *others, last = (repr(choice) for choice in SHELLS)
@@ -81,7 +81,7 @@ def as_shells(shell: Any) -> _core.Shells:
 
 
 def as_margin(value: Any, name: str = "margin") -> float:
-    """Metres, as the core takes them."""
+    """Return a margin in meters that the core accepts."""
     if type(value) is float and -_SINGLE_MAX <= value <= _SINGLE_MAX:
         return value
     margin = as_real(value, name)
@@ -91,24 +91,24 @@ def as_margin(value: Any, name: str = "margin") -> float:
 
 
 def as_level(level: Any) -> int:
-    """A level of the tree; without one, the first."""
+    """Return a level of the tree; the first by default."""
     if level is None:
         return 1
     return as_integer(level, "level", 1, _core.PointSphereTree.deepest_level)
 
 
 def as_max_points(max_points: Any) -> int | None:
-    """A number of contacts, or None: all."""
+    """Return a number of contacts, or None for all."""
     return None if max_points is None else as_integer(max_points, "max_points", 0, _MOST)
 
 
 def as_budget(budget: Any) -> int | None:
-    """A number of nodes, or None: as many as it takes."""
+    """Return a number of nodes, or None for no limit."""
     return None if budget is None else as_integer(budget, "budget", 1, _MOST)
 
 
 def as_scratch(scratch: Any) -> _core.QueryScratch | None:
-    """The core's part of a scratch, or None."""
+    """Return the core's part of a scratch, or None."""
     if scratch is None:
         return None
     if not isinstance(scratch, QueryScratch):

@@ -1,4 +1,4 @@
-"""Questions about two bodies: where they touch, and whether."""
+"""Contact queries of two bodies."""
 
 from __future__ import annotations
 
@@ -41,51 +41,51 @@ def contacts(
     budget: int | None = None,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
-    """Finds where two bodies touch.
+    """Find the contacts of two bodies.
 
-    One body is its point shell, the other its signed distance field. A point of the shell with a
-    distance below ``margin`` is a contact: its depth is minus the distance, its direction the
-    field's gradient there. All such points are found, exactly as a loop over every point would
-    find them (:func:`voxshell.testing.contacts_flat`): same ids, same bits, same order.
+    One body is a point shell, the other a signed distance field. A point of the shell with a
+    distance below ``margin`` is a contact: its depth is minus the distance, its normal is the
+    gradient of the field. The query finds exactly the contacts that a loop over every point would
+    find (:func:`voxshell.testing.contacts_flat`), with the same ids, bits and order.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, metres: (4, 4) float64, which is read fastest, or another form of a pose
-            that :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a``, meters, in any form that :func:`pose` lists; (4, 4) float64 is the
+            fastest. None: the identity.
         b_pose: ``world_from_b``, likewise.
-        shell: Whose points are tested. "auto": the body with which least can be missed, or both where
-            neither is enough alone: a constant of the two bodies, which :func:`contact_bounds`
-            tells. "a" or "b": that body, which must be a model. "both": first a's, then b's.
-            "fewest": the one with fewer points, as the thesis has it, a if they have equally many;
-            but where these are so far apart that the other would fit between them, or are all
-            outside of it and enclose it, the other.
-        margin: Metres. Above 0, points that near to the surface count as well, with negative
-            depths; below 0, only points that deep.
-        level: Level of the point-sphere tree, 1 to 12, by which contacts are told apart in
-            :attr:`Contacts.segments` and :meth:`Contacts.deepest_per_segment`. None is level 1,
-            which is one segment.
-        max_points: Where there are more contacts, only so many: the deepest; of equally deep ones
-            those that come first.
-        budget: How many nodes of the tree to look at for each shell that is asked (a node is eight
-            spheres or eight points, of about equal cost), 1 at least. Where that is too few, some
-            contacts may be missing: see :attr:`Contacts.exact` and :attr:`Contacts.depth_bound`.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+        shell: The body whose points are tested. "auto": the body whose shell misses less, or both
+            if neither is sufficient alone. This choice is a constant of the two bodies; see
+            :func:`contact_bounds`. "a" or "b": that body, which must be a model. "both": first a's
+            points, then b's. "fewest": the body with fewer points, as in the thesis, or a if they
+            have equally many. But if these points are so far apart that the other body fits between
+            them, or if they are all outside of the other body and enclose it, then the other body.
+        margin: Meters. Above 0, points within this distance of the surface are contacts, too, with
+            negative depths. Below 0, only points of at least this depth are contacts.
+        level: Level of the point-sphere tree, 1 to 12, that defines :attr:`Contacts.segments` and
+            :meth:`Contacts.deepest_per_segment`. None is level 1, which has a single segment.
+        max_points: Largest number of contacts. If there are more, the deepest are returned; among
+            equally deep ones, those that come first.
+        budget: Largest number of tree nodes to visit for each shell, at least 1. A node is eight
+            spheres or eight points, at about equal cost. If the budget is too small, contacts may
+            be missing: see :attr:`Contacts.exact` and :attr:`Contacts.depth_bound`.
+        scratch: Speeds up a series of queries; see :class:`QueryScratch`.
 
     Returns:
-        The contacts in the world frame, ascending by id; of both shells, a's before b's. The
-        normals are unit length, on body b, pointing towards body a, whichever of them is the
-        shell. In single precision are the relative pose (worked out in double precision before),
-        distances and normals; with points 1 m from their origin this is good to about 1e-7 m.
+        The contacts in the world frame, in ascending order of ids; for both shells, a's before b's.
+        Normals have unit length, are on body b and point toward body a, whichever body is the
+        shell. The relative pose is computed in double precision and then rounded to single
+        precision, like distances and normals. With points 1 m from their origin the error is about
+        1e-7 m.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite; ``level``, ``max_points`` or ``budget`` is out of range.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``margin`` is
+            not finite; ``level``, ``max_points`` or ``budget`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
-        A ball of radius 0.1 m whose centre is 0.099 m above the ground:
+        A ball of radius 0.1 m whose center is 0.099 m above the ground:
 
         >>> import numpy as np
         >>> import trimesh
@@ -101,7 +101,7 @@ def contacts(
         array([[ 0.5  ,  0.6  , -0.001]])
         >>> deepest.points_b.round(6) + 0.0  # on the ground above it
         array([[0.5, 0.6, 0. ]])
-        >>> deepest.normals  # on the ground, towards the ball
+        >>> deepest.normals  # on the ground, toward the ball
         array([[0., 0., 1.]])
 
         Two models; what is within 1 mm counts, too:
@@ -136,29 +136,30 @@ def manifold(
     max_points: int = 4,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
-    """Finds a few contacts that stand for all: the deepest, then those that span the largest area.
+    """Find up to four representative contacts: the deepest, then those that span most area.
 
-    The same bits as ``contacts(...).manifold(max_points)``. Where one shell is asked, this is by
-    branch and bound: the other contacts are not listed, so that it is faster where there are many.
+    The result has the same bits as ``contacts(...).manifold(max_points)``. For a single shell, this
+    function uses branch and bound, which does not list the other contacts. It is faster if there
+    are many.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
-        max_points: From 1 to 4. Points that would add no area are left out.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+        max_points: From 1 to 4. Contacts that would add no area are left out.
+        scratch: Speeds up a series of queries; see :class:`QueryScratch`.
 
     Returns:
-        The contacts chosen, in the order chosen; the deepest is first.
+        The chosen contacts in the order of choice; the deepest is first.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite; ``max_points`` is out of range.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``margin`` is
+            not finite; ``max_points`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
         >>> import trimesh
@@ -198,30 +199,30 @@ def deepest_per_segment(
     margin: float = 0.0,
     scratch: QueryScratch | None = None,
 ) -> Contacts:
-    """Finds the deepest contact of each segment of a level.
+    """Find the deepest contact of each segment on a level.
 
-    The same bits as ``contacts(..., level=level).deepest_per_segment()``, but by branch and bound,
-    as :func:`manifold`.
+    The result has the same bits as ``contacts(..., level=level).deepest_per_segment()``, but this
+    function uses branch and bound, like :func:`manifold`.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
-        level: Level of the point-sphere tree, 1 to 12; a level L has 4^(L - 1) segments at most.
+        level: Level of the point-sphere tree, 1 to 12; level L has at most 4^(L - 1) segments.
         shell: As for :func:`contacts`.
         margin: As for :func:`contacts`.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+        scratch: Speeds up a series of queries; see :class:`QueryScratch`.
 
     Returns:
-        One contact a segment that has any, ascending by id; of both shells, a's before b's. Of
-        equally deep ones, the smaller id.
+        One contact for each segment that has any, in ascending order of ids. For both shells, a's
+        segments come before b's. Among equally deep contacts, the one with the smaller id.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite; ``level`` is out of range.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``margin`` is
+            not finite; ``level`` is out of range.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
         >>> import trimesh
@@ -259,23 +260,23 @@ def collide(
     shell: Shell = "auto",
     margin: float = 0.0,
 ) -> bool:
-    """Tells whether two bodies touch: whether :func:`contacts` would find any; stops at the first.
+    """Return whether two bodies touch: whether :func:`contacts` would find any. Stop at the first.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
         shell: As for :func:`contacts`.
-        margin: Metres; above 0, bodies that near touch as well.
+        margin: Bodies that are nearer than this count as touching, meters.
 
     Returns:
         True if a point of the shell has a distance below ``margin``.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``margin`` is
+            not finite.
         InputTypeError: ``a`` or ``b`` is not a body.
 
     Example:
@@ -291,7 +292,7 @@ def collide(
         >>> vx.collide(ring, vx.Sphere(radius=0.1), a_pose=world_from_ring)
         True
     """
-    # Unpacked into names, not starred: a list less to be made of the arguments, in what may take a microsecond.
+    # Unpacking avoids a list of the arguments: this query may take only a microsecond.
     (field_a, model_a, field_b, model_b), shells = as_pair(a, b, shell)
     try:
         return _core.collide(
@@ -322,7 +323,7 @@ def find(
     budget: int | None,
     scratch: QueryScratch | None,
 ) -> Contacts:
-    """Checks the arguments of :func:`contacts` and asks one of the core's searches."""
+    """Check the arguments of :func:`contacts` and call one of the core's searches."""
     bodies, shells = as_pair(a, b, shell)
     try:
         found = search(

@@ -1,4 +1,4 @@
-"""Memory that queries carry from one to the next."""
+"""Memory that one query leaves for the next."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from voxshell import _core
 
 
 class QueryScratch:
-    """What a query can keep for the next one: memory, and where the last search ended.
+    """Memory and search state that one query leaves for the next.
 
-    Handed to query after query, it saves them from allocating, and lets a query for a pose near
-    the last one begin where that one ended. Results never depend on it. It keeps the memory that
-    the largest model asked about needs. Make one for each thread, and for each pair that moves
-    steadily; threads that share one wait for each other.
+    With a scratch, queries do not allocate memory, and a query in a pose near the last one starts
+    where that one ended. Results never depend on it. It keeps as much memory as the largest model
+    so far needed. Make one for each thread and for each pair that moves steadily. Threads that
+    share one wait for each other.
 
     Example:
         >>> import numpy as np

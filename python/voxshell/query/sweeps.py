@@ -1,4 +1,4 @@
-"""How far two bodies can move until they touch."""
+"""Time of impact of two moving bodies: swept queries."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 _FARTHEST_FRACTION = 1e4
-"""Of motions that go on beyond their ends."""
+"""Largest fraction that interpolate_pose accepts."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,15 +31,15 @@ class Sweep:
     """How far two bodies move until they touch; from :func:`voxshell.sweep`.
 
     Attributes:
-        fraction: Of the motion, 0 to 1. At no fraction before it do the bodies touch. 1 where they
-            touch nowhere.
-        touches: Whether they touch there, or come within the tolerance of it.
-        distance: Metres, how near they are at that fraction. Infinite where they touch nowhere:
-            then the three arrays that follow hold NaN.
-        point_a: Where they touch on a, (3,) float64, metres, world frame, at that fraction.
-        point_b: On b, likewise.
-        normal: Unit normal, (3,) float64, world frame: on b, pointing towards a.
-        shell: Whose shell one of the points is of; None where they touch nowhere.
+        fraction: Fraction of the motion, 0 to 1. Before it, the bodies do not touch. 1 if they
+            never touch.
+        touches: True if they touch at that fraction, or come within the tolerance of it.
+        distance: Distance at that fraction, meters. Infinite if they never touch; then the three
+            arrays that follow hold NaN.
+        point_a: Contact point on a at that fraction, (3,) float64, meters, world frame.
+        point_b: Contact point on b, likewise.
+        normal: Unit normal, (3,) float64, world frame: on b, pointing toward a.
+        shell: The body whose shell one of the points belongs to; None if they never touch.
         a_pose: ``world_from_a`` at that fraction, (4, 4) float64.
         b_pose: ``world_from_b``, likewise.
     """
@@ -60,13 +60,13 @@ class SweepBatch:
     """How far two bodies move until they touch, in k motions; from :func:`voxshell.sweep_batch`.
 
     Attributes:
-        fractions: (k,) float64, as :attr:`Sweep.fraction`.
+        fractions: (k,) float64; see :attr:`Sweep.fraction`.
         touches: (k,) bool.
-        distances: (k,) float64, metres.
-        points_a: (k, 3) float64, metres, world frame.
+        distances: (k,) float64, meters.
+        points_a: (k, 3) float64, meters, world frame.
         points_b: (k, 3) float64, likewise.
         normals: (k, 3) float64.
-        shells: (k,) str: "a", "b", or "" where they touch nowhere.
+        shells: (k,) str: "a", "b", or "" if they never touch.
         a_poses: (k, 4, 4) float64, ``world_from_a`` at these fractions.
         b_poses: (k, 4, 4) float64, likewise.
     """
@@ -101,47 +101,48 @@ def sweep(
     tolerance: float | None = None,
     scratch: QueryScratch | None = None,
 ) -> Sweep:
-    """Finds how far two bodies can move until they touch: continuous collision detection.
+    """Find how far two bodies can move until they touch: continuous collision detection.
 
-    Each body moves from its pose to its end: the origin of its frame at a constant velocity, turning
-    about it at a constant angular velocity the shorter way, by up to half a turn
-    (:func:`interpolate_pose`). Both may move at once.
+    Each body moves from its pose to its end. The origin of its frame has a constant velocity. The
+    body turns about it with a constant angular velocity, the shorter way, by up to half a turn
+    (:func:`interpolate_pose`). Both bodies may move.
 
-    What touches is what :func:`contacts` finds. At no fraction before the one returned does it find
-    anything, however thin bodies are and however far they move: a time is passed over only where
-    the fields' own lower bounds leave no room for a contact within it (conservative advancement:
-    Mirtich 1996). What it can miss of the meshes themselves is what :func:`contact_bounds` tells.
+    Bodies touch if :func:`contacts` finds a contact. Before the returned fraction it finds none,
+    however thin the bodies are and however far they move: the query skips a time only if the lower
+    bounds of the fields exclude a contact (conservative advancement: Mirtich 1996).
+    :func:`contact_bounds` says what contacts may miss of the meshes themselves.
 
-    The time grows with how long bodies move near each other: a motion that clears everything by
-    its own length takes a few queries, one along a wall some hundred.
+    The time of the query grows with the time that bodies move near each other. A motion whose
+    clearance is its own length takes a few queries; one along a wall takes some hundred.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a`` where the motion begins, (4, 4) or as :func:`pose` lists. None: the
-            identity.
+        a_pose: ``world_from_a`` at the start of the motion, in any form that :func:`pose` lists.
+            None: the identity.
         b_pose: ``world_from_b``, likewise.
-        a_end: ``world_from_a`` where the motion ends, likewise. None: a stays where it is.
-        b_end: ``world_from_b``, likewise. None: b stays where it is.
+        a_end: ``world_from_a`` at the end of the motion, likewise. None: a does not move.
+        b_end: ``world_from_b``, likewise. None: b does not move.
         shell: As for :func:`contacts`.
-        margin: As for :func:`contacts`: above 0, bodies that come that near touch; below 0 they may
-            overlap by so much. Where it reaches beyond the grid of a model's field (by default 16
-            voxels around it), bodies stop too early, by up to as much as the grid reaches: build models
-            with ``padding`` of at least the margin.
-        tolerance: Metres, above 0: bodies that come within this of touching may count as touching; so may
-            those within the tolerance of the models, where their fields are not continuous. Smaller ones
-            take longer. None: that of both models together, for uniform ones a tenth of their
-            voxels, or, if that is more, a thousandth of the shortest side of the smaller body.
-        scratch: Saves a series of queries from allocating memory; see :class:`QueryScratch`.
+        margin: As for :func:`contacts`. Above 0, bodies that come this near touch; below 0, they
+            may overlap by this much. If the margin reaches beyond the grid of a model's field (by
+            default 16 voxels around it), bodies stop too early, by up to the width of the grid
+            around the body: build models with a ``padding`` of at least the margin.
+        tolerance: Meters, above 0. Bodies within this distance of touching may count as touching.
+            So may those within the tolerance of the models where fields are discontinuous. Smaller
+            tolerances take longer. The default is the sum of both models' tolerances; for uniform
+            models, a tenth of their voxels or, if that is larger, a thousandth of the shortest side
+            of the smaller body.
+        scratch: Lets a series of queries reuse memory; see :class:`QueryScratch`.
 
     Returns:
-        The fraction, the poses there, and where the bodies are nearest then.
+        The fraction, the poses there, and the place where the bodies are nearest.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not; ``margin``
-            is not finite; ``tolerance`` is not above 0.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``margin`` is
+            not finite; ``tolerance`` is not above 0.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
         A ball of radius 0.1 m falls by 2 m, from 1 m above the ground:
@@ -158,7 +159,7 @@ def sweep(
         >>> fall.normal
         array([0., 0., 1.])
 
-        A plate of 1 mm, turned by a quarter and moved by a metre, hits the ball that it began beside:
+        A plate of 1 mm, turned by a quarter and moved by a meter, hits the ball that it began beside:
 
         >>> plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.001)))
         >>> start = trimesh.transformations.translation_matrix((-0.5, 0, 0))
@@ -223,30 +224,32 @@ def sweep_batch(
     threads: int | None = None,
     progress: Callable[[str, float], object] | None = None,
 ) -> SweepBatch:
-    """Finds how far two bodies can move in each of many motions: :func:`sweep` for all of them.
+    """Find how far two bodies can move in each of many motions, as :func:`sweep` does.
 
     For a path of k + 1 poses, its k parts are ``sweep_batch(a, b, path[:-1], a_ends=path[1:])``.
-    Other Python threads run meanwhile. Ctrl-C stops it.
+    Other Python threads continue to run. Ctrl-C stops the query.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_poses: ``world_from_a`` where the motions begin: (k, 4, 4), (k, 3) or (k, 7) float64, or another
-            form that :func:`pose` lists; or one pose for all. None: the identity.
+        a_poses: ``world_from_a`` at the start of each motion: (k, 4, 4), (k, 3) or (k, 7) float64,
+            or another form that :func:`pose` lists; a single pose applies to all. None: the
+            identity.
         b_poses: ``world_from_b``, likewise.
-        a_ends: ``world_from_a`` where the motions end, likewise. None: a stays.
-        b_ends: ``world_from_b``, likewise. None: b stays.
+        a_ends: ``world_from_a`` at the end of each motion, likewise. None: a does not move.
+        b_ends: ``world_from_b``, likewise. None: b does not move.
         shell: As for :func:`contacts`.
         margin: As for :func:`sweep`.
         tolerance: As for :func:`sweep`.
-        threads: How many to use, up to 1024; one a core by default. The result is the same.
+        threads: Number of threads, up to 1024; one per CPU core by default. It does not affect the
+            result.
         progress: As for :func:`contacts_batch`.
 
     Returns:
-        What :func:`sweep` tells of each motion, in order.
+        The results of :func:`sweep` for each motion, in order.
 
     Raises:
-        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite; the
+        PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite. The
             message says which.
         SettingsError: As for :func:`sweep`; or the numbers of poses differ.
         InputTypeError: ``a`` or ``b`` is not a body.
@@ -310,23 +313,24 @@ def sweep_batch(
 def interpolate_pose(
     start: ArrayLike | None, end: ArrayLike | None, fractions: ArrayLike
 ) -> NDArray[np.float64]:
-    """Finds the poses on the way from one pose to another, as :func:`sweep` takes it.
+    """Return poses between two poses, on the motion that :func:`sweep` uses.
 
-    The origin of the frame moves at a constant velocity, and the body turns about it at a constant
-    angular velocity, the shorter way. Of exactly half a turn either way is as short: it is the one
-    about the axis whose first component that is not zero is positive.
+    The origin of the frame moves with a constant velocity. The body turns about it with a constant
+    angular velocity, the shorter way. For exactly half a turn, the axis is the one whose first
+    nonzero component is positive.
 
     Args:
-        start: ``world_from_body`` at fraction 0, (4, 4) or as :func:`pose` lists. None: the identity.
+        start: ``world_from_body`` at fraction 0, in any form that :func:`pose` lists. None: the
+            identity.
         end: The pose at fraction 1, likewise.
-        fractions: (k,) float64; or one number. Beyond 0 and 1 the motion goes on.
+        fractions: (k,) float64, or one number. The motion continues below 0 and above 1.
 
     Returns:
-        (k, 4, 4) float64; (4, 4) for one number.
+        (k, 4, 4) float64, or (4, 4) for one number.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: A fraction is not finite, or beyond 10,000.
+        SettingsError: A fraction is not finite, or farther than 10,000 from 0.
 
     Example:
         >>> import numpy as np

@@ -1,4 +1,4 @@
-"""How hard two bodies push each other apart, as springs at their contacts."""
+"""Force and torque between two overlapping bodies, from springs at their contacts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Wrench:
 
     Attributes:
         force: (3,) float64, newtons, world frame.
-        torque: (3,) float64, newton metres, world frame, about body a's origin.
+        torque: (3,) float64, newton meters, world frame, about body a's origin.
     """
 
     force: NDArray[np.float64]
@@ -42,31 +42,33 @@ def wrench(
     shell: Shell = "auto",
     scratch: QueryScratch | None = None,
 ) -> Wrench:
-    """Works out the force and torque by which b pushes a out, as a layer of springs would.
+    """Compute the force and torque with which b pushes a out, as if through a layer of springs.
 
-    Every penetrating point of the shell is pushed with stiffness times the area that it stands
-    for times its depth along the field's gradient. This is continuous in the poses: it starts
-    from zero at the first touch and has no jumps, as haptic rendering needs. (``shell="fewest"``
-    jumps where it changes roles, when a body with more points slips wholly into the other.)
+    The force on each penetrating point of the shell is stiffness times the area that the point
+    represents times its depth, along the gradient of the field. The result is continuous in the
+    poses, as haptic rendering needs: it starts from zero at the first touch and has no jumps.
+    (``shell="fewest"`` jumps when it changes roles, because a body with more points moves wholly
+    into the other.)
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
         b: Likewise. At least one of the two must be a model.
-        a_pose: ``world_from_a``, (4, 4) or as :func:`pose` lists. None: the identity.
+        a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
-        stiffness: Newtons per cubic metre: pressure per metre of depth. At least 0.
-        shell: As for :func:`contacts`. Of both shells it is the mean, so that area counts once.
-        scratch: Makes a series of queries faster; see :class:`QueryScratch`.
+        stiffness: Pressure per depth, newtons per cubic meter, at least 0.
+        shell: As for :func:`contacts`. For both shells the result is the mean, so that area counts
+            once.
+        scratch: Speeds up a series of queries; see :class:`QueryScratch`.
 
     Returns:
-        What acts on a. On b acts the reversed force, and the reversed torque once it is moved to
-        b's origin.
+        Force and torque on a. The reverse force acts on b, and the reverse torque after it is moved
+        to b's origin.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
-        SettingsError: Neither body is a model, or the one that ``shell`` names is not;
-            ``stiffness`` is negative or not finite.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` no :class:`QueryScratch`.
+        SettingsError: Neither body is a model, or ``shell`` names one that is not; ``stiffness`` is
+            negative or not finite.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
 
     Example:
         A cube of 1 m, 1 mm deep in the ground, on springs of 1e6 N/m3:

@@ -11,13 +11,13 @@ from voxshell.errors import RecordingError
 
 
 def keep(owner: object, name: str, array: NDArray[Any]) -> None:
-    """Stores a read-only array in a frozen dataclass."""
+    """Store a read-only array in a frozen dataclass."""
     array.flags.writeable = False
     object.__setattr__(owner, name, array)
 
 
 def as_floats(value: ArrayLike, what: str) -> NDArray[np.float64]:
-    """A new float64 array of finite numbers, or an error that says how many are not."""
+    """Return a new float64 array; raise an error that counts numbers that are not finite."""
     try:
         array = np.array(value, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
@@ -29,7 +29,7 @@ def as_floats(value: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def as_points(value: ArrayLike, what: str) -> NDArray[np.float64]:
-    """A new (n, 3) array; an empty list counts as (0, 3)."""
+    """Return a new (n, 3) array; an empty list becomes (0, 3)."""
     array = as_floats(value, what)
     if array.size == 0:
         return np.zeros((0, 3))
@@ -39,7 +39,7 @@ def as_points(value: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def as_integers(value: ArrayLike, what: str) -> NDArray[np.int64]:
-    """A new int64 array; floats are refused rather than rounded."""
+    """Return a new int64 array; floats are refused instead of rounded."""
     array = np.asarray(value)
     if array.size and not np.issubdtype(array.dtype, np.integer):
         raise RecordingError(f"{what} must be integers, got {array.dtype}")

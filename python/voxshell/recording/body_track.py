@@ -1,4 +1,4 @@
-"""One body of a recording: its surface, and its pose in every frame."""
+"""A body of a recording: its surface, and its pose in every frame."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ from voxshell.recording.arrays import as_floats, as_integers, as_points, keep
 
 @dataclass(frozen=True, eq=False)
 class BodyTrack:
-    """One body's surface and its pose in every frame.
+    """The surface of a body and its pose in every frame.
 
     Args:
         name: Unique within its recording.
-        vertices: (n, 3) float, metres, body frame.
-        faces: (m, 3) int, indices of vertices, outward counter-clockwise.
+        vertices: (n, 3) float, meters, body frame.
+        faces: (m, 3) int, indices of vertices, counterclockwise when seen from outside.
         color: (red, green, blue), each 0 to 255; None lets the viewer choose.
-        poses: ``world_from_body`` of each frame: (frames, 4, 4), (frames, 3) or (frames, 7) float64, or
-            another form of many poses that :func:`voxshell.pose` lists. Stored as (frames, 4, 4).
+        poses: ``world_from_body`` of each frame: (frames, 4, 4), (frames, 3) or (frames, 7)
+            float64, or another form of many poses that :func:`voxshell.pose` lists. Stored as
+            (frames, 4, 4).
 
     Raises:
-        RecordingError: If a shape is wrong, a number is not finite, a face names a vertex that is
-            not there, or a pose is not rigid.
+        RecordingError: A shape is wrong, a number is not finite, a face refers to a missing vertex,
+            or a pose is not rigid.
 
     Arrays are copied, and the copies are read-only.
 
@@ -39,7 +40,7 @@ class BodyTrack:
         1
         >>> BodyTrack("flag", np.eye(3), [[0, 1, 3]], None, np.eye(4)[None])
         Traceback (most recent call last):
-        voxshell.errors.RecordingError: body 'flag': faces name vertices 0 to 3, but there are 3
+        voxshell.errors.RecordingError: body 'flag': faces refer to vertices 0 to 3, but there are 3
     """
 
     name: str
@@ -62,7 +63,7 @@ class BodyTrack:
             )
         if faces.min() < 0 or faces.max() >= len(vertices):
             raise RecordingError(
-                f"{where}: faces name vertices {faces.min()} to {faces.max()}, "
+                f"{where}: faces refer to vertices {faces.min()} to {faces.max()}, "
                 f"but there are {len(vertices)}"
             )
         keep(self, "vertices", vertices)
@@ -77,12 +78,12 @@ class BodyTrack:
 
     @property
     def fixed(self) -> bool:
-        """Whether the body has the same pose in every frame."""
+        """True if the body has the same pose in every frame."""
         return bool(np.all(self.poses == self.poses[0]))
 
 
 def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
-    """A new (frames, 4, 4) array of rigid transforms."""
+    """Return a new (frames, 4, 4) array of rigid transforms."""
     try:
         poses = as_floats(read_poses(value, what), what)
     except PoseError as error:
@@ -107,7 +108,7 @@ def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def _as_color(value: Sequence[int] | None, what: str) -> tuple[int, int, int] | None:
-    """Three integers 0 to 255, or None."""
+    """Return three integers from 0 to 255, or None."""
     if value is None:
         return None
     try:

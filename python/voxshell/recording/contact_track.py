@@ -16,16 +16,17 @@ _UNIT_TOLERANCE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ContactTrack:
-    """The contacts of every frame, concatenated; frame i holds offsets[i] to offsets[i + 1].
+    """The contacts of all frames, concatenated; frame i has rows offsets[i] to offsets[i + 1].
 
     Args:
-        offsets: (frames + 1,) int, from 0 to k, never falling.
-        points: (k, 3) float, metres, world frame.
-        normals: (k, 3) float, unit length, world frame, on body b, pointing towards body a.
-        depths: (k,) float, metres, positive where the bodies overlap.
+        offsets: (frames + 1,) int, ascending from 0 to k.
+        points: (k, 3) float, meters, world frame.
+        normals: (k, 3) float, unit length, world frame, on body b, pointing toward body a.
+        depths: (k,) float, meters, positive where the bodies overlap.
 
     Raises:
-        RecordingError: If the lengths disagree, a number is not finite, or a normal is not unit.
+        RecordingError: The lengths disagree, a number is not finite, or a normal is not of unit
+            length.
 
     Arrays are copied, and the copies are read-only.
 
@@ -67,7 +68,7 @@ class ContactTrack:
         if len(falls):
             frame = falls[0]
             raise RecordingError(
-                f"contacts: offsets fall from {offsets[frame]} to {offsets[frame + 1]} "
+                f"contacts: offsets decrease from {offsets[frame]} to {offsets[frame + 1]} "
                 f"at frame {frame}"
             )
         if len(normals):
@@ -86,7 +87,7 @@ class ContactTrack:
 
     @classmethod
     def empty(cls, frames: int) -> ContactTrack:
-        """No contact in any of ``frames`` frames.
+        """Return a track of ``frames`` frames without contacts.
 
         Example:
             >>> ContactTrack.empty(3).counts
@@ -97,11 +98,11 @@ class ContactTrack:
 
     @classmethod
     def from_frames(cls, frames: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]]) -> ContactTrack:
-        """Concatenates the contacts of single frames.
+        """Concatenate the contacts of single frames.
 
         Args:
-            frames: For each frame its points (k, 3), normals (k, 3) and depths (k,), in the
-                units and frame of the class; k differs from frame to frame and may be 0.
+            frames: For each frame its points (k, 3), normals (k, 3) and depths (k,), in the units
+                and frame of the class; k may differ between frames and may be 0.
 
         Raises:
             RecordingError: As for the class.
@@ -127,14 +128,14 @@ class ContactTrack:
 
     @property
     def counts(self) -> NDArray[np.int64]:
-        """(frames,) number of contacts in each frame."""
+        """Number of contacts in each frame, (frames,)."""
         return np.diff(self.offsets)
 
     def frame(self, index: int) -> ContactTrack:
-        """The contacts of one frame, as a track of one frame.
+        """Return the contacts of one frame, as a track of one frame.
 
         Raises:
-            IndexError: If there is no such frame.
+            IndexError: There is no such frame.
         """
         if not 0 <= index < self.frame_count:
             raise IndexError(f"frame {index} of {self.frame_count}")

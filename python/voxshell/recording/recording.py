@@ -1,7 +1,7 @@
-"""Recordings: what every body and contact of a simulation did, step by step.
+"""Recordings: the motion of all bodies and the contacts of a simulation, step by step.
 
-A recording is plain data in numpy arrays. Its methods that save or show it import the viewer, an optional part, when
-they are called.
+A recording is plain data in numpy arrays. Its methods that save or show it import the viewer, which
+is optional, only when they are called.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from voxshell.recording.body_track import BodyTrack
 from voxshell.recording.contact_track import ContactTrack
 
 _MOST_SHOWN = 8_000_000
-"""Bytes of a replay in a notebook, which keeps it in its file."""
+"""Largest replay in a notebook, bytes: the notebook stores it in its file."""
 _MOST_RAW = 40_000_000
-"""Bytes of the numbers of such a replay before they are packed."""
+"""Largest uncompressed numbers of such a replay, bytes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What every body and contact did, at equal time steps.
+    """The motion of bodies and their contacts, at equal time steps.
 
     Args:
         time_step: Seconds between frames.
-        bodies: At least one; all with the same number of frames, and names of their own.
+        bodies: At least one; all with the same number of frames and with unique names.
         contacts: As many frames as the bodies.
 
     Raises:
-        RecordingError: If the time step is not positive, or numbers of frames or names clash.
+        RecordingError: The time step is not positive, numbers of frames differ, or names repeat.
 
     Example:
         >>> import numpy as np
@@ -64,7 +64,7 @@ class Recording:
         names = [body.name for body in bodies]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            raise RecordingError(f"{len(twice)} body name(s) used more than once: {twice}")
+            raise RecordingError(f"{len(twice)} body name(s) are not unique: {twice}")
         frames = bodies[0].frame_count
         for body in bodies:
             if body.frame_count != frames:
@@ -92,24 +92,24 @@ class Recording:
     def save_html(
         self, path: str | PathLike[str], *, title: str = "Replay", label: str = "", **options: Any
     ) -> Path:
-        """Writes one offline page that replays the recording in a browser.
+        """Write one offline page that replays the recording in a browser.
 
         Args:
-            path: The file to write, ending in .html; replaced whole or not at all.
+            path: The file, with the suffix .html; written completely or not at all.
             title: Heading of the page.
-            label: Caption under the bodies.
-            **options: Passed on to :func:`voxshell.viewer.replay.save_replay`, which also shows
+            label: Caption below the bodies.
+            **options: Passed to :func:`voxshell.viewer.replay.save_replay`, which can also show
                 several recordings side by side.
 
         Returns:
-            The path written.
+            The path of the file.
 
         Raises:
-            MissingExtraError: If the viewer is not installed.
-            RecordingError: If an option makes no sense.
-            SettingsError: If the path ends in anything but .html, is a folder, a device or a pipe, or there is no
-                folder to write into.
-            FileAccessError: If the file cannot be written.
+            MissingExtraError: The viewer is not installed.
+            RecordingError: An option is invalid.
+            SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or its
+                folder does not exist.
+            FileAccessError: The file cannot be written.
         """
         place = _as_place(path, (".html", ".htm"), "a replay")
         from voxshell.viewer.lanes import Lane
@@ -124,7 +124,7 @@ class Recording:
         )
 
     def _repr_html_(self) -> str:
-        """For notebooks: a table of facts, and the replay where the viewer is installed and the page is small."""
+        """Return a table of facts for notebooks, and the replay if it can be shown and is small."""
         moving = sum(not body.fixed for body in self.bodies)
         facts = {
             "time": f"{self.duration:.6g} s, {self.frame_count:,} frames, {1e3 * self.time_step:.4g} ms apart",
@@ -138,10 +138,10 @@ class Recording:
         return make_table("Recording", facts) + make_frame(page.decode(), 480)
 
     def _make_small_page(self) -> bytes | str:
-        """The replay, UTF-8; or, where there is none to show, what to do instead."""
+        """Return the replay, UTF-8; or a text with a remedy if there is none to show."""
         numbers = sum(body.vertices.size + body.faces.size for body in self.bodies)
         numbers += 7 * len(self.bodies) * self.frame_count
-        if 4 * numbers > _MOST_RAW:  # before the page is made, which would take long
+        if 4 * numbers > _MOST_RAW:  # check before making the page, which would take long
             return "too large to show here: call save_html('replay.html') and open that file"
         try:
             from voxshell.viewer.lanes import Lane
@@ -158,19 +158,20 @@ class Recording:
         return page
 
     def save_video(self, path: str | PathLike[str], **options: Any) -> Path:
-        """Writes a video of the bodies and their contacts: an MP4 file (H.264), or an animated GIF.
+        """Write a video of the bodies and their contacts: an MP4 file (H.264), or an animated GIF.
 
         Args:
-            path: The file to write, ending in .mp4 or .gif; replaced whole or not at all.
-            **options: Passed on to :func:`voxshell.viewer.video.save_video`: size in pixels, pictures a second,
-                speed, camera and title.
+            path: The file, with the suffix .mp4 or .gif; written completely or not at all.
+            **options: Passed to :func:`voxshell.viewer.video.save_video`: size in pixels, frames
+                per second, speed, camera and title.
 
         Returns:
-            The path written.
+            The path of the file.
 
         Raises:
             MissingExtraError: The renderer is not installed: ``pip install 'voxshell[video]'``.
-            SettingsError: The path ends otherwise, no file can be written there, or an option is out of range.
+            SettingsError: The suffix is another one, no file can be written there, or an option is
+                out of range.
             FileAccessError: The file cannot be written.
         """
         place = _as_place(path, (".mp4", ".gif"), "a video")
@@ -179,21 +180,22 @@ class Recording:
         return save_video(place, self, **options)
 
     def save_gltf(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
-        """Writes the bodies and their motion as binary glTF, which Blender, three.js, Unity and others read.
+        """Write the bodies and their motion as binary glTF for Blender, three.js, Unity and others.
 
-        Each body is a node with a mesh, a color and an animation with a key for each frame. Contacts are not written.
+        Each body becomes a node with a mesh, a color and an animation with a key for each frame.
+        Contacts are left out.
 
         Args:
-            path: The file to write, ending in .glb; replaced whole or not at all.
-            up: The world axis that points up, such as "+z" or "+y". In glTF +Y is up: a node at the root turns the
-                scene.
+            path: The file, with the suffix .glb; written completely or not at all.
+            up: The world axis that points up, such as "+z" or "+y". In glTF, +Y points up: the root
+                node rotates the scene.
 
         Returns:
-            The path written.
+            The path of the file.
 
         Raises:
-            SettingsError: The path ends otherwise, or no file can be written there.
-            RecordingError: ``up`` is no axis.
+            SettingsError: The suffix is another one, or no file can be written there.
+            RecordingError: ``up`` is not an axis.
             FileAccessError: The file cannot be written.
 
         Example:
@@ -213,21 +215,23 @@ class Recording:
         return save_gltf(place, self, up=up)
 
     def save_usd(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
-        """Writes the bodies and their motion as Universal Scene Description, which Omniverse, Blender and others read.
+        """Write the bodies and their motion as Universal Scene Description (USD).
 
-        Each body is a mesh with a color, and a position and an orientation for each frame. The stage is in meters.
-        Contacts are not written.
+        Each body becomes a mesh with a color, and a position and an orientation for each frame. The
+        stage is in meters. Contacts are left out.
 
         Args:
-            path: The file to write: .usda is text, .usdc and .usd are binary; replaced whole or not at all.
+            path: The file: .usda is text, .usdc and .usd are binary; written completely or not at
+                all.
             up: The world axis that points up, "+z" or "+y".
 
         Returns:
-            The path written.
+            The path of the file.
 
         Raises:
             MissingExtraError: usd-core is not installed: ``pip install 'voxshell[usd]'``.
-            SettingsError: The path ends otherwise, no file can be written there, or ``up`` is another axis.
+            SettingsError: The suffix is another one, no file can be written there, or ``up`` is
+                another axis.
             FileAccessError: The file cannot be written.
         """
         place = _as_place(path, (".usdc", ".usda", ".usd"), "an animation for USD")
@@ -237,7 +241,7 @@ class Recording:
 
 
 def _as_place(path: str | PathLike[str], suffixes: Sequence[str], what: str) -> Path:
-    """A file that can be written and is named after what is in it."""
+    """Return a path that can be written and has a matching suffix."""
     place = Path(os.fsdecode(as_path(path, "path")))
     check_output_file(place)
     check_suffix(place, suffixes, what)

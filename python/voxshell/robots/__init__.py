@@ -1,4 +1,4 @@
-"""Robots from URDF and MJCF files; COLLADA meshes need an optional part, ``pip install voxshell[urdf]``."""
+"""Robots from URDF and MJCF files. COLLADA meshes need an extra: ``pip install voxshell[urdf]``."""
 
 from voxshell.robots.mjcf.load import load_mjcf
 from voxshell.robots.robot import Link, Robot, RobotWarning

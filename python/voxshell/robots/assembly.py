@@ -1,4 +1,4 @@
-"""Robots put into a world: their bodies, and the joints between them."""
+"""Adding robots to a world: bodies and joints."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     from voxshell.simulation.joints import Joint
 
 _MARKER_RADIUS = 0.005
-"""Of the ball that stands for a body without a surface, metres; it meets nothing."""
+"""Radius of the ball that represents a body without a surface, meters; it does not collide."""
 
 _MIMIC_EFFORT = 1000.0
-"""Of a joint that follows another where the file names none for either, newtons or newton metres: beyond
-what robots' joints can do, so that it follows as gears do."""
+"""Effort of a joint that follows another if the file states none for either, newtons or newton
+meters. It exceeds what robots' joints can exert, so the joint follows like a gear."""
 
 
 def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArray[np.float64]:
-    """``world_from_file``, of a loader's arguments, before anything is blamed on the file.
+    """Check a loader's arguments before reading the file; return ``world_from_file``.
 
     Raises:
-        InputTypeError: ``world`` is no world.
+        InputTypeError: ``world`` is not a world.
         PoseError: ``pose`` is not a rigid transform.
         SettingsError: ``friction`` is out of range.
     """
@@ -53,17 +53,17 @@ def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArra
 
 
 class Assembly:
-    """What a robot is made of; :meth:`add` puts it into a world.
+    """The parts of a robot; :meth:`add` adds them to a world.
 
     Args:
-        robot: As its file says.
-        lumps: By the names of links.
-        matter: Of the lumps that move.
-        shapes: Of all lumps.
+        robot: The description from the file.
+        lumps: Lumps by the names of links.
+        matter: Mass properties of the moving lumps.
+        shapes: Shapes of all lumps.
         world_from_file: (4, 4).
-        friction: Of all bodies; None for that of the file.
+        friction: Friction of all bodies; None for that of the file.
         apart: Lumps with shapes that do not collide with each other.
-        joints_collide: Whether the links of a joint collide, unless they are listed.
+        joints_collide: True if the links of a joint collide, unless they are in ``apart``.
     """
 
     def __init__(
@@ -95,10 +95,10 @@ class Assembly:
             self._places[joint.child] = self._places[joint.parent] @ moved
 
     def add(self, world: World) -> Robot:
-        """Adds bodies and joints; where it raises, the world has none of them.
+        """Add bodies and joints; after an exception, the world has none of them.
 
         Raises:
-            RobotError: The file asks for what no world takes.
+            RobotError: The file requires something that a world does not support.
         """
         added: list[Body] = []
         try:
@@ -106,7 +106,7 @@ class Assembly:
         except BaseException as error:
             for each in added:
                 world.remove(each)
-            # What is wrong with the arguments has been said before.
+            # The arguments have been checked, so the file is the cause.
             if isinstance(error, (PoseError, SettingsError)):
                 raise RobotError(f"{self._robot.path}: {error}") from error
             raise
@@ -152,7 +152,7 @@ class Assembly:
         return Robot(world, robot.name, links, joints, ball_joints, strengths, mimics)
 
     def _friction_of(self, lump: Lump) -> float | None:
-        """The largest of the links; None where the file has none."""
+        """Return the largest friction of the links, or None if the file has none."""
         if self._friction is not None:
             return self._friction
         given = [self._robot.links[name].friction for name in lump.links]
@@ -198,7 +198,7 @@ class Assembly:
                 )
 
     def warn(self) -> None:
-        """Says in one warning what the file left out and was completed, and what was left out of it."""
+        """Warn once about what was missing in the file, and what is not simulated."""
         robot, matter = self._robot, self._matter
         efforts = {joint.name: joint.effort for joint in robot.joints}
         weak = [
@@ -210,16 +210,16 @@ class Assembly:
         lines = [
             f"{text} ({shorten_names(names)})"
             for names, text in (
-                (matter.without_mass, f"no mass: {DENSITY:g} kg/m3 of {hulls} were taken"),
-                (matter.without_shape, f"no mass and no shape: {GHOST_MASS:g} kg were taken"),
-                (matter.without_inertia, f"no valid inertia: that of {hulls} was taken"),
+                (matter.without_mass, f"no mass: used {DENSITY:g} kg/m3 of {hulls}"),
+                (matter.without_shape, f"no mass and no shape: used {GHOST_MASS:g} kg"),
+                (matter.without_inertia, f"no valid inertia: used that of {hulls}"),
                 (
                     robot.without_limits,
-                    "no <limit>, or a lower above the upper one: it moves without an end",
+                    "no <limit>, or a lower above the upper one: it moves without limits",
                 ),
                 (
                     weak,
-                    f"no effort to follow its leader with: {_MIMIC_EFFORT:g} N or N m were taken",
+                    f"no effort to follow its leader with: used {_MIMIC_EFFORT:g} N or N m",
                 ),
             )
             if names
@@ -227,18 +227,18 @@ class Assembly:
         said = []
         if lines:
             said.append(
-                f"leaves out what a simulation needs: {'; '.join(lines)}; complete the file to be rid of "
+                f"lacks what a simulation needs: {'; '.join(lines)}; complete the file to avoid "
                 "this warning"
             )
         if robot.left_out:
-            said.append(f"holds what is not simulated: {'; '.join(robot.left_out)}")
+            said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
         if said:
-            # Of the caller of the loader.
+            # Attribute the warning to the caller of the loader.
             warnings.warn(f"{robot.path} {', and '.join(said)}", RobotWarning, stacklevel=3)
 
 
 def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:
-    """What a joint with an axis does when its position grows by a distance, in its frame."""
+    """Return the motion of a joint in its frame if its position grows by a distance."""
     if joint.type != "prismatic":
         return make_pose(axis_angle=(joint.axis, distance))
     return make_pose(distance * np.array(joint.axis) / np.linalg.norm(joint.axis))

@@ -1,4 +1,4 @@
-"""What a file says of robots, as data: links, joints, and where each link is."""
+"""Descriptions of robots as data: links, joints, and the place of each link."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ JointType: TypeAlias = Literal[
 ]
 
 MOST_LINKS = 1000
-"""Of a file; each two of them are kept apart, which takes time that grows as their square."""
+"""Largest number of links. Every pair of links is considered, so time grows with the square."""
 
 Color: TypeAlias = tuple[int, int, int]
 """Red, green and blue, 0 to 255."""
 
 
 Affine: TypeAlias = tuple[tuple[float, float, float, float], ...]
-"""Three rows of a matrix."""
+"""The upper three rows of a 4x4 matrix."""
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh by the path that it was found at, and what moves and scales its points."""
+    """A mesh file that was found, with the transform and scale of its points."""
 
     path: str
     geometry_from_file: Affine
@@ -42,7 +42,7 @@ class MeshFile:
 
 @dataclass(frozen=True, eq=False)
 class MeshArrays:
-    """A mesh that the robot's file holds itself, under a name for errors."""
+    """A mesh that the robot's file contains, with a name for error messages."""
 
     path: str
     mesh: Mesh
@@ -50,12 +50,12 @@ class MeshArrays:
 
 @dataclass(frozen=True)
 class Primitive:
-    """A shape of a formula.
+    """An analytic shape.
 
     Attributes:
-        kind: What it is; a plane, at z = 0, has no end and cannot move.
-        sizes: Metres: of a box its edges, of a sphere the radius, of a cylinder or capsule the radius and
-            the length without caps, of an ellipsoid three radii, of a plane none.
+        kind: The shape. A plane, at z = 0, is unbounded and cannot move.
+        sizes: Meters: edge lengths of a box; radius of a sphere; radius and length, without caps,
+            of a cylinder or capsule; three radii of an ellipsoid; nothing for a plane.
     """
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "ellipsoid", "plane"]
@@ -67,7 +67,7 @@ Geometry: TypeAlias = MeshFile | MeshArrays | Primitive
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """A part of a link's surface, in its place."""
+    """A part of a link's surface, with its place."""
 
     geometry: Geometry
     link_from_geometry: NDArray[np.float64]
@@ -75,13 +75,13 @@ class Collision:
 
 @dataclass(frozen=True, eq=False)
 class Inertial:
-    """What a file says about a link's matter.
+    """Mass properties that a file states for a link.
 
     Attributes:
         mass: Kilograms, above 0.
-        center: (3,) float64, metres, link frame.
-        inertia: (3, 3) float64, kg m2, about the center, along the link's axes; None where the file gives
-            none, zeros, or what is not positive definite.
+        center: (3,) float64, meters, link frame.
+        inertia: (3, 3) float64, kg m2, about the center, along the link's axes. None if the file's
+            is missing, zero, or not positive definite.
     """
 
     mass: float
@@ -95,11 +95,11 @@ class LinkDescription:
 
     Attributes:
         name: As in the file.
-        where: File and line, for errors.
+        where: File and line, for error messages.
         collisions: Its surface.
-        inertial: None where the file gives no mass, or 0.
-        color: Of its first visual.
-        friction: Of its surface; None where the format has no frictions.
+        inertial: None if the file states no mass, or 0.
+        color: Color of its first visual.
+        friction: Friction of its surface; None if the format has no friction.
     """
 
     name: str
@@ -111,19 +111,19 @@ class LinkDescription:
 
     @property
     def owner(self) -> str:
-        """What errors begin with: "robot.urdf:7: link 'arm'"."""
+        """The start of error messages: "robot.urdf:7: link 'arm'"."""
         return f"{self.where}: link {self.name!r}"
 
 
 @dataclass(frozen=True, eq=False)
 class JointDescription:
-    """A joint; effort and velocity are None where the file gives none, or 0.
+    """A joint; effort and velocity are None if the file states none, or 0.
 
     Attributes:
-        parent_from_child: (4, 4) float64, as the file has the links.
+        parent_from_child: (4, 4) float64, with the links as in the file.
         child_from_joint: (4, 4) float64.
-        position: At which the file has the links.
-        start: At which the joint begins in a world.
+        position: Position of the joint with the links as in the file.
+        start: Initial position of the joint in a world.
         mimic: Name of the leader, multiplier, offset.
     """
 
@@ -150,13 +150,13 @@ class RobotDescription:
     """Trees of links.
 
     Attributes:
-        path: Of the file.
+        path: The file's path.
         name: As in the file.
         roots: Links that no joint moves, with their ``file_from_link``.
-        links: All, by name.
-        joints: Each before those of its child.
-        without_limits: Joints that need limits, and have none in the file.
-        left_out: What the file holds and a world does not simulate.
+        links: All links, by name.
+        joints: All joints, each before those of its child.
+        without_limits: Joints that need limits, but have none in the file.
+        left_out: Contents of the file that are not simulated.
     """
 
     path: str
@@ -168,11 +168,11 @@ class RobotDescription:
     left_out: list[str] = field(default_factory=list)
 
     def refuse(self, what: str, at: LinkDescription | JointDescription | None = None) -> NoReturn:
-        """Raises a :class:`RobotError` that names the file, and the line of what is wrong."""
+        """Raise a :class:`RobotError` that names the file, and the line of the error."""
         raise RobotError(f"{self.path if at is None else at.where}: {what}")
 
 
 def shorten_names(names: Sequence[str]) -> str:
-    """The first ten, quoted."""
+    """Return the first ten names, quoted."""
     shown = ", ".join(map(repr, names[:10]))
     return f"{shown}, ..." if len(names) > 10 else shown

@@ -1,4 +1,4 @@
-"""Links that fixed joints hold together, as the bodies that they make."""
+"""Lumps: links that fixed joints join to one body."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class Lump:
-    """Links that move as one; its frame is that of the first, in which the others lie."""
+    """Links that move as one body, whose frame is that of the first link."""
 
     links: dict[str, NDArray[np.float64]] = field(default_factory=dict)
-    """``lump_from_link`` by name."""
+    """Poses ``lump_from_link`` by name."""
 
     @property
     def first(self) -> str:
@@ -27,7 +27,7 @@ class Lump:
 
 
 def find_lumps(robot: RobotDescription) -> dict[str, Lump]:
-    """The lump of each link, by the link's name."""
+    """Return the lump of each link, by the link's name."""
     lumps = {root: Lump({root: np.eye(4)}) for root in robot.roots}
     for joint in robot.joints:
         if joint.type == "fixed":

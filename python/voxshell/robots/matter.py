@@ -1,4 +1,4 @@
-"""Masses and inertias of a robot's links, completed where the file leaves them out."""
+"""Masses and inertias of a robot's links, completed if the file lacks them."""
 
 from __future__ import annotations
 
@@ -24,22 +24,23 @@ if TYPE_CHECKING:
     from voxshell.robots.lumps import Lump
 
 DENSITY = 1000.0
-"""Of links without a mass, kg/m3: that of water, between the 300 of a robot's whole arm, which is mostly
-empty, and the 2700 of aluminum."""
+"""Density of links without a mass, kg/m3. That of water is between the 300 of a robot's arm, which
+is mostly empty, and the 2700 of aluminum."""
 
 GHOST_MASS = 0.1
-"""Of what moves and has neither a mass nor a shape, kilograms. Far less than its neighbors' would make
-Bullet's solver converge slowly; far more would change how the robot moves."""
+"""Mass of moving links with neither a mass nor a shape, kilograms. A mass far below that of its
+neighbors would make Bullet's solver converge slowly; a far larger one would change the robot's
+motion."""
 
 
 @dataclass(eq=False)
 class Matter:
-    """What the bodies of a robot weigh.
+    """Mass properties of a robot's bodies.
 
     Attributes:
-        of_lumps: In the lump's frame; without those that are fixed to the world.
-        without_mass: Links that were given a mass of their collision geometry at :data:`DENSITY`.
-        without_shape: Links that were given :data:`GHOST_MASS`.
+        of_lumps: Mass properties in the lump's frame, except of lumps that are fixed to the world.
+        without_mass: Links that got a mass from their collision geometry at :data:`DENSITY`.
+        without_shape: Links that got :data:`GHOST_MASS`.
         without_inertia: Links whose inertia was computed from their mass and collision geometry.
     """
 
@@ -50,10 +51,11 @@ class Matter:
 
 
 def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
-    """Adds up the matter of each lump's links, and completes it where the file leaves it out.
+    """Add up the mass properties of each lump's links, and complete them if the file lacks them.
 
-    A link with a mass and without a valid inertia gets that of the convex hulls of its collision geometry
-    at its mass. Where no link of a lump has a mass, each gets that of its hulls at :data:`DENSITY`.
+    A link with a mass but without a valid inertia gets that of the convex hulls of its collision
+    geometry with its mass. If no link of a lump has a mass, each link gets that of its hulls at
+    :data:`DENSITY`.
 
     Raises:
         RobotError: A mesh cannot be read.
@@ -87,7 +89,7 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
             matter.without_shape.append(lump.first)
         whole = add_up(parts)
         if not np.linalg.eigvalsh(whole.inertia)[0] > 0.0:
-            # Points in a line.
+            # All points are on a line.
             ball = np.eye(3) * _moment_of_ball(whole.mass)
             whole = MassProperties(whole.mass, whole.center_of_mass, whole.inertia + ball)
             if weighed:
@@ -97,13 +99,13 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
 
 
 def _moment_of_ball(mass: float) -> float:
-    """Of a solid ball of :data:`DENSITY`, kg m2."""
+    """Return the moment of inertia of a solid ball of :data:`DENSITY`, kg m2."""
     radius = (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (1.0 / 3.0)
     return 0.4 * mass * radius**2
 
 
 def _weigh(robot: RobotDescription, link: str) -> MassProperties | None:
-    """Of a link's collision geometry at :data:`DENSITY`, link frame; None where it has no volume."""
+    """Return a link's collision geometry at :data:`DENSITY`, link frame; None without a volume."""
     parts = []
     for collision in robot.links[link].collisions:
         solid = _weigh_collision(robot, link, collision)
@@ -122,7 +124,7 @@ def _weigh_collision(
         return solid if solid.mass > 0.0 else None
     vertices, _ = read_link_mesh(robot.links[link].owner, collision.geometry)
     if np.abs(vertices).max(initial=0.0) > FARTHEST:
-        return None  # which no shape takes, either
+        return None  # no shape can be made of it, either
     try:
         hull = convex_hull(vertices)
     except ImportError as error:
@@ -130,7 +132,7 @@ def _weigh_collision(
             f"{robot.path}: the mass or inertia of link {link!r} is computed from a convex hull, which "
             f"needs scipy ({error}); run: pip install 'voxshell[urdf]'"
         ) from error
-    except Exception:  # of any kind, where the points lie in a plane
+    except Exception:  # scipy raises several types if the points are in a plane
         return None
     if not (hull.volume > 0.0 and np.linalg.eigvalsh(hull.moment_inertia)[0] > 0.0):
         return None

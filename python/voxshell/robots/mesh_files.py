@@ -1,4 +1,4 @@
-"""Meshes of a robot's links, in metres."""
+"""Meshes of a robot's links, in meters."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 
 
 def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
-    """A mesh with its scale applied, and the unit of a COLLADA file.
+    """Return a mesh with its scale and the unit of a COLLADA file applied.
 
-    Faces of a mesh that is mirrored are turned, so that they stay counter-clockwise seen from outside. The
-    axis of a COLLADA file that points up is not heeded, as in ROS.
+    Faces of a mirrored mesh are reversed, so that they stay counterclockwise when seen from
+    outside. The up axis of a COLLADA file is ignored, as in ROS.
 
     Args:
-        owner: Its link, for errors: "robot.urdf:7: link 'arm'".
+        owner: Its link, for error messages: "robot.urdf:7: link 'arm'".
         file: The mesh.
 
     Raises:
         RobotError: It cannot be read; the message names the robot's file, the link and the mesh.
         MissingExtraError: It is a COLLADA file, and pycollada is not installed.
-        MemoryLimitError: The system gives no more memory for it.
+        MemoryLimitError: The system has not enough memory for it.
     """
     if isinstance(file, MeshArrays):
         return file.mesh
@@ -47,7 +47,7 @@ def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
 
 
 def refuse_mesh(owner: str, file: MeshFile | MeshArrays, error: MeshError) -> NoReturn:
-    """Raises what is wrong with a mesh as a :class:`RobotError` that names the link."""
+    """Raise an error of a mesh as a :class:`RobotError` that names the link."""
     what = str(error) if file.path in str(error) else f"{file.path}: {error}"
     raise RobotError(f"{owner}: {what}") from error
 
@@ -63,11 +63,11 @@ def _need_collada(path: str) -> None:
 
 
 class _Found(Exception):  # noqa: N818
-    """Ends the parsing."""
+    """Ends the parsing early."""
 
 
 def _read_unit(path: str) -> float:
-    """How many metres a COLLADA file's unit has; 1 where it does not say."""
+    """Return the unit of a COLLADA file in meters; 1 if the file does not state it."""
     parser = expat.ParserCreate()
     unit = [1.0]
 

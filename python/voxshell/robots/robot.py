@@ -1,4 +1,4 @@
-"""Robots: bodies and joints of a world by the names that their file gives them."""
+"""Robots: bodies and joints of a world by their names in a file."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 class RobotWarning(UserWarning):
-    """A robot's file leaves out what a simulation needs, or holds what is not simulated.
+    """A robot's file lacks what a simulation needs, or contains what is not simulated.
 
-    The message says what was taken instead, or lists what is left out.
+    The message says what was used instead, or lists what is not simulated.
     """
 
 
@@ -32,9 +32,9 @@ class Link:
 
     Attributes:
         name: As in the file.
-        body: What it is part of; None for links that are fixed to the world and have no surface.
+        body: The body that it is part of; None if it is fixed to the world and has no surface.
         body_from_link: (4, 4) float64; without a body, ``world_from_link``.
-        color: Red, green and blue, 0 to 255, of its first visual; None where the file gives none.
+        color: Red, green and blue, 0 to 255, of its first visual; None if the file states none.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Strength:
-    """What the motor of a joint can do at most, as the file says; None where it does not."""
+    """Effort and velocity limits of a joint's motor from the file; None if it states none."""
 
     effort: float | None
     velocity: float | None
@@ -64,7 +64,7 @@ class Robot:
         links: All links, by name.
         joints: The joints that move along or about an axis, by name.
         ball_joints: The joints of type "spherical" or "ball", by name; they have no motor.
-        bodies: What the links are made of.
+        bodies: The bodies of the links.
     """
 
     __slots__ = (
@@ -104,7 +104,7 @@ class Robot:
     def colors(self) -> dict[Body, tuple[int, int, int]]:
         """Red, green and blue, 0 to 255, of the bodies whose links have a color in the file.
 
-        A body of several links has the color of the one nearest to the root. For
+        A body of several links has the color of the one nearest to the root. Pass this to
         :meth:`Recorder.recording` and :meth:`Recorder.save_html`.
         """
         colors: dict[Body, tuple[int, int, int]] = {}
@@ -115,12 +115,12 @@ class Robot:
 
     @property
     def positions(self) -> dict[str, float]:
-        """Of all joints that move, by name: radians or metres."""
+        """Positions of all moving joints, by name: radians or meters."""
         return {name: joint.position for name, joint in self.joints.items()}
 
     @property
     def velocities(self) -> dict[str, float]:
-        """Of all joints that move, by name: rad/s or m/s."""
+        """Velocities of all moving joints, by name: rad/s or m/s."""
         return {name: joint.velocity for name, joint in self.joints.items()}
 
     def set_targets(
@@ -130,16 +130,17 @@ class Robot:
         max_force: float | None = None,
         max_speed: float | None = None,
     ) -> None:
-        """Drives joints to positions and holds them there; others stay as they are driven.
+        """Drive joints to positions and hold them there; other joints keep their targets.
 
         Args:
-            positions: By the names of joints: radians or metres.
-            max_force: Newton metres or newtons; by default the file's effort of each joint.
-            max_speed: Rad/s or m/s; by default the file's velocity, without which there is no limit.
+            positions: Radians or meters, by the names of joints.
+            max_force: Newton meters or newtons; by default each joint's effort in the file.
+            max_speed: Rad/s or m/s; by default each joint's velocity in the file, or no limit
+                without one.
 
         Raises:
-            SettingsError: There is no such joint, it mimics another, the position is beyond its limits, or
-                neither the file nor the call says how strong it is.
+            SettingsError: There is no such joint, it mimics another, the position is beyond its
+                limits, or neither the file nor ``max_force`` states its effort.
         """
         for name, position in positions.items():
             joint = self._driven(name)
@@ -152,11 +153,11 @@ class Robot:
     def set_target_velocities(
         self, velocities: Mapping[str, float], *, max_force: float | None = None
     ) -> None:
-        """Drives joints at velocities; others stay as they are driven.
+        """Drive joints at velocities; other joints keep their targets.
 
         Args:
-            velocities: By the names of joints: rad/s or m/s.
-            max_force: Newton metres or newtons; by default the file's effort of each joint.
+            velocities: Rad/s or m/s, by the names of joints.
+            max_force: Newton meters or newtons; by default each joint's effort in the file.
 
         Raises:
             SettingsError: As for :meth:`set_targets`.
@@ -165,13 +166,13 @@ class Robot:
             self._driven(name).set_target_velocity(velocity, max_force=self._force(name, max_force))
 
     def release(self) -> None:
-        """Turns the motors off, but for those of joints that mimic others."""
+        """Turn off all motors, except those of joints that mimic others."""
         for name, joint in self.joints.items():
             if name not in self._mimics:
                 joint.release()
 
     def remove(self) -> None:
-        """Takes the robot out of its world."""
+        """Remove the robot from its world."""
         for part in (*self.joints.values(), *self.ball_joints.values(), *self.bodies):
             if not part.removed:
                 self._world.remove(part)
@@ -179,19 +180,17 @@ class Robot:
     def _driven(self, name: str) -> Joint:
         if name not in self.joints:
             raise SettingsError(
-                f"robot {self.name!r} has no joint {name!r} that moves; it has "
+                f"robot {self.name!r} has no moving joint {name!r}; it has "
                 f"{', '.join(map(repr, self.joints)) or 'none'}"
             )
         if name in self._mimics:
-            raise SettingsError(f"joint {name!r} mimics another: drive that")
+            raise SettingsError(f"joint {name!r} mimics another joint: drive that one")
         return self.joints[name]
 
     def _force(self, name: str, given: float | None) -> float:
         force = self._strengths[name].effort if given is None else given
         if force is None:
-            raise SettingsError(
-                f"the file does not say how strong joint {name!r} is; pass max_force"
-            )
+            raise SettingsError(f"the file states no effort for joint {name!r}; pass max_force")
         return force
 
     def _speed(self, name: str, given: float | None) -> float:

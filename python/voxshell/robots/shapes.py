@@ -1,4 +1,4 @@
-"""Shapes of links, made of their collision geometry."""
+"""Shapes of links from their collision geometry."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _DEFAULT_RESOLUTION = 100
 
 _ELLIPSOID_SUBDIVISIONS = 4
-"""Of the triangles that stand for an ellipsoid: 5120, within 0.06 % of its largest radius."""
+"""Subdivisions of an ellipsoid's mesh: 5120 triangles, within 0.06 % of its largest radius."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class MeshSettings:
     """How meshes become shapes; the arguments of the loaders.
 
     Raises:
-        SettingsError: One is out of range.
+        SettingsError: A setting is out of range.
     """
 
     voxel_size: float | None
@@ -50,7 +50,7 @@ class MeshSettings:
 
 
 class Shaper:
-    """Makes shapes of the collision geometry of links."""
+    """Makes shapes from the collision geometry of links."""
 
     def __init__(self, robot: RobotDescription, settings: MeshSettings) -> None:
         self._robot = robot
@@ -62,7 +62,7 @@ class Shaper:
         self._made: dict[tuple[Geometry, bytes], Part] = {}
 
     def shape_of(self, lump: Lump) -> Part | Compound | Plane | None:
-        """In the lump's frame; None where no link has a surface. A plane must be alone, and in place."""
+        """Return a lump's shape; None without a surface. A plane must be alone, at z = 0."""
         parts: list[tuple[Part, NDArray[np.float64]]] = []
         for name, lump_from_link in lump.links.items():
             for collision in self._robot.links[name].collisions:

@@ -1,4 +1,4 @@
-"""Matter of solid bodies: exact formulas, and several in their places as one."""
+"""Mass properties of solids: exact formulas, and sums of several parts."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from voxshell.robots.description import Primitive
 
 _LEAST_MOMENT = 1e-8
-"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular; a bar
-of a millimetre and ten metres has 1e-8."""
+"""Ratio of the smallest to the largest principal moment below which an inertia counts as singular.
+A bar of 1 mm by 10 m has 1e-8."""
 
 
 def weigh_primitive(primitive: Primitive, density: float) -> MassProperties:
-    """Of a solid about its center, along its axes; a plane has no mass."""
+    """Return a solid's mass properties about its center, along its axes; a plane has no mass."""
     match primitive.kind:
         case "plane":
             return MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -56,13 +56,13 @@ def _weigh_capsule(radius: float, length: float, density: float) -> MassProperti
 
 
 def is_sound(inertia: NDArray[np.float64]) -> bool:
-    """Whether a tensor is positive definite, and far enough from singular: Bullet inverts it."""
+    """Return whether a tensor is positive definite and safe to invert, as Bullet does."""
     moments = np.linalg.eigvalsh(inertia)
     return bool(moments[0] > _LEAST_MOMENT * moments[-1])
 
 
 def add_up(parts: Sequence[tuple[MassProperties, NDArray[np.float64]]]) -> MassProperties:
-    """Of parts in their places, together; their mass must be above 0."""
+    """Return the sum of parts in their places; their total mass must be above 0."""
     mass = sum(matter.mass for matter, _ in parts)
     centers = [place[:3, :3] @ matter.center_of_mass + place[:3, 3] for matter, place in parts]
     masses = np.array([matter.mass for matter, _ in parts])

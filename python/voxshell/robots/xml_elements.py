@@ -1,4 +1,4 @@
-"""A robot's XML file as elements that know their line, and the numbers in their attributes."""
+"""XML elements of a robot's file with their lines and checked attributes."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator
 
 _MOST_BYTES = 100_000_000
-"""Of a file, without those that it names."""
+"""Largest size of a file, bytes, without the files that it names."""
 
 _MOST_ELEMENTS = 200_000
-"""Of a file; they are read within a second."""
+"""Largest number of elements in a file; reading them takes less than a second."""
 
 _OPTIONAL = re.compile(r"\$\(optenv +(\w+) +([^()]*)\)")
-"""A variable of the environment and its default, which ROS puts in place of it."""
+"""An environment variable with a default, which ROS would substitute."""
 
 _PADDING = b"\0 \t\r\n\x1a"
-"""Bytes that some exporters leave after the last element."""
+"""Bytes that some exporters append after the last element."""
 
 
 @dataclass(eq=False)
@@ -33,9 +33,9 @@ class Element:
     """An element of a file.
 
     Attributes:
-        path: Of the file.
-        owner: The link or joint that it belongs to, for errors: "link 'arm'".
-        line: Where it begins, counted from 1.
+        path: The file's path.
+        owner: The link or joint that it belongs to, for error messages: "link 'arm'".
+        line: Its first line, counted from 1.
     """
 
     path: str
@@ -46,18 +46,18 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def all(self, tag: str) -> Iterator[Element]:
-        """The elements of that name directly in this one."""
+        """Yield the direct children with a name."""
         return (child for child in self.children if child.tag == tag)
 
     def first(self, tag: str) -> Element | None:
-        """The first element of that name directly in this one."""
+        """Return the first direct child with a name."""
         return next(self.all(tag), None)
 
     def text(self, attribute: str) -> str:
-        """An attribute that must be there.
+        """Return a required attribute.
 
         Raises:
-            RobotError: It is not.
+            RobotError: It is missing.
         """
         if attribute not in self.attributes:
             self.refuse(f"has a <{self.tag}> without {attribute}; add it")
@@ -66,15 +66,15 @@ class Element:
     def numbers(
         self, attribute: str, counts: Container[int], *, finite: bool = True
     ) -> list[float] | None:
-        """The numbers of an attribute, parted by spaces or commas; None if it is not there.
+        """Return the numbers in an attribute, separated by spaces or commas; None if it is missing.
 
         Args:
             attribute: Its name.
-            counts: How many numbers it may have.
-            finite: Whether infinity is refused; NaN always is.
+            counts: Valid counts of numbers.
+            finite: Refuse infinity; NaN is always refused.
 
         Raises:
-            RobotError: It does not hold that many numbers.
+            RobotError: It has an invalid number or count.
         """
         text = self.attributes.get(attribute)
         if text is None:
@@ -93,7 +93,7 @@ class Element:
         return numbers
 
     def word(self, attribute: str, words: tuple[str, ...], default: str) -> str:
-        """An attribute that is one of some words; the default if it is not there.
+        """Return an attribute that is one of some words, or the default if it is missing.
 
         Raises:
             RobotError: It is another word.
@@ -106,7 +106,7 @@ class Element:
         return word
 
     def number(self, attribute: str, *, finite: bool = True) -> float | None:
-        """The number of an attribute; None if it is not there.
+        """Return the number in an attribute; None if it is missing.
 
         Raises:
             RobotError: It is not one number.
@@ -116,25 +116,25 @@ class Element:
 
     @property
     def where(self) -> str:
-        """File and line, for errors."""
+        """File and line, for error messages."""
         return f"{self.path}:{self.line}"
 
     def refuse(self, what: str) -> NoReturn:
-        """Raises a :class:`RobotError` that names the file, the line, and the link or joint."""
+        """Raise a :class:`RobotError` that names the file, the line, and the link or joint."""
         raise RobotError(f"{self.where}: {self.owner} {what}")
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How the elements of a kind of file are read.
+    """Rules to read the elements of a kind of file.
 
     Attributes:
-        roots: What the root may be.
-        most_levels: Of elements in each other.
-        refuses_deeper: Whether deeper ones are refused; otherwise they belong to extensions, and are
-            left out.
-        find_owner: Says whom an element belongs to, for errors: from its tag, its name ("" without
-            one), its level, and the owner of what it is in.
+        roots: Valid names of the root.
+        most_levels: Largest depth of nested elements.
+        refuses_deeper: True if deeper elements are errors; otherwise they belong to extensions and
+            are ignored.
+        find_owner: Returns the owner of an element for error messages, from its tag, its name (""
+            without one), its level, and the owner of its parent.
     """
 
     roots: tuple[str, ...]
@@ -144,12 +144,12 @@ class Dialect:
 
 
 def read_elements(path: str, dialect: Dialect) -> Element:
-    """The root element of a file.
+    """Return the root element of a file.
 
     Raises:
-        FileAccessError: The system does not let it be read.
-        RobotError: It does not exist, is no regular file, is too large, is not XML, declares entities,
-            or its root is none of those that it may be.
+        FileAccessError: The system refuses to read it.
+        RobotError: It does not exist, is not a regular file, is too large, is not XML, declares
+            entities, or its root is not a valid one.
     """
     try:
         data = read_small_file(path, _MOST_BYTES, "robot")
@@ -165,7 +165,7 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
     depth = count = 0
 
     def refuse_entity(*_: object) -> None:
-        raise RobotError(f"{path}: it declares XML entities, which no robot needs; write them out")
+        raise RobotError(f"{path}: it declares XML entities, which robots do not need; expand them")
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal depth, count
@@ -173,12 +173,12 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
         count += 1
         where = f"{path}:{parser.CurrentLineNumber}"
         if count > _MOST_ELEMENTS:
-            raise RobotError(f"{where}: more than {_MOST_ELEMENTS} elements; make several files")
+            raise RobotError(f"{where}: more than {_MOST_ELEMENTS} elements; split the file")
         if depth > dialect.most_levels:
             if dialect.refuses_deeper:
                 raise RobotError(
-                    f"{where}: elements lie in each other, more than {dialect.most_levels} of them; "
-                    "take some apart"
+                    f"{where}: elements are nested more than {dialect.most_levels} deep; "
+                    "make the tree flatter"
                 )
             return
         owner = dialect.find_owner(
@@ -197,12 +197,12 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.EntityDeclHandler = refuse_entity
-    # In UTF-16 the last letter ends with a zero byte.
+    # In UTF-16, the last letter ends with a zero byte.
     text = data if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data.lstrip().rstrip(_PADDING)
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise RobotError(f"{path}: it is no XML: {error}") from None
+        raise RobotError(f"{path}: it is not valid XML: {error}") from None
     if roots[0].tag not in dialect.roots:
         raise RobotError(
             f"{roots[0].where}: it is a <{roots[0].tag[:60]}>, not a <{dialect.roots[0]}>"

@@ -1,1 +1,1 @@
-"""Scenes: what stands where, with typed settings, to simulate by name."""
+"""Scene files: bodies and joints with typed settings, to simulate."""

@@ -1,4 +1,4 @@
-"""Tables of a scene file: bodies."""
+"""Settings of a scene file's bodies."""
 
 from __future__ import annotations
 
@@ -24,30 +24,31 @@ SHAPES = {
     "cylinder": ("radius", "length"),
     "cone": ("radius", "height"),
 }
-"""What is given of each; a plane does without."""
+"""Settings of each shape; for a plane they are optional."""
 
 _UNIT_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
 class BodySettings:
-    """A table ``[bodies.NAME]``: a body, made of a mesh or a shape.
+    """A table ``[bodies.NAME]``: a body with a mesh or a shape.
 
     Attributes:
-        mesh: Name of a table of ``[meshes]``; or
-        shape: one of these, with its numbers:
-        normal, offset: Of a plane; offset in metres.
-        half_extents: Of a box, three numbers, metres.
-        radius: Of a sphere, capsule, cylinder or cone, metres.
-        length: Of a capsule, without its caps, or a cylinder, metres.
-        height: Of a cone, metres.
-        mass: Kilograms; 0: static. A plane has none.
-        inertia: Of the solid, or of a skin on the surface.
-        friction, rolling_friction, spinning_friction, restitution: As for :meth:`voxshell.World.add`;
-            spinning friction counts only beside rolling friction.
-        position: Of the body's origin, three numbers, metres.
-        quaternion_xyzw: Its orientation, of unit length; or
-        rotation_vector: axis times angle, radians.
+        mesh: Name of a table of ``[meshes]``. Alternative to ``shape``.
+        shape: A shape, with these settings:
+        normal, offset: Of a plane; offset in meters.
+        half_extents: Of a box, three numbers, meters.
+        radius: Of a sphere, capsule, cylinder or cone, meters.
+        length: Of a capsule, without its caps, or of a cylinder, meters.
+        height: Of a cone, meters.
+        mass: Kilograms; 0 makes the body static. Planes have no mass.
+        inertia: Of the solid, or of a thin skin on the surface.
+        friction, rolling_friction, spinning_friction, restitution: As for
+            :meth:`voxshell.World.add`; spinning friction has an effect only together with rolling
+            friction.
+        position: Of the body's origin, three numbers, meters.
+        quaternion_xyzw: Orientation as a unit quaternion.
+        rotation_vector: Alternative to it: axis times angle, radians.
         linear_velocity, angular_velocity: At the start, m/s and rad/s.
         color: Red, green and blue, 0 to 255, in the replay.
     """
@@ -75,13 +76,13 @@ class BodySettings:
 
     def __post_init__(self) -> None:
         if (self.mesh is None) == (self.shape is None):
-            raise SettingsError("shape or mesh must be given, one of the two")
+            raise SettingsError("shape or mesh must be given, but not both")
         self._check_shape()
         if self.mass is not None and not as_real(self.mass, "mass") >= 0.0:
             raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
         if self.shape == "plane" and self.mass:
-            raise SettingsError("mass of a plane must be 0: it has no end and cannot move")
-        _ = self.material  # which checks its numbers
+            raise SettingsError("mass of a plane must be 0: it is unbounded and cannot move")
+        _ = self.material  # checks its numbers
         for name in ("position", "linear_velocity", "angular_velocity"):
             check_vector(getattr(self, name), name)
         if self.rotation_vector is not None:
@@ -100,14 +101,14 @@ class BodySettings:
 
     @property
     def kilograms(self) -> float:
-        """The mass: 1 kg by default, none of a plane."""
+        """The body's mass: 1 kg by default, 0 for a plane."""
         if self.mass is not None:
             return self.mass
         return 0.0 if self.shape == "plane" else 1.0
 
     @property
     def material(self) -> Material:
-        """How it rubs and rebounds."""
+        """The body's friction and restitution."""
         return Material(
             self.friction, self.restitution, self.rolling_friction, self.spinning_friction
         )
@@ -127,13 +128,13 @@ class BodySettings:
         return pose
 
     def _check_shape(self) -> None:
-        """Whether the numbers given are those of the shape, and in range."""
+        """Check that the given numbers belong to the shape, and are in range."""
         takes = () if self.shape is None else SHAPES[self.shape]
         what = "a mesh" if self.shape is None else f"a {self.shape}"
         for name in ("normal", "offset", "half_extents", "radius", "length", "height"):
             value = getattr(self, name)
             if value is not None and name not in takes:
-                raise SettingsError(f"{name} is nothing that {what} has")
+                raise SettingsError(f"{name} is not a setting of {what}")
             if value is None and name in takes and self.shape != "plane":
                 raise SettingsError(f"{name} must be given for {what}")
         if self.normal is not None:

@@ -1,4 +1,4 @@
-"""Tables of a scene file: joints."""
+"""Settings of a scene file's joints."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ _OF_AN_AXIS = ("axis", "limits", "friction", "damping", "target_velocity", "targ
 
 @dataclass(frozen=True)
 class JointSettings:
-    """A table ``[joints.NAME]``: what holds a body to another, or to the world.
+    """A table ``[joints.NAME]``: a joint between a body and another, or the world.
 
     Attributes:
-        kind: What it leaves free: nothing, turning about an axis, sliding along it, or turning about
-            a point.
+        kind: The kind of joint, by its degrees of freedom: none, rotation about an axis,
+            translation along it, or rotation about a point.
         child: Name of a body.
-        parent: Name of another; the world by default.
-        position: Where the joint is at the start, three numbers, metres, world frame; the child's
+        parent: Name of another body; the world by default.
+        position: The joint's position at the start, three numbers, meters, world frame; the child's
             origin by default.
         axis: Of a hinge or slider, three numbers, world frame at the start.
-        limits: Of a hinge, radians, or slider, metres: lowest and highest, 0 at the start.
+        limits: Lowest and highest position of a hinge, radians, or slider, meters; 0 is the start.
         friction, damping: As for :class:`voxshell.HingeJoint` and :class:`voxshell.SliderJoint`.
-        target_velocity: To drive it at, rad/s or m/s; or
-        target_position: to drive it to, radians or metres.
-        max_force: With which it is driven, newton metres or newtons.
-        collide: Whether the two bodies collide with each other.
+        target_velocity: Velocity of the motor, rad/s or m/s.
+        target_position: Alternative to it: position that the motor holds, radians or meters.
+        max_force: Largest torque or force of the motor, newton meters or newtons.
+        collide: Let the two bodies collide with each other.
     """
 
     kind: Literal["fixed", "hinge", "slider", "point"]
@@ -59,7 +59,7 @@ class JointSettings:
             check_vector(self.position, "position")
         for name in _OF_AN_AXIS:
             if getattr(self, name) is not None and self.kind not in ("hinge", "slider"):
-                raise SettingsError(f"{name} is nothing that a {self.kind} joint has")
+                raise SettingsError(f"{name} is not a setting of a {self.kind} joint")
         if self.axis is not None:
             check_vector(self.axis, "axis")
             if not any(self.axis):
@@ -94,11 +94,11 @@ class JointSettings:
 
     @property
     def has_axis(self) -> bool:
-        """Whether it has a position and can be driven."""
+        """True if the joint has a position and can have a motor."""
         return self.kind in ("hinge", "slider")
 
     def make_kind(self) -> JointKind:
-        """The same as :meth:`voxshell.World.add_joint` takes it."""
+        """Return the kind of joint for :meth:`voxshell.World.add_joint`."""
         if self.kind == "fixed":
             return FixedJoint()
         if self.kind == "point":
@@ -112,7 +112,7 @@ class JointSettings:
         )
 
     def place(self, child: BodySettings) -> NDArray[np.float64]:
-        """``world_from_joint`` at the start, (4, 4): the world's axes."""
+        """Return ``world_from_joint`` at the start, (4, 4), with the world's axes."""
         pose = np.eye(4)
         pose[:3, 3] = child.position if self.position is None else self.position
         return pose

@@ -1,4 +1,4 @@
-"""Scene files: bodies, their joints and what to write down of them, as typed settings from TOML."""
+"""Scene files in TOML: bodies, joints and outputs as typed settings."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ Settings = TypeVar("Settings")
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene file, read and checked.
+    """A scene file after checks.
 
     Attributes:
-        path: Of the file.
-        text: What it holds.
+        path: The file's path.
+        text: The file's content.
         world, outputs: Its tables.
-        meshes, bodies, joints: Its tables by name, in the file's order.
+        meshes, bodies, joints: Its tables by name, in the order of the file.
     """
 
     path: Path
@@ -49,12 +49,12 @@ class Scene:
         return self.world.title or self.path.stem
 
     def describe_error(self, keys: tuple[str, ...], message: str) -> SettingsError:
-        """An error that names file, line and key."""
+        """Return an error that names file, line and key."""
         return _locate(self.path, self.text, keys, f"{'.'.join(keys)}: {message}")
 
     @contextmanager
     def naming(self, *keys: str) -> Iterator[None]:
-        """Lets errors of what is made of a table name file, line and key.
+        """Prefix errors of the block with the file, line and key of a table.
 
         Raises:
             SettingsError: The block raised an error of a mesh, a pose, settings or a simulation.
@@ -66,11 +66,11 @@ class Scene:
 
 
 def read_scene(path: Path) -> Scene:
-    """Reads and checks a scene file.
+    """Read and check a scene file.
 
     Raises:
-        SettingsError: It is not there or no TOML, or something in it is wrong: the message names file,
-            line and key.
+        SettingsError: The file does not exist, is not TOML, or has an invalid setting. The message
+            names file, line and key.
     """
     try:
         text = read_text(path, "scene file")
@@ -87,7 +87,7 @@ def read_scene(path: Path) -> Scene:
     try:
         return _make_scene(path, text, tables)
     except SettingsError as error:
-        # What is wrong with a key begins with its name.
+        # Errors about a key begin with its name.
         keys = str(error).partition(" ")[0].partition("[")[0].rstrip(":").split(".")
         raise _locate(path, text, tuple(keys), str(error)) from None
 
@@ -99,9 +99,7 @@ def _for_meshes(path: Path) -> str:
 def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     for name, table in tables.items():
         if name not in _TABLES:
-            raise SettingsError(
-                f"{name[:80]}: unknown table; tables of a scene: {', '.join(_TABLES)}"
-            )
+            raise SettingsError(f"{name[:80]}: unknown table; valid tables: {', '.join(_TABLES)}")
         if not isinstance(table, dict):
             raise SettingsError(f"{name} must be a table, [{name}]")
     scene = Scene(
@@ -114,7 +112,7 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
         joints=_read_named(JointSettings, tables, "joints"),
     )
     if not scene.bodies:
-        raise SettingsError("bodies must hold a body at least: [bodies.NAME]")
+        raise SettingsError("bodies must contain at least one body: [bodies.NAME]")
     for name, body in scene.bodies.items():
         if body.mesh is not None and body.mesh not in scene.meshes:
             known = ", ".join(scene.meshes) or "none"
@@ -127,7 +125,7 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
 
 
 def _check_joint(scene: Scene, name: str, joint: JointSettings) -> None:
-    """Whether its bodies are there, and one of them can move."""
+    """Check that a joint's bodies exist, and that one of them can move."""
     for key in ("parent", "child"):
         body = getattr(joint, key)
         if body is not None and body not in scene.bodies:
@@ -136,14 +134,14 @@ def _check_joint(scene: Scene, name: str, joint: JointSettings) -> None:
                 f"{', '.join(scene.bodies)}"
             )
     if joint.parent == joint.child:
-        raise SettingsError(f"joints.{name}.parent is the child itself")
+        raise SettingsError(f"joints.{name}.parent must not be the child itself")
     bodies = [scene.bodies[each] for each in (joint.parent, joint.child) if each is not None]
     if all(body.kilograms == 0.0 for body in bodies):
         raise SettingsError(f"joints.{name}.child must be a body that moves, or its parent")
 
 
 def _read_named(kind: type[Settings], tables: dict[str, Any], name: str) -> dict[str, Settings]:
-    """The settings of tables [name.KEY], by key."""
+    """Return the settings of all tables [name.KEY], by key."""
     found = {}
     for key, table in tables.get(name, {}).items():
         if not _NAME.fullmatch(key):

@@ -1,4 +1,4 @@
-"""A scene, run: what every body and contact did, as arrays."""
+"""Simulation of a scene, with motion and contacts as arrays."""
 
 from __future__ import annotations
 
@@ -22,15 +22,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SceneRun:
-    """What happened, frame by frame; the first frame is the start.
+    """The results of a run, frame by frame; the first frame is the start.
 
     Attributes:
         times: (frames,) seconds.
-        names: Of the bodies, in the order of the arrays.
+        names: The bodies' names, in the order of the arrays.
         poses: (frames, bodies, 4, 4) ``world_from_body``.
-        linear_velocities, angular_velocities: (frames, bodies, 3), m/s of the centre of mass, rad/s.
-        contacts: Of each frame, as :meth:`voxshell.World.contacts`.
-        timings: Of every step, as :attr:`voxshell.World.timings`.
+        linear_velocities, angular_velocities: (frames, bodies, 3), m/s of the center of mass,
+            rad/s.
+        contacts: For each frame an array as from :meth:`voxshell.World.contacts`.
+        timings: For all steps, as :attr:`voxshell.World.timings`.
     """
 
     times: NDArray[np.float64]
@@ -43,15 +44,16 @@ class SceneRun:
 
 
 def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -> SceneRun:
-    """Runs a world for as long as its scene says.
+    """Run a world for the duration of its scene.
 
     Args:
         scene: The scene.
-        world: Of the scene, as it was built.
-        progress: Called now and then with the share that is done, 0 to 1.
+        world: The scene's world as built.
+        progress: Called repeatedly with the completed fraction, 0 to 1.
 
     Raises:
-        SettingsError: Gravity and the time step are more than can be followed; names file and line.
+        SettingsError: Bullet cannot follow this gravity with this time step; the message names file
+            and line.
     """
     steps, every = scene.world.steps, scene.outputs.every
     poses, linear, angular, contacts = [], [], [], []
@@ -82,7 +84,7 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
 
 
 def make_recording(scene: Scene, world: World, run: SceneRun) -> Recording:
-    """The run as something to look at."""
+    """Return a recording of the run."""
     tracks = []
     for index, (body, settings) in enumerate(zip(world.bodies, scene.bodies.values(), strict=True)):
         mesh = mesh_of(body.shape)
@@ -96,7 +98,7 @@ def make_recording(scene: Scene, world: World, run: SceneRun) -> Recording:
 
 
 def tabulate_poses(run: SceneRun) -> dict[str, NDArray[np.generic]]:
-    """One row a frame and body: time, name, position, quaternion and velocities."""
+    """Return a row for each frame and body: time, name, position, quaternion and velocities."""
     from trimesh.transformations import quaternion_from_matrix
 
     frames, bodies = run.poses.shape[:2]
@@ -116,7 +118,7 @@ def tabulate_poses(run: SceneRun) -> dict[str, NDArray[np.generic]]:
 
 
 def tabulate_contacts(run: SceneRun) -> dict[str, NDArray[np.generic]]:
-    """One row a frame and contact: time, bodies, points, normal, depth and impulse."""
+    """Return a row for each frame and contact: time, bodies, points, normal, depth and impulse."""
     rows = np.concatenate([np.empty(0, CONTACT_DTYPE), *run.contacts])
     names = np.array(run.names)
     columns: dict[str, NDArray[np.generic]] = {

@@ -1,4 +1,4 @@
-"""Tables of a scene file: the world, what is written of it, and meshes."""
+"""Settings of a scene file's world, outputs and meshes."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 
 MOST_FRAMES = 1_000_000
-"""Steps that a scene may take."""
+"""Largest number of steps in a scene."""
 
 
 @dataclass(frozen=True)
 class WorldSettings:
-    """The table ``[scene]``: the world and how long it runs. As for :class:`voxshell.World`.
+    """The table ``[scene]``: settings of :class:`voxshell.World` and the duration of the run.
 
     Attributes:
-        title: Of the replay; the file's name by default.
+        title: Title of the replay; the file's name by default.
         duration: Simulated seconds.
-        rate: Steps a second.
+        rate: Steps per second.
         gravity: Three numbers, m/s2.
         contact, shell, level, solver, iterations, sleeping, ccd_motion_threshold: As for the world.
     """
@@ -63,21 +63,21 @@ class WorldSettings:
 
     @property
     def steps(self) -> int:
-        """How many, at least one."""
+        """Number of steps, at least one."""
         return max(round(self.duration * self.rate), 1)
 
 
 @dataclass(frozen=True)
 class OutputSettings:
-    """The table ``[outputs]``: what to write.
+    """The table ``[outputs]``: the files to write.
 
     Attributes:
-        replay: Whether to write index.html, an offline page.
-        plot: Whether to write plot.png: heights, speeds and contacts over time.
-        poses, contacts: In which form the tables of that name are written.
-        exports: Forms in which the bodies' motion is written for other programs: recording.mp4 and recording.gif are
-            videos, recording.glb is glTF, recording.usda and recording.usdc are Universal Scene Description.
-        every: Steps between two frames that are taken down.
+        replay: Write index.html, an offline page.
+        plot: Write plot.png: heights, speeds and contacts over time.
+        poses, contacts: File formats of the tables of these names.
+        exports: Files for other programs: recording.mp4 and recording.gif are videos, recording.glb
+            is glTF, recording.usda and recording.usdc are Universal Scene Description.
+        every: Number of steps between recorded frames.
     """
 
     replay: bool = True
@@ -93,14 +93,14 @@ class OutputSettings:
 
 @dataclass(frozen=True)
 class MeshSettings:
-    """A table ``[meshes.NAME]``: a mesh, and what Bullet makes of it.
+    """A table ``[meshes.NAME]``: a mesh, and how it collides.
 
     Attributes:
-        file: Path, from the folder of the scene file.
-        collide_as: "model", voxshell's; or Bullet's GImpact, or the convex hull.
-        scale: Factor that brings the mesh to metres.
+        file: Path, relative to the folder of the scene file.
+        collide_as: "model" for voxshell's model, or Bullet's GImpact, or the convex hull.
+        scale: Factor that converts the mesh to meters.
         voxel_size, resolution, point_spacing, target_points, sign: As for
-            :meth:`voxshell.Model.from_mesh`; for models alone.
+            :meth:`voxshell.Model.from_mesh`; only for models.
     """
 
     file: str
@@ -128,10 +128,10 @@ class MeshSettings:
 
 
 def check_vector(value: tuple[float, ...], name: str, count: int = 3) -> None:
-    """Refuses what is not so many finite numbers.
+    """Refuse a vector that does not have the right number of finite numbers.
 
     Raises:
-        SettingsError: It is not; the message begins with the name.
+        SettingsError: It does not; the message begins with the name.
     """
     if len(value) != count or not all(map(math.isfinite, value)):
         raise SettingsError(f"{name} must be {count} finite numbers, not {list(value)}")

@@ -1,4 +1,4 @@
-"""The world of a scene file: its meshes built, its bodies in place and joined."""
+"""Building the world of a scene file: meshes, bodies and joints."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ _BUILD_NAMES = ("voxel_size", "resolution", "point_spacing", "target_points", "s
 
 
 def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World:
-    """Builds the meshes and adds bodies and joints, named as in the file.
+    """Build the meshes and add bodies and joints with their names in the file.
 
     Args:
         scene: The scene.
-        progress: Called with what is being built and the share that is done, 0 to 1.
+        progress: Called with the name of the current stage and the completed fraction, 0 to 1.
 
     Raises:
-        SettingsError: A mesh cannot be read or built, or a body or joint not be added; names file,
-            line and key.
+        SettingsError: A mesh cannot be read or built, or a body or joint cannot be added. The
+            message names file, line and key.
     """
     meshes: dict[str, Shape] = {}
     for index, (name, settings) in enumerate(scene.meshes.items()):

@@ -1,4 +1,4 @@
-"""Where in a TOML text a key stands: no maintained parser for Python tells."""
+"""Lines of keys in a TOML text, which no maintained parser for Python reports."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 
 
 def find_line(text: str, keys: Sequence[str]) -> int:
-    r"""The line, from 1, at which a key or its table begins.
+    r"""Return the line, from 1, at which a key or its table begins.
 
-    The parser itself reads the statements, one by one, so that the time is that of reading the text
-    twice.
+    The TOML parser itself reads the statements one by one, so this takes as long as reading the
+    text twice.
 
     Args:
-        text: TOML without errors.
-        keys: The names of the tables around the key, and its own. Where the text lacks it, the
-            innermost of these tables that is there counts.
+        text: Valid TOML.
+        keys: The names of the tables around the key, and the key's own name. If the key is missing,
+            the line is that of the innermost of these tables.
 
     Example:
         >>> find_line("# A scene\n[ball]\nmass = 1\n", ["ball", "mass"])
@@ -28,7 +28,7 @@ def find_line(text: str, keys: Sequence[str]) -> int:
         2
     """
     found, depth = 1, 0
-    in_table = True  # before the first header: in the one that holds all
+    in_table = True  # before the first header, statements belong to the root table
     table = 0
     for line, statement in _split(text):
         if statement.lstrip().startswith("["):
@@ -45,7 +45,7 @@ def find_line(text: str, keys: Sequence[str]) -> int:
 
 
 def _split(text: str) -> Iterator[tuple[int, str]]:
-    """The line of each header and each key with its value, and their texts."""
+    """Yield the line and text of each header and of each key with its value."""
     open_brackets = begin = 0
     line = first = 1
     for token in TOML_TOKEN.finditer(text + "\n"):
@@ -73,7 +73,7 @@ def _count_found(tables: Any, keys: Sequence[str]) -> int:
 
 
 def _count_levels(tables: Any) -> int:
-    """Of the names in a header, each the only one in its table."""
+    """Count the names in a header; each is the only one in its table."""
     count = 0
     while isinstance(tables, dict) and tables:
         tables = next(iter(tables.values()))

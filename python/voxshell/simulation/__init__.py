@@ -1,4 +1,4 @@
-"""Worlds in stock Bullet, with their bodies and joints. Only this room and `robots` need Bullet."""
+"""Worlds in stock Bullet, with bodies and joints. Only this folder and `robots` need Bullet."""
 
 from voxshell.simulation.body import Body
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact

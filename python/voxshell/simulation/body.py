@@ -1,4 +1,4 @@
-"""Bodies of a world: where they are, what they weigh, what pushes them."""
+"""Bodies of a world: pose, mass, velocities and forces."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 class Body(BodyProperties):
     """A body of a :class:`World`; made by :meth:`World.add`.
 
-    Its origin and axes are those of its mesh or shape: where the centre of mass lies is the world's
-    business. Vectors are in the world frame. All that is set wakes the body. Arrays that a body returns are
-    read-only copies: set the property, or change a copy of it.
+    Its frame is that of its mesh or shape. The world accounts for a center of mass elsewhere.
+    Vectors are in the world frame. Setting any property wakes the body. Arrays that a body returns
+    are read-only copies: set the property, or change a copy.
 
     Attributes:
-        name: For people.
+        name: A name for people.
 
     Raises:
-        SettingsError: Anything is asked of a body that has been removed from its world.
+        SettingsError: The body has been removed from its world.
 
     Example:
         >>> import voxshell as vx
@@ -66,7 +66,7 @@ class Body(BodyProperties):
 
     @property
     def shape(self) -> Shape:
-        """What it is made of; may be shared with other bodies."""
+        """The body's shape, which other bodies may share."""
         return self._shape
 
     @property
@@ -76,13 +76,13 @@ class Body(BodyProperties):
 
     @property
     def pose(self) -> NDArray[np.float64]:
-        """``world_from_body``, (4, 4) float64, metres, read-only; settable to any form that :func:`pose` lists.
+        """``world_from_body``, (4, 4) float64, meters, read-only; settable, see :func:`pose`.
 
-        A dynamic body that is given a pose is there at once, whatever lies between. A kinematic one
-        moves there within the next step, and takes along what lies on it.
+        Setting it moves a dynamic body at once, whatever is in between. A kinematic body moves
+        there within the next step, and takes along what lies on it.
 
         Raises:
-            PoseError: It is set to what is in no form that :func:`pose` lists, is not rigid, or is not
+            PoseError: The new pose is in no form that :func:`pose` lists, is not rigid, or is not
                 finite.
 
         Example:
@@ -99,7 +99,7 @@ class Body(BodyProperties):
     def pose(self, value: ArrayLike) -> None:
         pose = as_pose(value, "pose")
         if pose is not None:
-            # Bullet's side checks what most callers hand over, 5 us sooner.
+            # Bullet's side checks the most frequent case, which saves 5 us.
             with suppress(PoseError):
                 self._simulation.set_pose(self.number, pose)
                 return
@@ -107,13 +107,14 @@ class Body(BodyProperties):
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """The origin of the body, (3,) float64, metres, world frame, read-only; setting it keeps the orientation.
+        """The origin of the body, (3,) float64, meters, world frame, read-only; settable.
 
-        Setting it moves the body as setting :attr:`pose` does. The center of mass may lie elsewhere.
+        Setting it keeps the orientation and otherwise acts like setting :attr:`pose`. The center of
+        mass may be elsewhere.
 
         Raises:
-            SettingsError: It is set to anything but three finite numbers.
-            PoseError: It is set to a place too far from the world's origin.
+            SettingsError: The new position is not three finite numbers.
+            PoseError: The new position is too far from the world's origin.
 
         Example:
             >>> import voxshell as vx
@@ -132,13 +133,14 @@ class Body(BodyProperties):
 
     @property
     def orientation_xyzw(self) -> NDArray[np.float64]:
-        """The unit quaternion x, y, z, w of ``world_from_body``, (4,) float64, read-only; w is at least 0.
+        """Unit quaternion x, y, z, w of ``world_from_body``, (4,) float64, read-only; settable.
 
-        Setting it turns the body about its origin, as setting :attr:`pose` does.
+        Its w is at least 0. Setting it turns the body about its origin and otherwise acts like
+        setting :attr:`pose`.
 
         Raises:
-            PoseError: It is set to anything but four finite numbers, or its length is off 1 by more than
-                1e-3.
+            PoseError: The new quaternion is not four finite numbers, or its length is off 1 by more
+                than 1e-3.
 
         Example:
             >>> import math
@@ -159,10 +161,10 @@ class Body(BodyProperties):
     def linear_velocity(self) -> NDArray[np.float64]:
         """Velocity of the center of mass, (3,) float64, m/s, world frame, read-only; settable.
 
-        Of kinematic bodies, whose origin takes the place of a centre of mass, that of the last step.
+        For a kinematic body, this is the velocity of its origin in the last step.
 
         Raises:
-            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+            SettingsError: It is set for a body that is not dynamic, or not to three finite numbers.
         """
         return read_only(np.array(self._simulation.linear_velocity(self.number)))
 
@@ -176,7 +178,7 @@ class Body(BodyProperties):
         """Angular velocity, (3,) float64, rad/s, world frame, read-only; settable.
 
         Raises:
-            SettingsError: It is set of a body that is not dynamic, or to what is not three numbers.
+            SettingsError: It is set for a body that is not dynamic, or not to three finite numbers.
         """
         return read_only(np.array(self._simulation.angular_velocity(self.number)))
 
@@ -186,13 +188,14 @@ class Body(BodyProperties):
         self._moved_by_forces("angular_velocity").set_angular_velocity(self.number, velocity)
 
     def velocity_at(self, point: ArrayLike) -> NDArray[np.float64]:
-        """Returns the velocity of the place of the body that is at a point now.
+        """Return the velocity of the body's material at a point.
 
         Args:
-            point: (3,), metres, world frame; it may lie outside the body.
+            point: (3,), meters, world frame; it may be outside the body.
 
         Returns:
-            (3,) float64, m/s, world frame, read-only. A kinematic body has the velocity of its last step.
+            (3,) float64, m/s, world frame, read-only. For a kinematic body, the velocity of its
+            last step.
 
         Raises:
             SettingsError: ``point`` is not three finite numbers.
@@ -212,9 +215,10 @@ class Body(BodyProperties):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Lowest and highest corner of a box along the world's axes that holds it, (2, 3), metres.
+        """Corners of an axis-aligned box around the body in the world frame, (2, 3), meters.
 
-        Up to some millimetres larger than the body. Those of a plane have no end: 1e18.
+        The box may be some millimeters larger than the body. Planes are unbounded: their value is
+        1e18.
 
         Example:
             >>> import voxshell as vx
@@ -226,19 +230,19 @@ class Body(BodyProperties):
 
     @property
     def sleeping(self) -> bool:
-        """Whether Bullet has put the body to sleep."""
+        """True if Bullet has put the body to sleep."""
         return self._simulation.is_asleep(self.number)
 
     def wake(self) -> None:
-        """Wakes a sleeping body, as what touches it does."""
+        """Wake a sleeping body."""
         self._simulation.wake(self.number)
 
     def apply_force(self, force: ArrayLike, *, at: ArrayLike | None = None) -> None:
-        """Pushes the body during the next step; call it before every step for a lasting force.
+        """Apply a force during the next step; for a lasting force, call this before every step.
 
         Args:
             force: (3,), newtons, world frame.
-            at: (3,), metres, world frame: the point that it acts on; the centre of mass by default.
+            at: (3,), meters, world frame: where the force acts; the center of mass by default.
 
         Raises:
             SettingsError: The body is not dynamic, or an argument is not three finite numbers.
@@ -259,10 +263,10 @@ class Body(BodyProperties):
         )
 
     def apply_torque(self, torque: ArrayLike) -> None:
-        """Turns the body during the next step.
+        """Apply a torque during the next step.
 
         Args:
-            torque: (3,), newton metres, world frame.
+            torque: (3,), newton meters, world frame.
 
         Raises:
             SettingsError: The body is not dynamic, or ``torque`` is not three finite numbers.
@@ -275,11 +279,11 @@ class Body(BodyProperties):
         *,
         at: ArrayLike | None = None,
     ) -> None:
-        """Changes the velocities at once, as a blow does.
+        """Change the velocities at once by an impulse.
 
         Args:
             impulse: (3,), newton seconds, world frame.
-            at: (3,), meters, world frame: the point that is hit; the center of mass by default.
+            at: (3,), meters, world frame: where the impulse acts; the center of mass by default.
 
         Raises:
             SettingsError: The body is not dynamic, or an argument is not three finite numbers.
@@ -296,10 +300,10 @@ class Body(BodyProperties):
         )
 
     def apply_torque_impulse(self, impulse: ArrayLike) -> None:
-        """Changes the angular velocity at once.
+        """Change the angular velocity at once by an angular impulse.
 
         Args:
-            impulse: (3,), newton metre seconds, world frame.
+            impulse: (3,), newton meter seconds, world frame.
 
         Raises:
             SettingsError: The body is not dynamic, or ``impulse`` is not three finite numbers.

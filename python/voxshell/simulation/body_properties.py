@@ -1,4 +1,4 @@
-"""What a body has beside its shape and matter: material, damping, a moving surface, groups."""
+"""Properties of a body other than shape, mass and motion: material, damping, surface, groups."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ALL_GROUPS = 2**31 - 1
 
 
 class BodyProperties(WorldPart):
-    """Those properties of a body that can be changed while it is in its world, its motion apart."""
+    """Properties that can change while a body is in its world."""
 
     __slots__ = ("_motion", "_moves_surfaces", "_number")
 
@@ -41,23 +41,24 @@ class BodyProperties(WorldPart):
 
     @property
     def number(self) -> int:
-        """What ``World.contacts()`` and other results call it; no two bodies of a world have had the same.
+        """The number that identifies the body in ``World.contacts()`` and other results.
 
-        It is the body's place in ``World.bodies`` as long as none is removed.
+        Numbers are never reused in a world. The number is the index in ``World.bodies`` until a
+        body is removed.
         """
         return self._number
 
     @property
     def motion(self) -> Motion:
-        """Who moves it: "dynamic" (forces), "static" (nobody), "kinematic" (the user)."""
+        """What moves the body: "dynamic" (forces), "static" (nothing), "kinematic" (the user)."""
         return self._motion
 
     @property
     def material(self) -> Material:
-        """How it rubs and rebounds: the four properties below as one value; settable.
+        """Friction and restitution as one value: the four properties below; settable.
 
         Raises:
-            InputTypeError: It is set to anything but a :class:`Material`.
+            InputTypeError: The new value is not a :class:`Material`.
 
         Example:
             >>> import voxshell as vx
@@ -77,7 +78,7 @@ class BodyProperties(WorldPart):
 
     @property
     def friction(self) -> float:
-        """Coulomb coefficient; Bullet multiplies those of the two bodies."""
+        """Coulomb's coefficient; Bullet multiplies those of both bodies."""
         return self._simulation.material(self.number).friction
 
     @friction.setter
@@ -86,10 +87,10 @@ class BodyProperties(WorldPart):
 
     @property
     def rolling_friction(self) -> float:
-        """Lever of the torque that withstands rolling on a body of friction 1, metres.
+        """Lever arm of the torque that resists rolling on a body with friction 1, meters.
 
-        That torque is at most the normal force times the sum of this times the other's friction and
-        the other's rolling friction times this body's friction.
+        The largest torque is the normal force times a sum: this times the other body's friction,
+        plus the other body's rolling friction times this body's friction.
 
         Example:
             A ball rolls on for ever, but with 2 mm it stops:
@@ -118,9 +119,10 @@ class BodyProperties(WorldPart):
 
     @property
     def spinning_friction(self) -> float:
-        """Lever of the torque that withstands spinning about the contact's normal, metres.
+        """Lever arm of the torque that resists spinning about the contact's normal, meters.
 
-        As :attr:`rolling_friction`; Bullet's solver heeds it only where there is that, too.
+        See :attr:`rolling_friction`. Bullet's solver applies it only together with rolling
+        friction.
         """
         return self._simulation.material(self.number).spinning_friction
 
@@ -130,7 +132,7 @@ class BodyProperties(WorldPart):
 
     @property
     def restitution(self) -> float:
-        """0 to 1; Bullet multiplies those of the two bodies."""
+        """Restitution, 0 to 1; Bullet multiplies those of both bodies."""
         return self._simulation.material(self.number).restitution
 
     @restitution.setter
@@ -139,7 +141,7 @@ class BodyProperties(WorldPart):
 
     @property
     def linear_damping(self) -> float:
-        """Share of the velocity that is lost in a second, 0 to 1."""
+        """Fraction of the velocity that is lost in a second, 0 to 1."""
         return self._simulation.material(self.number).linear_damping
 
     @linear_damping.setter
@@ -148,7 +150,7 @@ class BodyProperties(WorldPart):
 
     @property
     def angular_damping(self) -> float:
-        """Share of the angular velocity that is lost in a second, 0 to 1."""
+        """Fraction of the angular velocity that is lost in a second, 0 to 1."""
         return self._simulation.material(self.number).angular_damping
 
     @angular_damping.setter
@@ -157,15 +159,15 @@ class BodyProperties(WorldPart):
 
     @property
     def surface_velocity(self) -> NDArray[np.float64]:
-        """Of a kinematic body's surface while the body stays, (3,) float64, m/s, body frame.
+        """Velocity of a kinematic body's surface, as of a conveyor; (3,) float64, m/s, body frame.
 
-        Friction takes along what touches the body, as a conveyor's belt does. The part along a
-        contact's normal does not count.
+        The body itself stays, and friction moves what touches it. The component along a contact's
+        normal has no effect.
 
         Raises:
-            SettingsError: It is set to what is not three finite numbers, or to other than 0 of a body that
-                is not kinematic or in a world with another solver than "coulomb" or with one friction
-                direction.
+            SettingsError: The new value is not three finite numbers. Or it is not zero, and the
+                body is not kinematic, the world's solver is not "coulomb", or the world has one
+                friction direction.
 
         Example:
             A belt takes a parcel along at 0.5 m/s:
@@ -195,7 +197,7 @@ class BodyProperties(WorldPart):
 
     @property
     def group(self) -> int:
-        """Bits of the groups that it is in; bodies meet if each is in a group of the other's mask.
+        """Bit mask of the body's groups. Bodies collide if each is in a group of the other's mask.
 
         Example:
             Ghosts fall through each other, but not through the ground:
@@ -218,7 +220,7 @@ class BodyProperties(WorldPart):
 
     @property
     def mask(self) -> int:
-        """Bits of the groups that it meets; all by default."""
+        """Bit mask of the groups that the body collides with; all by default."""
         return self._simulation.material(self.number).mask
 
     @mask.setter
@@ -241,7 +243,7 @@ def make_properties(
     group: int,
     mask: int,
 ) -> _bullet.BodyMaterial:
-    """The properties of a new body as the bindings take them.
+    """Return the properties of a new body as the bindings take them.
 
     Raises:
         SettingsError: A number is out of range.
@@ -258,11 +260,11 @@ def make_properties(
 
 
 def as_groups(value: int, name: str) -> int:
-    """Up to 31 bits; all of them stand for every group."""
+    """Return a mask of up to 31 bits; all of them together stand for every group."""
     return as_integer(value, name, 0, _ALL_GROUPS)
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same array, which refuses assignments: they would not reach the body."""
+    """Make an array read-only: assigning to its entries would not change the body."""
     array.setflags(write=False)
     return array

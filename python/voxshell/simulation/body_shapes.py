@@ -1,4 +1,4 @@
-"""What bodies are made of: each shape as Bullet takes it, as triangles, and as matter."""
+"""Conversion of shapes to Bullet's geometries, to triangles and to mass properties."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ Shape: TypeAlias = (
     | ConvexDecomposition
     | Compound
 )
-"""What a body can be made of."""
+"""The shapes that a body can have."""
 
 Inertia: TypeAlias = Literal["solid", "surface"] | MassProperties
-"""How a body's matter is spread: the uniform solid, a thin skin on the surface, or as given."""
+"""The distribution of a body's mass: uniform solid, thin skin on the surface, or as given."""
 
 PartGeometry: TypeAlias = (
     _bullet.ModelGeometry
@@ -50,20 +50,20 @@ PartGeometry: TypeAlias = (
     | _bullet.GImpactGeometry
     | _bullet.HullsGeometry
 )
-"""The same for the bindings, but for compounds."""
+"""The geometries of the bindings, except compounds."""
 
 PLANE_EXTENT = 2.0
-"""Edge of the square that stands for a plane in pictures, metres."""
+"""Edge length of the square that represents a plane in pictures, meters."""
 
 _PLANE_THICKNESS = 0.01
 _ROUND_SECTIONS = 96
 
 
 def as_shape(shape: Shape | MeshLike) -> Shape:
-    """The shape itself; of a mesh or a path, its model at default settings.
+    """Return a shape as it is; build a model with default settings for a mesh or a path.
 
     Raises:
-        MeshError: A mesh cannot be read or made into a model.
+        MeshError: A mesh cannot be read, or no model can be built from it.
         ModelFileError: A model file is damaged or of another version.
         FileAccessError: A model file cannot be read.
     """
@@ -71,17 +71,17 @@ def as_shape(shape: Shape | MeshLike) -> Shape:
     if isinstance(given, (str, os.PathLike)):
         is_model = os.fsdecode(given).lower().endswith(MODEL_SUFFIX)
         return Model.load(given) if is_model else Model.from_mesh(given)
-    # By name: importing trimesh takes longer than all the rest of voxshell.
+    # Compare names: importing trimesh takes longer than importing voxshell.
     if any(kind.__name__ == "Trimesh" for kind in type(given).__mro__):
         return Model.from_mesh(given)
     return given
 
 
 def make_geometry(shape: Shape) -> PartGeometry | _bullet.CompoundGeometry:
-    """The shape as the bindings take it.
+    """Return a shape as the bindings take it.
 
     Raises:
-        InputTypeError: It is none of the kinds that can be simulated.
+        InputTypeError: Shapes of this type cannot be simulated.
     """
     if isinstance(shape, Compound):
         return _bullet.CompoundGeometry([(_make_part(part), pose) for part, pose in shape.parts])
@@ -115,7 +115,7 @@ def _make_part(shape: Shape) -> PartGeometry:
 
 
 def mesh_of(shape: Shape) -> Mesh:
-    """The surface of a shape in its body frame. A plane becomes a square plate below its surface."""
+    """Return the surface of a shape in its body frame; a plane becomes a square plate below it."""
     from trimesh import creation
     from trimesh.geometry import align_vectors
 
@@ -126,7 +126,7 @@ def mesh_of(shape: Shape) -> Mesh:
             mesh = creation.icosphere(subdivisions=4, radius=shape.radius)
         case Capsule():
             sections = (_ROUND_SECTIONS, _ROUND_SECTIONS)
-            # Of radius 1 first: trimesh merges the corners of small ones.
+            # Build at radius 1 first: trimesh merges vertices that are close together.
             mesh = creation.capsule(height=shape.length / shape.radius, radius=1.0, count=sections)
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
             mesh.apply_scale(shape.radius)
@@ -149,11 +149,11 @@ def mesh_of(shape: Shape) -> Mesh:
 
 
 def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> MassProperties:
-    """Of a body of the given mass, kilograms; of a static one (mass 0) they are all zero.
+    """Return the mass properties of a body; all are zero if its mass, in kilograms, is 0 (static).
 
     Raises:
-        InputTypeError: ``inertia`` is of another type.
-        SettingsError: ``inertia`` is another word, or is not physical.
+        InputTypeError: ``inertia`` has an unsupported type.
+        SettingsError: ``inertia`` is an unknown word, or physically impossible.
     """
     if isinstance(inertia, MassProperties):
         if mass == 0.0:
@@ -166,7 +166,7 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
         return MassProperties(mass, center, tensor * ratio)
     if not isinstance(inertia, str):
         raise InputTypeError(
-            "inertia must be 'solid', 'surface' or a MassProperties, which holds mass, centre of mass "
+            "inertia must be 'solid', 'surface' or a MassProperties, which holds mass, center of mass "
             f"and tensor, not {type(inertia).__name__}"
         )
     if inertia not in ("solid", "surface"):
@@ -189,7 +189,7 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
 
 
 def _combine(shape: Compound, mass: float, kind: Literal["solid", "surface"]) -> MassProperties:
-    """Of parts of one density, or of one weight of skin."""
+    """Return the properties of parts that share one density, or one mass per area of skin."""
     from trimesh import Trimesh
 
     sizes = []

@@ -1,4 +1,4 @@
-"""Bullet's own ways with a mesh, to compare models with: they collide in a World only."""
+"""Bullet's own shapes for meshes, as baselines for models; they collide only in a World."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import MeshLike
 
 MARGIN = 0.001
-"""Bullet's collision margin of these shapes, metres: small enough for bodies of a decimetre."""
+"""Bullet's collision margin of these shapes, meters; small enough for bodies of 0.1 m."""
 
 
 class GImpact:
-    """A mesh that collides triangle by triangle, by Bullet's GImpact.
+    """A mesh that collides triangle by triangle in Bullet's GImpact.
 
     Args:
-        mesh: As for :meth:`voxshell.Model.from_mesh`; it may be open.
-        margin: Bullet's collision margin, metres.
+        mesh: Any mesh that :meth:`voxshell.Model.from_mesh` accepts; it may be open.
+        margin: Bullet's collision margin, meters.
 
     Raises:
         MeshError: The mesh cannot be read.
@@ -52,11 +52,11 @@ class GImpact:
 
 
 class ConvexDecomposition:
-    """Convex hulls that together stand for a body, as a compound shape of Bullet.
+    """Convex hulls that together represent a body, as a compound shape of Bullet.
 
     Args:
-        hulls: The points of each hull, (n, 3), metres, body frame; at least one hull.
-        margin: Bullet's collision margin, metres; hulls keep this distance from what they touch.
+        hulls: Points of each hull, (n, 3), meters, body frame; at least one hull.
+        margin: Bullet's collision margin, meters; hulls keep this distance from other bodies.
 
     Raises:
         MeshError: The points of a hull do not enclose a volume.
@@ -91,8 +91,8 @@ class ConvexHull(ConvexDecomposition):
     """The convex hull of a set of points.
 
     Args:
-        points: (n, 3), metres, body frame; those inside the hull cost time and do no good.
-        margin: Bullet's collision margin, metres.
+        points: (n, 3), meters, body frame; points inside the hull only cost time.
+        margin: Bullet's collision margin, meters.
 
     Raises:
         MeshError: The points do not enclose a volume.
@@ -112,9 +112,9 @@ class ConvexHull(ConvexDecomposition):
 
     @classmethod
     def sampled(cls, points: ArrayLike, *, margin: float = MARGIN) -> ConvexHull:
-        """The hull of the farthest points in the 42 directions of Bullet's btShapeHull.
+        """Return the hull of the farthest points in the 42 directions of Bullet's btShapeHull.
 
-        What games use, and what the thesis (section 5.3) calls its convex hull of 42 vertices.
+        Games use such hulls. The thesis (section 5.3) calls this its convex hull of 42 vertices.
 
         Example:
             >>> import trimesh

@@ -1,4 +1,4 @@
-"""Several shapes as one body."""
+"""A body that consists of several shapes."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 Part: TypeAlias = Model | Box | Sphere | Capsule | Cylinder | Cone | GImpact | ConvexDecomposition
-"""What a compound can be made of."""
+"""The shapes that a compound can contain."""
 
 PARTS = (Model, Box, Sphere, Capsule, Cylinder, Cone, GImpact, ConvexDecomposition)
 
 
 class Compound:
-    """Several shapes, each in its place, that move as one body of a :class:`World`.
+    """Several shapes with fixed relative poses that form one body of a :class:`World`.
 
-    Its matter is that of the parts at one density, counted twice where they overlap.
+    All parts have the same density. Where parts overlap, their mass counts twice.
 
     Args:
-        parts: Pairs of a shape and its pose ``compound_from_part``, in any form that :func:`pose` lists; at
-            least one. A plane or another compound cannot be one.
+        parts: Pairs of a shape and its pose ``compound_from_part``, in any form that :func:`pose`
+            lists; at least one. A plane or another compound cannot be a part.
 
     Raises:
-        InputTypeError: A part is no pair, or of a shape that cannot be one.
+        InputTypeError: A part is not a pair, or has an unsupported shape.
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: There is no part.
 

@@ -1,4 +1,4 @@
-"""Where a joint is in its two bodies, and the joint as the bindings take it."""
+"""Frames of a joint in its two bodies, and conversion of joints for the bindings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class JointFrames:
-    """Where a joint is, in three ways of which one is given; see :meth:`World.add_joint`."""
+    """The frame of a joint, in one of three ways; see :meth:`World.add_joint`."""
 
     parent_from_joint: ArrayLike | None
     child_from_joint: ArrayLike | None
@@ -36,11 +36,11 @@ class JointFrames:
     def resolve(
         self, parent: Body | None, child: Body
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """``parent_from_joint`` and ``child_from_joint``, (4, 4) each.
+        """Return ``parent_from_joint`` and ``child_from_joint``, (4, 4) each.
 
         Raises:
-            PoseError: One is no pose.
-            SettingsError: Two ways are mixed.
+            PoseError: A frame is not a pose.
+            SettingsError: The frame is given in two ways.
         """
         world_from_parent = np.eye(4) if parent is None else parent.pose
         if self.world_from_joint is not None:
@@ -64,12 +64,12 @@ class JointFrames:
 def make_settings(
     kind: JointKind, parent: Body | None, child: Body, frames: JointFrames, collide: bool
 ) -> _bullet.JointSettings:
-    """The joint as the bindings take it.
+    """Return a joint as the bindings take it.
 
     Raises:
-        InputTypeError: ``kind`` is no joint.
+        InputTypeError: ``kind`` is not a joint.
         PoseError: A frame is not a rigid transform.
-        SettingsError: Two ways of giving frames are mixed.
+        SettingsError: The frame is given in two ways.
     """
     if not isinstance(kind, (FixedJoint, HingeJoint, SliderJoint, PointJoint)):
         raise InputTypeError(
@@ -79,7 +79,7 @@ def make_settings(
     parent_from_joint, child_from_joint = frames.resolve(parent, child)
     lower, upper, friction, damping = 1.0, -1.0, 0.0, 0.0
     if isinstance(kind, (HingeJoint, SliderJoint)):
-        # The bindings' axis is x.
+        # In the bindings, the axis is x.
         turn = np.eye(4)
         turn[:3, :3] = _frame_along(kind.axis)
         parent_from_joint, child_from_joint = parent_from_joint @ turn, child_from_joint @ turn
@@ -101,7 +101,7 @@ def make_settings(
 
 
 def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of a rigid transform."""
+    """Return the inverse of a rigid transform."""
     inverse = np.eye(4)
     inverse[:3, :3] = pose[:3, :3].T
     inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
@@ -109,7 +109,7 @@ def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _frame_along(axis: ArrayLike) -> NDArray[np.float64]:
-    """A rotation whose first column is along the axis."""
+    """Return a rotation whose first column is along the axis."""
     x: NDArray[np.float64] = np.array(as_vector(axis, "axis"))
     x /= np.abs(x).max()
     x /= np.linalg.norm(x)

@@ -1,4 +1,4 @@
-"""Kinds of joints: what each leaves free, and within which limits."""
+"""Kinds of joints: their degrees of freedom and limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FixedJoint:
-    """Holds two bodies as if they were one.
+    """A joint that holds two bodies together rigidly.
 
     Example:
         >>> import numpy as np
@@ -36,10 +36,10 @@ class FixedJoint:
 
 @dataclass(frozen=True)
 class PointJoint:
-    """Holds a point of two bodies together, about which they turn freely: a ball and its socket.
+    """A joint that holds one point of two bodies together, like a ball and its socket.
 
     Example:
-        A lamp on a cord of half a metre:
+        A lamp on a cord of half a meter:
 
         >>> import numpy as np
         >>> import voxshell as vx
@@ -58,17 +58,17 @@ class PointJoint:
 
 @dataclass(frozen=True)
 class HingeJoint:
-    """Lets the child turn about an axis.
+    """A joint that lets the child turn about an axis.
 
     Args:
-        axis: (3,), joint frame; any length but 0.
-        limits: Lowest and highest angle, radians, of any number of turns; None: none.
-        friction: Torque that it withstands while no motor drives it, newton metres.
-        damping: Torque against its motion, newton metres per rad/s.
+        axis: (3,), joint frame; any nonzero length.
+        limits: Lowest and highest angle, radians, over any number of turns; None for no limits.
+        friction: Friction torque while no motor drives the joint, newton meters.
+        damping: Torque against the motion, newton meters per rad/s.
 
     Raises:
-        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
-            not finite.
+        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
+            or not finite.
 
     Example:
         >>> import math
@@ -95,17 +95,17 @@ class HingeJoint:
 
 @dataclass(frozen=True)
 class SliderJoint:
-    """Lets the child slide along an axis, without turning.
+    """A joint that lets the child slide along an axis, without turning.
 
     Args:
-        axis: (3,), joint frame; any length but 0.
-        limits: Lowest and highest position, metres; None: none.
-        friction: Force that it withstands while no motor drives it, newtons.
-        damping: Force against its motion, newtons per m/s.
+        axis: (3,), joint frame; any nonzero length.
+        limits: Lowest and highest position, meters; None for no limits.
+        friction: Friction force while no motor drives the joint, newtons.
+        damping: Force against the motion, newtons per m/s.
 
     Raises:
-        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative or
-            not finite.
+        SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
+            or not finite.
 
     Example:
         >>> import voxshell as vx
@@ -130,7 +130,7 @@ class SliderJoint:
 
 
 JointKind: TypeAlias = FixedJoint | HingeJoint | SliderJoint | PointJoint
-"""What a joint leaves free."""
+"""Any kind of joint."""
 
 
 def _check_axis(joint: HingeJoint | SliderJoint) -> None:
@@ -141,7 +141,7 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
         if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
             raise SettingsError(
                 f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
-                "pass None for none"
+                "pass None for no limits"
             )
     for name in ("friction", "damping"):
         as_not_negative(getattr(joint, name), name)

@@ -1,4 +1,4 @@
-"""Joints: what holds two bodies of a world together, and what drives them."""
+"""Joints between bodies of a world, and their motors."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Reaction:
-    """What a joint did to its child during the last step, motor, friction and limits included.
+    """Force and torque of a joint on its child in the last step, with motor, friction and limits.
 
     Attributes:
         force: (3,) float64, newtons, world frame.
-        torque: (3,) float64, newton metres, world frame, about the joint's origin.
+        torque: (3,) float64, newton meters, world frame, about the joint's origin.
     """
 
     force: NDArray[np.float64]
@@ -36,16 +36,17 @@ class Reaction:
 class Joint(WorldPart):
     """A joint of a :class:`World`; made by :meth:`World.add_joint`.
 
-    Position and velocity are of the child, seen from the parent, about or along the axis: radians and
-    rad/s of a hinge, whole turns counted; metres and m/s of a slider. A motor exerts ``max_force`` at
-    most: newtons, or newton metres of a hinge. A joint without one moves freely but for its friction.
+    Position and velocity are the child's relative to the parent, about or along the axis. They are
+    in radians and rad/s for a hinge, where whole turns count, and in meters and m/s for a slider. A
+    motor exerts at most ``max_force``, in newtons, or in newton meters for a hinge. A joint without
+    a motor moves freely except for its friction.
 
     Attributes:
-        name: For people.
+        name: A name for people.
 
     Raises:
-        SettingsError: Anything is asked of a joint that has been removed, or a position, velocity or
-            motor of one that has no axis.
+        SettingsError: The joint has been removed; or it has no axis, and thus no position, velocity
+            or motor.
     """
 
     __slots__ = ("_child", "_kind", "_number", "_parent")
@@ -67,22 +68,22 @@ class Joint(WorldPart):
 
     @property
     def kind(self) -> JointKind:
-        """What it leaves free, as it was given."""
+        """The joint's kind, as given to :meth:`World.add_joint`."""
         return self._kind
 
     @property
     def parent(self) -> Body | None:
-        """A body, or None for the world."""
+        """The parent body, or None for the world."""
         return self._parent
 
     @property
     def child(self) -> Body:
-        """The other body."""
+        """The child body."""
         return self._child
 
     @property
     def position(self) -> float:
-        """Radians, turns counted, or metres; 0 where the frames of the two bodies coincide."""
+        """Radians over any number of turns, or meters; 0 where the frames coincide."""
         return self._along_axis().read_joint(self._number).position
 
     @property
@@ -107,11 +108,11 @@ class Joint(WorldPart):
         return Reaction(np.array(force), np.array(torque))
 
     def set_target_velocity(self, velocity: float, *, max_force: float) -> None:
-        """Drives the joint at a velocity.
+        """Drive the joint with a velocity.
 
         Args:
-            velocity: Rad/s or m/s; 0 brakes.
-            max_force: Newton metres or newtons, above 0.
+            velocity: Rad/s or m/s; 0 acts as a brake.
+            max_force: Newton meters or newtons, above 0.
 
         Raises:
             SettingsError: A number is out of range, or the joint has no axis.
@@ -128,13 +129,13 @@ class Joint(WorldPart):
     def set_target_position(
         self, position: float, *, max_force: float, max_speed: float = math.inf
     ) -> None:
-        """Drives the joint to a position and holds it there.
+        """Drive the joint to a position and hold it there.
 
-        It closes a fifth of the distance in each step, no faster than ``max_speed``.
+        Each step closes a fifth of the distance, at most at ``max_speed``.
 
         Args:
-            position: Radians, of any number of turns, or metres; must lie within the limits.
-            max_force: Newton metres or newtons, above 0.
+            position: Radians over any number of turns, or meters; within the limits.
+            max_force: Newton meters or newtons, above 0.
             max_speed: Rad/s or m/s, above 0.
 
         Raises:
@@ -166,20 +167,21 @@ class Joint(WorldPart):
         max_force: float,
         max_speed: float = math.inf,
     ) -> None:
-        """Drives the joint to ``multiplier * leader.position + offset``, wherever the leader is.
+        """Drive the joint to ``multiplier * leader.position + offset`` continuously.
 
-        The leader does not feel it: what blocks this joint does not stop the other.
+        There is no force on the leader: an obstacle that blocks this joint does not stop the
+        leader.
 
         Args:
-            leader: Of the same world.
+            leader: A joint of the same world.
             multiplier: Any number.
-            offset: Radians or metres.
-            max_force: Newton metres or newtons, above 0.
+            offset: Radians or meters.
+            max_force: Newton meters or newtons, above 0.
             max_speed: Rad/s or m/s, above 0.
 
         Raises:
-            SettingsError: The leader is this joint, of another world or has no axis, or a number is out
-                of range.
+            SettingsError: The leader is this joint, belongs to another world or has no axis, or a
+                number is out of range.
 
         Example:
             Two fingers that close together:
@@ -198,7 +200,7 @@ class Joint(WorldPart):
         if leader is self:
             raise SettingsError(f"joint {self.name!r} cannot follow itself")
         if leader._along_axis() is not self._along_axis():
-            raise SettingsError(f"joint {leader.name!r} is of another world")
+            raise SettingsError(f"joint {leader.name!r} belongs to another world")
         self._drive(
             _bullet.Motor(
                 _bullet.MotorMode.FOLLOW,
@@ -211,7 +213,7 @@ class Joint(WorldPart):
         )
 
     def release(self) -> None:
-        """Turns the motor off."""
+        """Turn the motor off."""
         self._drive(_bullet.Motor(_bullet.MotorMode.NONE, 0.0, 0.0, 0.0))
 
     def _drive(self, motor: _bullet.Motor) -> None:

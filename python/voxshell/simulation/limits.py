@@ -1,4 +1,4 @@
-"""What Bullet cannot move: refused where it is known before a step, and told of after one."""
+"""Limits of Bullet: errors before a step where possible, and warnings after a step."""
 
 from __future__ import annotations
 
@@ -18,66 +18,66 @@ if TYPE_CHECKING:
 
     from voxshell.simulation.body import Body
 
-_LEAST_MASS = 1e-100  # kg; the inverse of a far smaller one is not finite
+_LEAST_MASS = 1e-100  # kg; the inverse of a much smaller mass is not finite
 
 
 def check_mass(kilograms: float, label: str) -> None:
-    """Refuses masses under which bodies pass through others or become NaN.
+    """Refuse masses with which bodies pass through others or become NaN.
 
     Raises:
-        SettingsError: It is one of them.
+        SettingsError: The mass is out of range.
     """
     if kilograms > _bullet.most_mass:
         raise SettingsError(
-            f"mass of {label} is {kilograms:g} kg, and Bullet lets what is above "
-            f"{_bullet.most_mass:g} kg through all others; give less, or 0 for a body that nothing moves"
+            f"mass of {label} is {kilograms:g} kg; above {_bullet.most_mass:g} kg, bodies pass "
+            "through all others in Bullet; use a smaller mass, or 0 for a body that nothing moves"
         )
     if 0.0 < kilograms < _LEAST_MASS:
         raise SettingsError(
-            f"mass of {label} is {kilograms:g} kg; give at least {_LEAST_MASS:g} kg, or 0 for a body that "
+            f"mass of {label} is {kilograms:g} kg; use at least {_LEAST_MASS:g} kg, or 0 for a body that "
             "nothing moves"
         )
 
 
 def check_extent(low_and_high: ArrayLike, label: str) -> None:
-    """Refuses moving bodies that are too large.
+    """Refuse moving bodies that are too large.
 
     Args:
-        low_and_high: Corners of the body's box, (2, 3), metres.
-        label: What errors call the body.
+        low_and_high: Corners of the body's box, (2, 3), meters.
+        label: The body's name in error messages.
 
     Raises:
-        SettingsError: Bullet would leave it where it is.
+        SettingsError: Bullet would not move the body.
     """
     extent = float(np.linalg.norm(np.ptp(low_and_high, axis=0)))
     if extent > _bullet.most_extent:
         raise SettingsError(
-            f"{label} has a box with a diagonal of {extent:g} m, and Bullet moves none of more than "
+            f"{label} has a box with a diagonal of {extent:g} m; Bullet does not move bodies of more than "
             f"{_bullet.most_extent:g} m; scale the scene down, or pass motion='static'"
         )
 
 
 def check_fall(gravity: ArrayLike, time_step: float) -> None:
-    """Refuses gravity that moves bodies too far in their first step.
+    """Refuse gravity that moves bodies too far in their first step.
 
     Raises:
-        SettingsError: Bullet would leave them where they are.
+        SettingsError: Bullet would not move the bodies.
     """
     way = float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
     if not way <= _bullet.most_way:
         raise SettingsError(
-            f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s, and at most "
-            f"{_bullet.most_way:g} m can be followed; use a shorter time_step, or less gravity"
+            f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s; Bullet can follow "
+            f"at most {_bullet.most_way:g} m; use a shorter time_step or weaker gravity"
         )
 
 
 def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice: str) -> None:
-    """After a step: warns of bodies that move or turn too far, once a body.
+    """Warn, once per body, about bodies that moved or turned too far in a step.
 
     Args:
-        simulation: That made the step.
-        bodies: Of the simulation.
-        advice: What else to do about motions that are not finite, or nothing.
+        simulation: The simulation that made the step.
+        bodies: Its bodies.
+        advice: A further remedy for motions that are not finite, or an empty text.
 
     Raises:
         SimulationError: A pose or velocity is not finite.
@@ -90,20 +90,20 @@ def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice
     if lost is not None:
         raise SimulationError(
             f"the simulation has diverged: the pose or velocity of {names[lost]!r} is no longer finite; "
-            f"lower forces and velocities, or use a shorter time_step{advice}"
+            f"reduce forces and velocities, or use a shorter time_step{advice}"
         )
     for number, turn in spins:
         warnings.warn(
-            f"{names[number]!r} turns by {turn:.3g} rad a step; contacts are looked for as if "
-            f"bodies turned by at most an eighth of a turn, {_bullet.most_turn:.3f} rad, and may "
-            "be missed: use a shorter time_step",
+            f"{names[number]!r} turns by {turn:.3g} rad a step; the search for contacts assumes at most "
+            f"an eighth of a turn, {_bullet.most_turn:.3f} rad, so contacts may be missed: use a shorter "
+            "time_step",
             AccuracyWarning,
             stacklevel=3,
         )
     for number, way in ways:
         warnings.warn(
             f"{names[number]!r} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
-            "leaves what moves by 1e+06 m where it is: use a shorter time_step, or lower velocities",
+            "does not move bodies by 1e+06 m or more: use a shorter time_step, or lower velocities",
             AccuracyWarning,
             stacklevel=3,
         )

@@ -1,4 +1,4 @@
-"""What a live view shows of a world between two steps."""
+"""The state of a world between two steps, as a live view shows it."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class LiveFrame:
 
     Args:
         time: Simulated seconds.
-        bodies: In the order of the arrays.
+        bodies: The bodies in the order of the arrays.
         poses: (n, 4, 4) ``world_from_body``, meters.
-        points: (k, 3) meters, world frame: contacts, on body b's surface.
-        normals: (k, 3) unit, world frame, towards body a.
+        points: (k, 3) meters, world frame: contact points on body b.
+        normals: (k, 3) unit, world frame, toward body a.
         depths: (k,) meters, positive where bodies overlap.
-        forces: (k, 3) newtons, world frame: the normal force of each contact in the last step, on body a, or on
-            body b where a is not dynamic.
-        kinetic: Joules, of all dynamic bodies.
-        potential: Joules, the same in gravity, from the world's origin.
+        forces: (k, 3) newtons, world frame: normal force of each contact in the last step, on body
+            a, or on body b if a is not dynamic.
+        kinetic: Kinetic energy of all dynamic bodies, joules.
+        potential: Their potential energy in gravity, joules; 0 at the world's origin.
     """
 
     time: float
@@ -53,11 +53,11 @@ def take_frame(
     gravity: NDArray[np.float64],
     time_step: float,
 ) -> LiveFrame | None:
-    """Reads a world; None where another thread has just removed a body.
+    """Read the state of a world; return None if another thread is removing a body.
 
     Args:
-        simulation: The world's.
-        bodies: The world's.
+        simulation: The world's simulation.
+        bodies: The world's bodies.
         gravity: (3,) m/s2, world frame.
         time_step: Seconds.
     """
@@ -87,7 +87,7 @@ def take_frame(
 def _compute_energies(
     bodies: Sequence[Body], poses: NDArray[np.float64], gravity: NDArray[np.float64]
 ) -> tuple[float, float]:
-    """Kinetic and potential energy of the dynamic bodies, joules."""
+    """Return kinetic and potential energy of the dynamic bodies, joules."""
     chosen = [index for index, body in enumerate(bodies) if body.motion == "dynamic"]
     if not chosen:
         return 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Bodies that are dragged by a mouse: a spring from the point that was grabbed to the pointer."""
+"""Dragging bodies with the mouse: a spring pulls the grabbed point to the pointer."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
 
 _SAG = 0.02
-"""How far a body that hangs on the spring sinks in gravity, in diameters. Less makes the spring stiffer."""
+"""Sag of a body that hangs on the spring, in diameters. A smaller sag makes the spring stiffer."""
 
 _MOST_TURN_A_STEP = 0.2
-"""Radians of the spring's oscillation in a step. Damping that is applied once a step diverges at 1."""
+"""Phase of the spring's oscillation per step, radians. With damping once per step, 1 diverges."""
 
 _CALMING = 2.0
-"""1/s: how fast the rotation of a held body decays. Without it, the body would swing forever."""
+"""Decay rate of a held body's rotation, 1/s. Without it, the body would swing forever."""
 
 _WITHOUT_GRAVITY = 9.81
-"""m/s2, in place of gravity in worlds that have less."""
+"""Smallest acceleration for the choice of stiffness, m/s2; worlds may have less gravity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,10 @@ class Pull:
 
     Args:
         body: A dynamic body.
-        point_body: (3,) meters, body frame: the point that was grabbed.
-        target_world: (3,) meters, world frame: where the pointer is.
-        frequency: rad/s of the spring.
-        reach: Meters beyond which the force no longer grows.
+        point_body: (3,) meters, body frame: the grabbed point.
+        target_world: (3,) meters, world frame: the pointer.
+        frequency: Angular frequency of the spring, rad/s.
+        reach: Stretch beyond which the force does not grow, meters.
     """
 
     body: Body
@@ -50,19 +50,20 @@ class Pull:
     reach: float
 
     def compute_torque(self) -> NDArray[np.float64]:
-        """The torque that slows the rotation of the body, (3,) N m, world frame."""
+        """Return the torque that slows the rotation of the body, (3,) N m, world frame."""
         turn = self.body.pose[:3, :3]
         spin = self.body.angular_velocity
         return -_CALMING * (turn @ (self.body._inertia @ (turn.T @ spin)))
 
     def compute_force(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The force on the body as it stands now.
+        """Return the force on the body in its present state.
 
-        With the effective mass m of the body at the point, the stretch x towards the target and the velocity v of the
-        point, the force is m (w^2 x - 2 w v), w being the frequency. The length of x counts up to the reach.
+        The force is m (w^2 x - 2 w v). Here m is the effective mass of the body at the point, x the
+        stretch toward the target, v the velocity of the point and w the frequency. The length of x
+        is limited to the reach.
 
         Returns:
-            (3,) newtons, world frame, and (3,) meters, world frame: the point that it acts on.
+            The force, (3,) newtons, and the point where it acts, (3,) meters; world frame.
         """
         pose = self.body.pose
         point = pose[:3, :3] @ self.point_body + pose[:3, 3]
@@ -76,7 +77,7 @@ class Pull:
 
 
 class Pulls:
-    """The pulls of a world, one for each hand that drags; may be used by several threads.
+    """All pulls of a world, one for each hand that drags; threads may share it.
 
     Args:
         gravity: (3,) m/s2, world frame.
@@ -95,13 +96,13 @@ class Pulls:
     def grab(
         self, hand: Hashable, body: Body, point_body: NDArray[np.float64], diameter: float
     ) -> None:
-        """Takes hold of a body.
+        """Grab a body.
 
         Args:
-            hand: Who drags; one hand holds one body.
+            hand: Identifies who drags; one hand holds one body.
             body: A dynamic body.
             point_body: (3,) meters, body frame.
-            diameter: Of the body, meters.
+            diameter: The body's diameter, meters.
         """
         pose = body.pose
         pull = Pull(
@@ -115,7 +116,7 @@ class Pulls:
             self._held[hand] = pull
 
     def move(self, hand: Hashable, target_world: NDArray[np.float64]) -> None:
-        """Moves the target of a hand, (3,) meters, world frame; a hand that holds nothing is left alone."""
+        """Move the target of a hand, (3,) meters, world frame; ignore a hand that holds nothing."""
         with self._lock:
             pull = self._held.get(hand)
             if pull is not None:
@@ -125,27 +126,27 @@ class Pulls:
                 )
 
     def release(self, hand: Hashable) -> None:
-        """Lets go of what a hand holds, if anything."""
+        """Release the body that a hand holds, if any."""
         with self._lock:
             self._held.pop(hand, None)
 
     def release_all(self) -> None:
-        """Lets go of everything."""
+        """Release all bodies."""
         with self._lock:
             self._held.clear()
 
     def apply(self) -> None:
-        """Pulls during the next step; the thread that makes the step calls it."""
+        """Apply all forces for the next step; the thread that makes the step calls this."""
         for hand, pull in self._list():
             try:
                 force, point = pull.compute_force()
                 pull.body.apply_force(force, at=point)
                 pull.body.apply_torque(pull.compute_torque())
-            except SettingsError:  # the body has been removed
+            except SettingsError:  # the body was removed
                 self.release(hand)
 
     def find_lines(self) -> NDArray[np.float64]:
-        """Where each spring begins and ends, (k, 2, 3) meters, world frame."""
+        """Return both ends of each spring, (k, 2, 3) meters, world frame."""
         lines = []
         for hand, pull in self._list():
             try:
@@ -163,9 +164,9 @@ class Pulls:
 
 
 def effective_mass(body: Body, point_body: NDArray[np.float64]) -> float:
-    """The mass that a push at a point of a body meets, kilograms, averaged over all directions.
+    """Return the effective mass at a point of a body, kilograms, averaged over all directions.
 
-    A push at the center of mass meets the whole mass; elsewhere the body also turns, and resists less.
+    At the center of mass, this is the mass. Elsewhere the body also turns, and resists less.
 
     Args:
         body: A dynamic body.

@@ -1,4 +1,4 @@
-"""A world watched while it runs: what the page may do to it, and when it is shown."""
+"""Live view of a world: what the page can do to it, and when it is updated."""
 
 from __future__ import annotations
 
@@ -24,53 +24,55 @@ if TYPE_CHECKING:
     from voxshell.simulation.live_frame import LiveFrame
 
 _STILL = 0.1
-"""Seconds without a step after which the newest state is shown, whoever steps or not."""
+"""Seconds without a step after which the page is updated with the newest state."""
 
 _MOST_BEHIND = 0.2
-"""Seconds that a run may lag behind its speed; it does not hurry to make up for more."""
+"""Seconds that a run may lag behind its speed; it does not catch up more than this."""
 
 
 class Page(Protocol):
-    """Where a view is shown."""
+    """The page that shows a view."""
 
     @property
     def address(self) -> str:
-        """For a browser on this machine."""
+        """The address for a browser on this machine."""
         ...
 
     def show(self, frame: LiveFrame, *, last: bool) -> None:
-        """Shows a state of the world; one thread at a time calls it.
+        """Show a state of the world; only one thread at a time calls this.
 
         Args:
             frame: The state.
-            last: Whether none may follow for long: then all of the page must be brought up to date.
+            last: True if no other state may follow for long, so that all of the page must be
+                updated now.
         """
         ...
 
     def close(self) -> None:
-        """Ends the page."""
+        """Close the page."""
         ...
 
 
 class LiveView:
     """A page that follows a world while it steps; made by :meth:`voxshell.World.view`.
 
-    The thread that calls :meth:`World.step` does three things for a view. Before a step it waits while the view is
-    paused, and pulls at bodies that are dragged. After a step it reads the world, at most ``frames_per_second`` times a
-    second and only while a page is open. Another thread sends what was read. Nothing else touches the world, and
-    reading does not change it.
+    The thread that calls :meth:`World.step` does three things for a view. Before a step it waits
+    while the view is paused, and pulls at bodies that are dragged. After a step it reads the world,
+    at most ``frames_per_second`` times per second and only while a page is open. Another thread
+    sends the data. Nothing else touches the world, and reading does not change it.
 
-    Pause: ``World.step`` blocks until the view is resumed or closed, also in the middle of ``step(1000)``. Ctrl-C ends
-    the wait as it ends a run. When the last page is closed, a paused run goes on. A view that was made with
-    ``paused=True`` waits for its first page.
+    Pause: ``World.step`` blocks until the view is resumed or closed, even in the middle of
+        ``step(1000)``. Ctrl-C ends the wait just as it ends a run. When the last page is closed, a
+        paused run continues. A view that was made with ``paused=True`` waits for its first page.
 
-    Drag: a spring pulls the grabbed point towards the pointer, in the plane through that point that faces the camera.
-    It is critically damped, and scaled with the body's effective mass at that point, so that light and heavy bodies
-    follow alike. A body that hangs on the spring sinks by about 2 % of its diameter, or more where the time step is
-    long. Beyond one diameter of stretch the force no longer grows. While a body is held, its rotation decays at 2/s.
-    Static and kinematic bodies cannot be dragged.
+    Drag: a spring pulls the grabbed point toward the pointer, in the plane through that point that
+        faces the camera. The spring is critically damped and scaled with the body's effective mass
+        at that point, so that light and heavy bodies follow alike. A body that hangs on the spring
+        sags by about 2 % of its diameter, or more if the time step is long. The force does not grow
+        beyond a stretch of one diameter. While a body is held, its rotation decays at 2/s. Static
+        and kinematic bodies cannot be dragged.
 
-    All methods may be called from any thread.
+    Any thread may call any method.
     """
 
     def __init__(
@@ -84,7 +86,7 @@ class LiveView:
         speed: float | None = None,
         paused: bool = False,
     ) -> None:
-        # Not the world: it refers to its view, and memory would stay until a collection.
+        # Do not store the world: it refers to its view, and the cycle would delay freeing memory.
         self._simulation, self._bodies = simulation, bodies
         self._gravity, self._time_step = gravity, time_step
         self._pause_between = 1.0 / as_positive(frames_per_second, "frames_per_second")
@@ -104,7 +106,7 @@ class LiveView:
         self._thread: threading.Thread | None = None
 
     def open(self, make_page: Callable[[], Page]) -> None:
-        """Begins to show the world; :meth:`World.view` calls it.
+        """Start to show the world; :meth:`World.view` calls this.
 
         Args:
             make_page: Makes the page.
@@ -118,36 +120,36 @@ class LiveView:
 
     @property
     def address(self) -> str:
-        """Of the page, for a browser on this machine; it holds a secret."""
+        """The page's address for a browser on this machine; it contains a secret."""
         assert self._page is not None
         return self._page.address
 
     @property
     def is_open(self) -> bool:
-        """Whether the page is served: True until :meth:`close`."""
+        """True until :meth:`close`: the page is served."""
         return not self._closed
 
     @property
     def page_count(self) -> int:
-        """Browsers that show the page now."""
+        """Number of browsers that show the page now."""
         return self._pages
 
     @property
     def frame_count(self) -> int:
-        """States of the world that were shown so far."""
+        """Number of states shown so far."""
         return self._shown
 
     @property
     def paused(self) -> bool:
-        """Whether :meth:`World.step` waits."""
+        """True while :meth:`World.step` waits."""
         return self._paused
 
     @property
     def speed(self) -> float | None:
-        """Simulated seconds in a second at most while a page is open; None: as fast as the machine can. Settable.
+        """Limit of simulated seconds per second while a page is open, or None. Settable.
 
         Raises:
-            SettingsError: It is set to anything but None or a number above 0.
+            SettingsError: The new value is neither None nor a number above 0.
         """
         return self._speed
 
@@ -158,35 +160,35 @@ class LiveView:
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """Of the world, (3,) m/s2, world frame, read-only."""
+        """The world's gravity, (3,) m/s2, world frame, read-only."""
         return self._gravity
 
     @property
     def pulls(self) -> Pulls:
-        """What is dragged; the page fills it."""
+        """The pulls on dragged bodies; the page fills it."""
         return self._pulls
 
     def pause(self) -> None:
-        """Lets :meth:`World.step` wait before its next step, until :meth:`resume`, :meth:`close` or Ctrl-C."""
+        """Make :meth:`World.step` wait until :meth:`resume`, :meth:`close` or Ctrl-C."""
         with self._gate:
             self._paused, self._steps_allowed = True, 0
         self._refresh()
 
     def resume(self) -> None:
-        """Ends a pause."""
+        """End a pause."""
         with self._gate:
             self._paused, self._start = False, None
             self._gate.notify_all()
         self._refresh()
 
     def allow_step(self) -> None:
-        """Lets a paused run make one step."""
+        """Let a paused run make one step."""
         with self._gate:
             self._steps_allowed += 1
             self._gate.notify_all()
 
     def close(self) -> None:
-        """Ends the page and any pause; the world goes on. Closing twice does nothing."""
+        """Close the page and end any pause; the world continues. A second call does nothing."""
         with self._gate:
             if self._closed:
                 return
@@ -201,7 +203,7 @@ class LiveView:
             self._page.close()
 
     def before_step(self) -> None:
-        """Waits while paused, and pulls at what is dragged; the world calls it."""
+        """Wait while paused, and pull at dragged bodies; the world calls this."""
         if self._paused:
             with self._gate:
                 while self._paused and self._steps_allowed == 0 and not self._closed:
@@ -211,7 +213,7 @@ class LiveView:
             self._pulls.apply()
 
     def after_step(self) -> None:
-        """Reads the world if it is time to, and waits for the view's speed; the world calls it."""
+        """Read the world if an update is due, and wait for the view's speed; the world calls it."""
         self._has_unseen = True
         if self._pages == 0 or self._closed:
             return
@@ -226,7 +228,7 @@ class LiveView:
             self._wait_for_speed(self._speed)
 
     def count_pages(self, change: int) -> None:
-        """Notes that browsers have come or gone; the page calls it."""
+        """Count browsers that open or close the page; the page calls this."""
         with self._news:
             self._pages += change
         self._refresh()
@@ -248,7 +250,7 @@ class LiveView:
         return f"LiveView({self.address if self.is_open else 'closed'})"
 
     def _repr_html_(self) -> str:
-        """The page inside a notebook, whose browser must run on this machine."""
+        """Return the page for a notebook whose browser runs on this machine."""
         if not self.is_open:
             return "<p>This view is closed.</p>"
         address = html.escape(self.address)
@@ -258,7 +260,7 @@ class LiveView:
         )
 
     def _refresh(self) -> None:
-        """Lets the page be brought up to date although nobody may step."""
+        """Allow an update of the page although no step may follow."""
         with self._news:
             self._has_unseen = True
             self._news.notify_all()
@@ -268,7 +270,7 @@ class LiveView:
         return take_frame(self._simulation, self._bodies, self._gravity, self._time_step)
 
     def _send(self) -> None:
-        """Shows what was read, in a thread of its own; where nobody steps, reads for itself."""
+        """Show the states in a separate thread, which reads the world itself if no step is made."""
         assert self._page is not None
         while not self._closed:
             with self._news:
@@ -288,6 +290,6 @@ class LiveView:
             self._start = (now, simulated)
         ahead = self._start[0] + (simulated - self._start[1]) / speed - now
         if not -_MOST_BEHIND < ahead < _MOST_BEHIND + 2.0 * self._time_step / speed:
-            self._start = None  # a slow stretch, or steps that no page was open for
+            self._start = None  # a slow stretch, or steps without an open page
         elif ahead > 0.0:
             time.sleep(ahead)

@@ -1,4 +1,4 @@
-"""Materials: how bodies rub against what they touch, and rebound from it."""
+"""Materials: friction and restitution."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from voxshell.errors import InputTypeError
 
 @dataclass(frozen=True)
 class Material:
-    """How a body rubs against what it touches, and rebounds from it; many bodies may share one.
+    """Friction and restitution of a body; many bodies may share one material.
 
     Args:
-        friction: Coulomb coefficient; Bullet multiplies those of the two bodies.
-        restitution: 0 to 1; Bullet multiplies those of the two bodies.
-        rolling_friction: Lever of the torque that resists rolling, meters; see
+        friction: Coulomb's coefficient; Bullet multiplies those of both bodies.
+        restitution: 0 to 1; Bullet multiplies those of both bodies.
+        rolling_friction: Lever arm of the torque that resists rolling, meters; see
             :attr:`Body.rolling_friction`.
-        spinning_friction: The same for spinning about the contact's normal; Bullet applies it only
-            beside rolling friction.
+        spinning_friction: Lever arm of the torque that resists spinning about the contact's normal,
+            meters. Bullet applies it only together with rolling friction.
 
     Raises:
         SettingsError: A number is out of range.
@@ -47,10 +47,10 @@ class Material:
 
 
 def as_material(material: Material, **given: float | None) -> Material:
-    """A material in which those properties that are given are replaced.
+    """Return a copy of a material with some properties replaced.
 
     Raises:
-        InputTypeError: ``material`` is of another type.
+        InputTypeError: ``material`` has another type.
         SettingsError: A number is out of range.
     """
     if not isinstance(material, Material):

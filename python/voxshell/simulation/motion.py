@@ -1,4 +1,4 @@
-"""Who moves a body: forces, nobody or the user; and what each kind of body may have."""
+"""Motion of a body (by forces, none, or by the user), with the mass and surface it permits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from voxshell.base.arguments import as_not_negative
 from voxshell.errors import SettingsError
 
 Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
-"""Who moves a body: forces, nobody, or the user, pose by pose."""
+"""What moves a body: forces, nothing, or the user, who sets its poses."""
 
 MOTIONS: dict[Motion, _bullet.Motion] = {
     "dynamic": _bullet.Motion.DYNAMIC,
@@ -19,7 +19,7 @@ MOTIONS: dict[Motion, _bullet.Motion] = {
 
 
 def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motion]:
-    """Kilograms, 0 of what forces do not move, and who moves a body; by its mass, if nobody says."""
+    """Return mass, kilograms, 0 unless dynamic, and motion; the mass decides it by default."""
     kilograms = as_not_negative(mass, "mass")
     if motion is None:
         motion = "dynamic" if kilograms > 0.0 else "static"
@@ -33,7 +33,7 @@ def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motio
 
 
 def check_surface(motion: Motion, name: str, moves_surfaces: bool) -> None:
-    """Whether a body's surface can move while the body stays.
+    """Check that a body's surface can move while the body stays.
 
     Raises:
         SettingsError: It cannot.

@@ -1,4 +1,4 @@
-"""Pairs of models that may meet in a world: each is judged once, before the first step in which it may."""
+"""Finds pairs of models that may meet, to judge each once before the first step where it may."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 
 class PairWatch:
-    """Remembers which pairs of models were judged, and which bodies are new since."""
+    """The pairs of models that were judged, and the bodies that were added since."""
 
     def __init__(self) -> None:
-        # Bodies ever added, by the model's serial and whether they may move.
+        # Number of bodies ever added, by the model's serial number and whether they can move.
         self._known: Counter[tuple[int, bool]] = Counter()
-        self._new: set[Model] = set()  # that may meet others than before the last step
-        self._judged: set[frozenset[int]] = set()  # pairs of serials; one of a model with itself
+        self._new: set[Model] = set()  # models that may meet others than before the last step
+        self._judged: set[frozenset[int]] = set()  # pairs of serials, or one if both are the same
 
     def note(self, body: Body) -> None:
-        """Takes in a body that was added to the world."""
+        """Register a body that was added to the world."""
         for model in set(_models_of(body.shape)):
             key = (model._serial, body.motion != "static")
             self._known[key] += 1
@@ -34,7 +34,7 @@ class PairWatch:
                 self._new.add(model)
 
     def judge(self, bodies: Iterable[Body]) -> None:
-        """Warns of pairs of models that may meet, once a pair, where they may miss contacts."""
+        """Warn once per pair of models that may meet and may miss contacts."""
         if not self._new:
             return
         new, self._new = self._new, set()

@@ -1,4 +1,4 @@
-"""What bodies and joints have in common: they belong to a world until they are taken out of it."""
+"""The base of bodies and joints, which belong to a world until they are removed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class WorldPart:
     """A body or a joint of a :class:`World`.
 
     Attributes:
-        name: For people.
+        name: A name for people.
     """
 
     __slots__ = ("_world", "name")
@@ -25,7 +25,7 @@ class WorldPart:
 
     @property
     def removed(self) -> bool:
-        """Whether it has been taken out of its world."""
+        """True after it was removed from its world."""
         return self._world is None
 
     @property
@@ -40,6 +40,6 @@ class WorldPart:
 
 
 def check_own(part: WorldPart, simulation: _bullet.Simulation) -> None:
-    """Refuses what is of another world or of none."""
+    """Refuse a body or joint of another world, or one that was removed."""
     if part._simulation is not simulation:
-        raise SettingsError(f"{part._title} is of another world")
+        raise SettingsError(f"{part._title} belongs to another world")

@@ -1,4 +1,4 @@
-"""Taking down what a world does."""
+"""Recording of a world's motion and contacts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 
-    Bodies must be added before the recording begins; those that are removed stay where they were.
+    Add bodies before the recording begins. In the recording, removed bodies stay at their last
+    pose.
     """
 
     def __init__(
@@ -34,7 +35,8 @@ class Recorder:
         bodies: tuple[Body, ...],
         every: int,
     ) -> None:
-        # Not the world: it refers to its recorders, and memory would stay until a collection.
+        # Do not store the world: it refers to its recorders, and the cycle would delay freeing
+        # memory.
         self._simulation = simulation
         self._time_step = time_step
         self._bodies = bodies
@@ -45,17 +47,17 @@ class Recorder:
         self._take_frame()
 
     def take(self) -> None:
-        """Notes one step; the world calls it."""
+        """Record one step; the world calls this."""
         self._steps += 1
         if self._steps % self._every == 0:
             self._take_frame()
 
     def recording(self, *, colors: Mapping[Body, tuple[int, int, int]] | None = None) -> Recording:
-        """What has been recorded so far, as plain data.
+        """Return what has been recorded so far as plain data.
 
         Args:
             colors: Red, green and blue, 0 to 255, of bodies, as in :attr:`Robot.colors`; the viewer
-                chooses those of the others.
+                chooses the other colors.
 
         Raises:
             RecordingError: The world had no body when the recording began.
@@ -80,10 +82,11 @@ class Recorder:
         colors: Mapping[Body, tuple[int, int, int]] | None = None,
         **options: Any,
     ) -> Path:
-        """Writes the recording so far as one offline page; see :meth:`Recording.save_html`.
+        """Write the recording so far as one offline page; see :meth:`Recording.save_html`.
 
         Args:
-            path: Of the page.
+            path: The page's path.
+            colors: As for :meth:`recording`.
             colors: As for :meth:`recording`.
             options: As for :meth:`Recording.save_html`.
         """
@@ -96,7 +99,7 @@ class Recorder:
         self._contacts.append(as_contacts(self._simulation.contacts()))
 
     def _pose_of(self, index: int) -> NDArray[np.float64]:
-        """Of bodies that have been removed, where they were last."""
+        """Return a body's pose; of a removed body the last one."""
         body = self._bodies[index]
         return self._poses[-1][index] if body.removed else body.pose
 

@@ -1,4 +1,4 @@
-"""States of a world, to go back to."""
+"""Saved states of a world."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 class WorldState:
-    """What :meth:`World.save_state` took down, for :meth:`World.restore_state`.
+    """A state that :meth:`World.save_state` saved, for :meth:`World.restore_state`.
 
-    It is for the world that it was taken from, with the bodies and joints that there were.
+    It fits only the world that it was saved from, with the same bodies and joints.
     """
 
     __slots__ = ("_bodies", "_joints", "_simulation", "_state")
@@ -41,16 +41,16 @@ def check_same(
     joints: tuple[Joint, ...],
     state: WorldState,
 ) -> None:
-    """Checks that a simulation with these bodies and joints can go back to a state.
+    """Check that a simulation with these bodies and joints can return to a state.
 
     Raises:
-        InputTypeError: ``state`` is no state.
-        SettingsError: It is of another world, or bodies or joints were added or removed since.
+        InputTypeError: ``state`` is not a state.
+        SettingsError: It belongs to another world, or bodies or joints were added or removed since.
     """
     if not isinstance(state, WorldState):
-        raise InputTypeError(f"state must be of World.save_state(), not {type(state).__name__}")
+        raise InputTypeError(f"state must come from World.save_state(), not {type(state).__name__}")
     if state._simulation is not simulation:
-        raise SettingsError("the state is of another world")
+        raise SettingsError("the state belongs to another world")
     for what, then, now in (
         ("bodies", state._bodies, bodies),
         ("joints", state._joints, joints),
@@ -59,6 +59,6 @@ def check_same(
         gone = [it.name for it in then if it not in now]
         if added or gone:
             raise SettingsError(
-                f"the world has other {what} than the state: {len(added)} added {added}, "
+                f"the world's {what} differ from those of the state: {len(added)} added {added}, "
                 f"{len(gone)} removed {gone} since it was saved"
             )

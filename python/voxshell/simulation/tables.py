@@ -1,4 +1,4 @@
-"""Structured arrays that a world answers with, out of the rows of numbers that Bullet's side gives."""
+"""Conversion of the bindings' rows of numbers to structured arrays."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ TIMINGS_DTYPE = np.dtype(
 
 
 def as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
-    """(n,) of CONTACT_DTYPE from (n, 14)."""
+    """Return (n,) of CONTACT_DTYPE from (n, 14)."""
     return _as_table(rows, CONTACT_DTYPE)
 
 
 def as_hits(rows: NDArray[np.float64]) -> NDArray[np.void]:
-    """(n,) of RAY_DTYPE from (n, 8)."""
+    """Return (n,) of RAY_DTYPE from (n, 8)."""
     return _as_table(rows, RAY_DTYPE)
 
 
 def as_timings(rows: NDArray[np.float64]) -> NDArray[np.void]:
-    """(n,) of TIMINGS_DTYPE from (n, 5), without a copy."""
+    """Return (n,) of TIMINGS_DTYPE from (n, 5), without a copy."""
     return rows.view(TIMINGS_DTYPE)[:, 0]
 
 
 def _as_table(rows: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[np.void]:
-    """Columns in the order of the fields, three for a vector."""
+    """Assign columns to fields in order, three columns to a vector."""
     table = np.empty(len(rows), dtype)
     column = 0
     for name in dtype.names or ():

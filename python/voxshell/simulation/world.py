@@ -1,4 +1,4 @@
-"""Simulation in stock Bullet: bodies of models, analytic shapes and Bullet's own, and their joints."""
+"""Simulation in stock Bullet: worlds with bodies and joints."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 BULLET_VERSION = f"{_bullet.bullet_version / 100:.2f}, double precision"
-"""Of the library that simulates."""
+"""Version of the Bullet library in use."""
 
 _CONTACT_MODES = {
     "auto": _bullet.ContactMode.AUTO,
@@ -53,66 +53,66 @@ _MOST_ITERATIONS = 1_000_000
 class World(ViewedWorld):
     """A world of stock Bullet (double precision) in which models collide.
 
-    Bodies that turn freely keep their angular momentum and energy.
+    Freely rotating bodies keep their angular momentum and energy.
 
-    Threads may share a world. Each call waits for its turn, :meth:`step` gives way to others between
-    steps, and what a thread reads is how things stand between two steps. A body that another thread
-    has removed is a :class:`SettingsError`. Callbacks of :meth:`step` hold no turn and may use the world.
+    Threads may share a world. Calls run one at a time, :meth:`step` lets other calls run between
+    steps, and every call sees the state between two steps. Using a body that another thread has
+    removed raises :class:`SettingsError`. Callbacks of :meth:`step` may use the world.
 
     Args:
         gravity: (3,), m/s2, world frame.
-        time_step: Seconds a step.
+        time_step: Seconds per step.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
-            those that span the largest area, four at most; "segmented": the deepest of each cluster
-            of the point-sphere tree at ``level``, or up to four of each where a body lies still on
-            few; "auto": what rests most calmly, now segmented with up to four points each on few,
-            moving or not.
-        shell: Whose points of two models are tested. "auto": those of the model with which least can
-            be missed, or both models' where neither is enough alone; "fewest": those of the model with
-            fewer points, as the thesis has it.
-        level: The level, 1 to 12, for segmented contacts; 4 by default, up to 64 clusters, and for
-            "auto" 5 in steps in which bodies are fast.
-        margin: How near slow points count as contacts, metres; a thousandth of the smaller body's
-            diameter by default, but no more than a 20th of either one's thickness. Without it, resting bodies rock.
-        ccd_motion_threshold: A pair of bodies that moves farther than this in a step, metres, gets
-            continuous collision detection (CCD): points that will touch within the step are
-            speculative contacts, so that nothing tunnels. By default two fifths of a model's
-            thickness or a 50th of its longest side, or a quarter of the inner radius of a box, ball
-            or hull, whichever is least. Infinity: no CCD, as in the thesis.
-        sleeping: Whether bodies at rest are put to sleep.
-        split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, metres. At 0, its value
-            here, penetration is resolved without adding velocity, which models need to rebound
-            truly; -0.04 is Bullet's own default.
-        solver: The solver of constraints. "coulomb" is Bullet's sequential impulse solver with
-            Coulomb's friction, the same in every direction. The others are Bullet's own, under which
-            bodies with many contact points slide with too much friction: "sequential_impulse" is
-            Bullet's default; "nncg" follows conjugate gradients, takes no joints, and may diverge;
-            "dantzig" solves all of an island's constraints as one problem, exactly, in a time that
-            grows with the cube of their number; "projected_gauss_seidel" solves that problem step by
-            step.
-        iterations: Of the solver a step, at least 1; exactly as many as given. By default "coulomb"
-            does 10 and, where bodies that touch are not solved by then, as with heavy bodies on light
-            ones, goes on with Newton's method until they are; the others do 50, pybullet's default, and in longer
-            steps as many for each 30th of a second. "dantzig" does without.
-        friction_directions: Along which each contact resists sliding: 2 fixed ones, or 1, that in which
-            it slides, as is Bullet's default. With 1, gripped bodies creep; convex hulls of few
-            vertices rest sooner.
-        threads: How many look for the contacts of models, up to 1024; one a core by default. A few
-            pairs of bodies are left to one thread. The result is the same.
+            those that span the largest area, at most four. "segmented": the deepest of each cluster
+            of the point-sphere tree at ``level``, or up to four of each if a body rests on few.
+            "auto": the mode in which bodies rest best, at present segmented with up to four points
+            each on few clusters, whether bodies move or not.
+        shell: The model of a pair whose points are tested. "auto": the model whose shell misses
+            less, or both if neither is sufficient alone. "fewest": the model with fewer points, as
+            in the thesis.
+        level: Level of segmented contacts, 1 to 12. The default is 4, which is up to 64 clusters;
+            "auto" uses 5 in steps with fast bodies.
+        margin: Distance within which slow points count as contacts, meters. The default is a
+            thousandth of the smaller body's diameter, but at most a 20th of either body's
+            thickness. Without a margin, resting bodies rock.
+        ccd_motion_threshold: Displacement in a step from which a pair of bodies gets continuous
+            collision detection (CCD), meters. Points that will touch within the step become
+            speculative contacts, so that nothing tunnels. The default is the smallest of two fifths
+            of a model's thickness, a 50th of its longest side, and a quarter of the inner radius of
+            a box, ball or hull. Infinity turns CCD off, as in the thesis.
+        sleeping: Put bodies to sleep that have hardly moved for two seconds.
+        split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, meters. The default 0
+            resolves penetration without adding velocity, which models need for correct rebounds.
+            Bullet's own default is -0.04.
+        solver: The constraint solver. "coulomb" is Bullet's sequential impulse solver with
+            Coulomb's friction, equal in every direction. The others are Bullet's own; with them,
+            bodies with many contact points have too much friction. "sequential_impulse" is Bullet's
+            default. "nncg" uses conjugate gradients, supports no joints, and may diverge. "dantzig"
+            solves all constraints of an island exactly, as one problem, in a time that grows with
+            the cube of their number. "projected_gauss_seidel" solves that problem iteratively.
+        iterations: Iterations of the solver per step, at least 1. By default "coulomb" makes 10. If
+            the contacts are not solved by then, as with heavy bodies on light ones, it continues
+            with Newton's method until they are. The others make 50, pybullet's default, and
+            proportionally more in steps longer than a 30th of a second. "dantzig" needs none.
+        friction_directions: Number of directions in which each contact resists sliding: 2 fixed
+            ones, or 1, the direction of sliding, which is Bullet's default. With 1, gripped bodies
+            creep, but convex hulls of few vertices come to rest sooner.
+        threads: Number of threads that find contacts of models, up to 1024; one per CPU core by
+            default. Few pairs of bodies use only one thread. The number does not affect the result.
 
     Raises:
         SettingsError: A setting is out of range.
 
     Attributes:
-        bodies: Its bodies, in the order in which they were added.
+        bodies: Its bodies, in the order of addition.
         joints: Its joints, likewise.
-        time_step: Seconds a step.
+        time_step: Seconds per step.
 
     Warns:
-        AccuracyWarning: At the first step with them, where a pair of models may miss contacts that are
-            deep beside the smaller model's thickness; and, once a body, where one turns by more than
-            an eighth of a turn in a step, or moves so far in one that Bullet takes it out of the
-            simulation.
+        AccuracyWarning: A pair of models may miss contacts that are deep compared with the smaller
+            model's thickness; warned at the first step with the pair. Or a body turns by more than
+            an eighth of a turn in a step, or moves so far in a step that Bullet stops simulating
+            it; warned once per body. simulation.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -200,7 +200,7 @@ class World(ViewedWorld):
         )
 
     def _fixed_iterations(self) -> int:
-        """Those of solvers that do not find out how many they need."""
+        """Return the number of iterations for solvers that do not choose it themselves."""
         return max(50, min(round(1500.0 * self.time_step), _MOST_ITERATIONS))
 
     def step(
@@ -210,18 +210,18 @@ class World(ViewedWorld):
         *,
         before: Callable[[World], object] | None = None,
     ) -> None:
-        """Advances by ``n`` time steps. Ctrl-C stops it after the step that is under way.
+        """Advance by ``n`` time steps. Ctrl-C stops the run after the current step.
 
         Args:
-            n: How many.
-            callback: Called after each step; what it returns does not matter, what it raises ends
-                the run.
-            before: The same before each step: the place for forces, targets and kinematic poses.
+            n: Number of steps.
+            callback: Called after each step. Its return value is ignored; an exception ends the
+                run.
+            before: Likewise, called before each step. Set forces, targets and kinematic poses here.
 
         Raises:
             SettingsError: ``n`` is below 0.
-            SimulationError: A body's pose or velocity is no longer finite. The world keeps the state
-                that the failed step left.
+            SimulationError: A body's pose or velocity is no longer finite. The world keeps the
+                state of the failed step.
         """
         count = as_integer(n, "n", 0, 2**31 - 1)
         if self._pairs is not None:
@@ -247,9 +247,9 @@ class World(ViewedWorld):
 
     @property
     def time(self) -> float:
-        """Simulated seconds since the world was made: steps times ``time_step``.
+        """Simulated seconds since the world was made: number of steps times ``time_step``.
 
-        :meth:`restore_state` sets it back to the time of the state.
+        :meth:`restore_state` resets it to the time of the state.
 
         Example:
             >>> import voxshell as vx
@@ -280,19 +280,20 @@ class World(ViewedWorld):
         )
 
     def save_state(self) -> WorldState:
-        """Takes down all that moves, for :meth:`restore_state`.
+        """Save everything that moves, for :meth:`restore_state`.
 
-        That is: poses, velocities, forces not yet spent, who sleeps and since when; contacts with the
-        impulses that the solver begins with; motors and turns of joints; frictions, restitution,
-        damping, groups and pairs set apart. Bodies and joints are not in it: they must be the same at
+        The state contains poses, velocities, pending forces and sleep; contacts with their cached
+        impulses; motors and turns of joints; friction, restitution, damping, groups and pairs that
+        do not collide. It does not contain bodies and joints themselves: they must be the same at
         :meth:`restore_state`.
 
-        After both calls the same steps give the same bits: both lay Bullet's caches (its tree of
-        bounds, pairs, contact points) anew from the state alone. This means that a run in which a
-        state was saved differs by rounding errors from one without: what a body at rest has learned
-        of the place that it lies on is learned again.
+        After both calls, the same steps give the same bits, because both calls rebuild Bullet's
+        caches (its tree of bounds, pairs, contact points) from the state alone. A run in which a
+        state was saved therefore differs by rounding errors from a run without: resting bodies lose
+        cached data about their contacts.
 
         Returns:
+            The state; it fits only this world.
             The state; for this world alone.
 
         Example:
@@ -311,19 +312,20 @@ class World(ViewedWorld):
         return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints))
 
     def restore_state(self, state: WorldState) -> None:
-        """Goes back to a state of :meth:`save_state`, as often as one likes.
+        """Return to a state of :meth:`save_state`; this can be repeated.
 
-        Recorders and timings go on; they do not go back.
+        Recorders and timings continue; they do not go back.
 
         Raises:
-            InputTypeError: ``state`` is no state.
-            SettingsError: It is of another world, or bodies or joints were added or removed since.
+            InputTypeError: ``state`` is not a state.
+            SettingsError: It belongs to another world, or bodies or joints were added or removed
+                since.
         """
         check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
         self._simulation.restore(state._state)
 
     def record(self, *, every: int = 1) -> Recorder:
-        """Starts to record poses and contacts, now and after every ``every`` steps.
+        """Start to record poses and contacts, now and after every ``every`` steps.
 
         Example:
             >>> import voxshell as vx
@@ -345,5 +347,5 @@ class World(ViewedWorld):
 
 
 def _as_reach(value: float) -> float:
-    """A length of at least 0, or infinity, metres."""
+    """Return a length of at least 0, or infinity, meters."""
     return math.inf if value == math.inf else as_not_negative(value, "ccd_motion_threshold")

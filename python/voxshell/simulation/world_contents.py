@@ -1,4 +1,4 @@
-"""What is in a world: its bodies and joints, added and taken out."""
+"""Bodies and joints of a world: adding and removing them."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ class WorldContents:
     """The bodies and joints of a world.
 
     Attributes:
-        bodies: In the order in which they were added.
-        joints: The same.
+        bodies: The bodies in the order of addition.
+        joints: The joints, likewise.
     """
 
     def __init__(
@@ -73,55 +73,57 @@ class WorldContents:
         group: int = 1,
         mask: int = 2**31 - 1,
     ) -> Body:
-        """Adds a body: a shape with a place, a mass, a material, a motion, and groups that it meets.
+        """Add a body: a shape with a pose, a mass, a material, a motion, and groups.
 
-        Only the shape is needed. All but shape, mass, inertia and motion can be changed later: they are
-        properties of the body.
+        Only the shape is required. All settings except shape, mass, inertia and motion are
+        properties of the body, and can be changed later.
 
         Args:
-            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison. A
-                mesh, as a ``trimesh.Trimesh`` or the path of a file, becomes a model as
-                :meth:`Model.from_mesh` builds it by default, in meters, and is cached; the path of a model
-                file (``.vxs``) is loaded.
-            pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity by
-                default.
-            name: For people; "body" and its number by default.
+            shape: A model, an analytic shape, a compound, or one of Bullet's shapes for comparison.
+                A mesh, as a ``trimesh.Trimesh`` or the path of a file, becomes a model with the
+                defaults of :meth:`Model.from_mesh`, in meters, and is cached. The path of a model
+                file (``.vxs``) loads that model.
+            pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity
+                by default.
+            name: A name for people; "body" and its number by default.
             mass: **Mass**: kilograms; 0 makes the body static.
-            inertia: Of the uniform solid, of a thin skin on the surface, or given: then its mass is
-                replaced by ``mass``.
-            material: **Material**: friction and restitution as one value, which bodies can share; by
-                default friction is 0.5 and the rest is 0.
+            inertia: "solid" for uniform density, "surface" for a thin skin on the surface, or mass
+                properties, whose mass ``mass`` replaces.
+            material: **Material**: friction and restitution as one value, which bodies can share.
+                By default friction is 0.5, and the other properties are 0.
             friction: Replaces :attr:`Material.friction`.
             restitution: Replaces :attr:`Material.restitution`.
             rolling_friction: Replaces :attr:`Material.rolling_friction`.
             spinning_friction: Replaces :attr:`Material.spinning_friction`.
-            motion: **Motion**: "dynamic", moved by forces; "static", by nobody; "kinematic", by the user,
-                who sets its pose before each step. By default the mass decides between the first two.
-                The last two need no mass.
-            surface_velocity: Of a kinematic body's surface, (3,), m/s, body frame: the body stays, and
-                friction takes along what touches it; see :attr:`Body.surface_velocity`.
-            linear_damping: Share of the velocity that is lost in a second, 0 to 1.
-            angular_damping: The same of the angular velocity.
-            group: **Groups**: bits of the groups that the body is in.
-            mask: Bits of the groups that it meets. Two bodies meet if each one's group has a bit of
-                the other's mask; see also :meth:`set_collision`.
+            motion: **Motion**: "dynamic": forces move the body. "static": nothing moves it.
+                "kinematic": the user sets its pose before each step. By default, bodies with a mass
+                are dynamic and others are static. Static and kinematic bodies need no mass.
+            surface_velocity: Velocity of a kinematic body's surface, (3,), m/s, body frame. The
+                body stays, and friction moves what touches it; see :attr:`Body.surface_velocity`.
+            linear_damping: Fraction of the velocity that is lost in a second, 0 to 1.
+            angular_damping: Fraction of the angular velocity that is lost in a second, 0 to 1.
+            group: **Groups**: bit mask of the groups that the body is in.
+            mask: Bit mask of the groups that the body collides with. Two bodies collide if each
+                one's group has a bit of the other's mask; see also :meth:`set_collision`.
 
         Returns:
             The body.
 
         Raises:
-            MeshError: A mesh cannot be read or made into a model: see :meth:`Model.from_mesh`.
-            ModelFileError: A model file is damaged or of another version.
+            MeshError: A mesh cannot be read, or no model can be built from it: see
+                :meth:`Model.from_mesh`.
+            ModelFileError: A model file is damaged or has another version.
             FileAccessError: A model file cannot be read.
-            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` or ``material`` is of another
-                type.
-            SettingsError: A number is out of range, a plane is to move, or ``surface_velocity`` is not
-                0 and the body is not kinematic, the solver is not "coulomb", or
-                ``friction_directions`` is 1.
-            PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
+            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` or ``material`` has an
+                unsupported type.
+            SettingsError: A number is out of range, or a plane is not static. Or
+                ``surface_velocity`` is not 0, and the body is not kinematic, the solver is not
+                "coulomb", or ``friction_directions`` is 1.
+            PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not
+                finite.
 
         Example:
-            A kinematic plate carries what lies on it, one metre a second:
+            A kinematic plate carries what lies on it, one meter a second:
 
             >>> import numpy as np
             >>> import voxshell as vx
@@ -140,7 +142,7 @@ class WorldContents:
         label = "the body" if name is None else repr(name)
         check_mass(kilograms, label)
         if isinstance(shape, Plane) and motion != "static":
-            raise SettingsError("a plane has no end and cannot move: pass mass=0")
+            raise SettingsError("a plane is unbounded and cannot move: pass mass=0")
         properties = make_properties(
             as_material(
                 Material() if material is None else material,
@@ -192,13 +194,13 @@ class WorldContents:
         return body
 
     def remove(self, what: Body | Joint) -> None:
-        """Takes a body, with the joints that hold it, or a joint out of the world.
+        """Remove a body and the joints that hold it, or remove a joint.
 
-        Everything else stays as it is, numbers included; what was held or carried wakes.
+        Everything else stays as it is, including numbers. Bodies that it held or carried wake up.
 
         Raises:
-            InputTypeError: ``what`` is neither.
-            SettingsError: It is of another world, or has been removed before.
+            InputTypeError: ``what`` is neither a body nor a joint.
+            SettingsError: It belongs to another world, or has been removed before.
 
         Example:
             >>> import voxshell as vx
@@ -233,31 +235,33 @@ class WorldContents:
         collide: bool = False,
         name: str | None = None,
     ) -> Joint:
-        """Holds two bodies together, or one to the world.
+        """Join two bodies, or a body and the world.
 
-        A joint has a frame in each of its bodies, which coincide at position 0. It is at the child's
-        origin where nothing else is said, and at position 0 as the bodies stand now.
+        A joint has a frame in each of its bodies. The frames coincide at position 0. By default the
+        joint is at the child's origin, and its present position is 0.
 
         Args:
-            joint: What it leaves free: :class:`FixedJoint`, :class:`HingeJoint`, :class:`SliderJoint`
+            joint: The kind of joint: :class:`FixedJoint`, :class:`HingeJoint`, :class:`SliderJoint`
                 or :class:`PointJoint`.
             parent: A body, or None for the world.
-            child: Another body. One of the two must be dynamic.
-            parent_from_joint: (4, 4) pose of the joint in the parent's frame, that of its mesh. Given
-                alone, it says how far the joint is from position 0 now.
-            child_from_joint: (4, 4) pose of the joint in the child's frame; the identity by default.
-            world_from_joint: (4, 4) pose of the joint now, instead of the two above.
-            collide: Whether the two bodies collide with each other.
-            name: For people; "joint" and its number by default.
+            child: Another body. At least one of the two must be dynamic.
+            parent_from_joint: (4, 4) pose of the joint in the parent's frame, which is that of its
+                mesh. If it is given without ``child_from_joint``, it determines the present
+                position of the joint.
+            child_from_joint: (4, 4) pose of the joint in the child's frame; the identity by
+                default.
+            world_from_joint: Alternative to both: (4, 4) present pose of the joint in the world.
+            collide: Let the two bodies collide with each other.
+            name: A name for people; "joint" and its number by default.
 
         Returns:
-            The joint, to read and to drive.
+            The joint.
 
         Raises:
-            InputTypeError: ``joint``, ``parent`` or ``child`` is of a wrong type.
-            SettingsError: A body is of another world or has been removed, both are the same, or none
-                of them can move; or the world's solver is "nncg", under which motors at limits throw
-                bodies about.
+            InputTypeError: ``joint``, ``parent`` or ``child`` has a wrong type.
+            SettingsError: A body belongs to another world or has been removed, both are the same,
+                or none of them can move. Or the world's solver is "nncg", with which motors at
+                limits diverge.
             PoseError: A frame is not a rigid transform.
 
         Example:
@@ -280,7 +284,7 @@ class WorldContents:
         """
         if not self._takes_joints:
             raise SettingsError(
-                "Bullet's solver 'nncg' does not hold joints: make the world with another solver"
+                "Bullet's solver 'nncg' does not support joints: make the world with another solver"
             )
         if parent is not None:
             self._check_own(parent, "parent")
@@ -300,13 +304,13 @@ class WorldContents:
         return made
 
     def set_collision(self, a: Body, b: Body, collide: bool) -> None:
-        """Lets two bodies collide with each other or not, whatever else they meet.
+        """Set whether two bodies can collide with each other.
 
-        Groups and joints may keep bodies apart that this leaves together.
+        Groups and joints may still keep them from colliding.
 
         Raises:
-            InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed, or both are the same.
+            InputTypeError: ``a`` or ``b`` is not a body.
+            SettingsError: One belongs to another world or has been removed, or both are the same.
 
         Example:
             >>> import voxshell as vx

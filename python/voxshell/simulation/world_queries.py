@@ -1,4 +1,4 @@
-"""What a world answers: who touches whom, what rays meet, how long steps took."""
+"""Queries of a world: contacts, rays and timings."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
 
 
 class WorldQueries(WorldContents):
-    """A world's contents and the questions that can be asked about them."""
+    """The contents of a world, with queries."""
 
     def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
-        """What rays meet first, of all bodies as they stand now.
+        """Return the first hit of each ray, among all bodies in their present poses.
 
-        Models are met at their meshes' triangles, from either side.
+        Rays hit the triangles of a model's mesh from either side.
 
         Args:
-            starts: (n, 3), metres, world frame; or (3,) for one ray.
-            ends: The same.
+            starts: (n, 3), meters, world frame; or (3,) for one ray.
+            ends: Likewise.
 
         Returns:
-            (n,) structured array: ``body`` (its number; -1 where a ray meets nothing), ``fraction`` (of
-            the way, 0 to 1), ``point`` ((3,), metres, world frame; the end where it meets nothing) and
-            ``normal`` ((3,), of the surface, unit; zero where it meets nothing).
+            (n,) structured array: ``body`` (its number; -1 without a hit), ``fraction`` (of the
+            ray, 0 to 1), ``point`` ((3,), meters, world frame; the ray's end without a hit) and
+            ``normal`` ((3,), unit normal of the surface; zero without a hit).
 
         Raises:
-            SettingsError: The arrays are not of the same shape, or a number is not finite.
+            SettingsError: The arrays differ in shape, or a number is not finite.
 
         Example:
             >>> import voxshell as vx
@@ -53,7 +53,7 @@ class WorldQueries(WorldContents):
         first, last = _as_rows(starts, "starts"), _as_rows(ends, "ends")
         if first.shape != last.shape:
             raise SettingsError(
-                f"starts and ends must be of the same shape, not {first.shape} and {last.shape}"
+                f"starts and ends must have the same shape, not {first.shape} and {last.shape}"
             )
         for name, points in (("starts", first), ("ends", last)):
             if not np.isfinite(points).all():
@@ -63,24 +63,26 @@ class WorldQueries(WorldContents):
     def query_contacts(
         self, a: Body, b: Body | None = None, *, margin: float = 0.0
     ) -> NDArray[np.void]:
-        """Where a body touches another, or any other, as they stand now.
+        """Return the contacts of a body with another, or with all others, in their present poses.
 
-        It asks for geometry alone: bodies that are kept apart by groups, pairs or joints are found,
-        and the simulation goes on as if nothing had been asked.
+        This query considers geometry alone: it also finds bodies that groups, pairs or joints keep
+        from colliding. It does not affect the simulation.
 
         Args:
             a: A body.
-            b: Another body; None: all others.
-            margin: Metres: places this near count as well, with a negative depth. Of pairs with a
-                model, the nearest place is among those that are found.
+            b: Another body. None: all others.
+            margin: Meters. Points within this distance count as well, with a negative depth. For
+                pairs with a model, the result includes the nearest point.
 
         Returns:
-            As :meth:`contacts`, up to four points of each pair of parts; ``impulse`` is 0.
+            An array like that of :meth:`contacts`, with up to four points for each pair of parts;
+            ``impulse`` is 0.
 
         Raises:
-            InputTypeError: One is no body.
-            SettingsError: One is of another world or has been removed, ``margin`` is below 0, or one is
-                a :class:`GImpact` and the other that or a plane: Bullet does not tell.
+            InputTypeError: ``a`` or ``b`` is not a body.
+            SettingsError: One belongs to another world or has been removed; ``margin`` is below 0;
+                or one is a :class:`GImpact` and the other a GImpact or a plane, a pair that Bullet
+                cannot query.
 
         Example:
             >>> import numpy as np
@@ -106,10 +108,10 @@ class WorldQueries(WorldContents):
         return as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
 
     def overlaps(self, a: Body, b: Body) -> bool:
-        """Whether two bodies touch or penetrate each other as they stand now.
+        """Return whether two bodies touch or overlap in their present poses.
 
         Raises:
-            InputTypeError: One is no body.
+            InputTypeError: ``a`` or ``b`` is not a body.
             SettingsError: As for :meth:`query_contacts`.
 
         Example:
@@ -122,31 +124,32 @@ class WorldQueries(WorldContents):
         return len(self.query_contacts(a, b)) > 0
 
     def contacts(self) -> NDArray[np.void]:
-        """The contact points after the last step, as Bullet's solver had them.
+        """Return the contact points of the last step, as Bullet's solver used them.
 
         Returns:
-            (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the shell's
-            point), ``point_a``, ``point_b`` and ``normal`` ((3,), metres, world frame, the normal on
-            body b and towards body a), ``depth`` (metres, positive where the bodies overlap) and
-            ``impulse`` (normal, N s, of the last step).
+            (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the
+            shell's element), ``point_a``, ``point_b`` and ``normal`` ((3,), meters, world frame,
+            the normal on body b and toward body a), ``depth`` (meters, positive where the bodies
+            overlap) and ``impulse`` (normal impulse of the last step, N s).
         """
         return as_contacts(self._simulation.contacts())
 
     @property
     def timings(self) -> NDArray[np.void]:
-        """Seconds of every step since the start or :meth:`clear_timings`, (steps,) structured array.
+        """Durations of the steps since the start or :meth:`clear_timings`, seconds, (steps,).
 
-        Of long runs, the last 100,000 steps.
+        They are a structured array. After more than 100,000 steps, only the last 100,000 are kept.
 
-        ``step`` is all of Bullet's step; ``narrow_phase`` all pairs' collision algorithms, whatever
-        the shapes; ``query``, ``reduction`` and ``manifold`` the models' part of that: finding
-        contacts, choosing points, handing them to Bullet. Where several threads find contacts,
-        ``query`` is the time until all of them are done, and includes the choice of those that touch.
+        ``step`` is all of Bullet's step. ``narrow_phase`` is the collision algorithms of all pairs
+        and shapes. ``query``, ``reduction`` and ``manifold`` are the models' part of that: finding
+        contacts, choosing points, and passing them to Bullet. If several threads find contacts,
+        ``query`` is the time until all of them are done, and includes the choice of pairs that
+        touch.
         """
         return as_timings(self._simulation.timings())
 
     def clear_timings(self) -> None:
-        """Forgets the :attr:`timings` so far, as after a warm-up.
+        """Delete the :attr:`timings` so far, for example after a warm-up.
 
         Example:
             >>> import voxshell as vx
@@ -161,17 +164,17 @@ class WorldQueries(WorldContents):
 
 
 def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Points, (n, 3), of one or many."""
-    with suppress(TypeError, ValueError):  # as_points says what is wrong
+    """Return the points, (n, 3), of one or many rays."""
+    with suppress(TypeError, ValueError):  # as_points raises the error
         value = np.atleast_2d(value)
     return as_points(value, name)
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:
-    """Of these pairs Bullet's contact test finds nothing, wherever they are."""
+    """Refuse pairs for which Bullet's contact test never finds anything."""
     for first, second in ((a, b), (b, a)):
         if isinstance(first.shape, GImpact) and isinstance(second.shape, (GImpact, Plane)):
             raise SettingsError(
-                f"Bullet does not tell where {first.name!r}, a GImpact, touches {second.name!r}, a "
-                f"{type(second.shape).__name__}, outside of a step: see World.contacts() after one"
+                f"Bullet cannot query contacts of {first.name!r}, a GImpact, with {second.name!r}, a "
+                f"{type(second.shape).__name__}, outside of a step: call World.contacts() after a step"
             )

@@ -1,4 +1,4 @@
-"""A world that a browser shows while it steps."""
+"""A world that a browser can show while it steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class ViewedWorld(WorldQueries):
-    """A world that can be watched."""
+    """A world with a live view."""
 
     time_step: float
     _gravity: NDArray[np.float64]
@@ -37,28 +37,30 @@ class ViewedWorld(WorldQueries):
         paused: bool = False,
         open_browser: bool = False,
     ) -> LiveView:
-        """Shows the world in a browser, live, while you call :meth:`step`.
+        """Show the world live in a browser while you call :meth:`step`.
 
-        The page shows bodies, contacts, the force of each contact, and plots of the energy, the number of contacts
-        and the greatest depth over time. It has buttons to pause, to make one step and to reset the camera. A body
-        that the mouse drags is pulled by a spring; see :class:`voxshell.LiveView`. A pause blocks
-        :meth:`step`. Several browsers may open the page; they share one view.
+        The page shows bodies, contacts, the force of each contact, and plots of the energy, the
+        number of contacts and the largest depth over time. It has buttons to pause, to make one
+        step and to reset the camera. The mouse drags bodies with a spring; see
+        :class:`voxshell.LiveView`. A pause blocks :meth:`step`. Several browsers may open the page;
+        they share one view.
 
-        A world that is viewed takes the same steps, bit for bit, unless somebody drags a body.
+        A viewed world takes the same steps, bit for bit, unless somebody drags a body.
 
         Args:
-            port: Port of the page on this machine, or the next free one; 0: the system picks one.
+            port: Port of the page on this machine, or the next free one. 0: the system chooses one.
             title: Heading of the page.
-            colors: Red, green and blue, 0 to 255, of bodies; the viewer chooses those of the others.
-            frames_per_second: How many times a second the page is updated at most, wall-clock time.
-            speed: Simulated seconds in a second while a page is open: :meth:`step` waits where it would be faster.
-                None: as fast as the machine can. The page can change it.
-            paused: Whether to wait before the first step until somebody presses "Resume" on the page.
-            open_browser: Whether to open the page in the default browser of this machine.
+            colors: Red, green and blue, 0 to 255, of bodies; the viewer chooses the other colors.
+            frames_per_second: Largest number of updates of the page per second of wall-clock time.
+            speed: Largest number of simulated seconds per second while a page is open; :meth:`step`
+                waits if it would be faster. None: no limit. The page can change it.
+            paused: Wait before the first step until somebody presses "Resume" on the page.
+            open_browser: Open the page in the default browser of this machine.
 
         Returns:
-            The view. Its ``address`` holds a secret, so that other pages in the browser cannot read the world. It ends
-            with its ``close()``, at the end of a ``with`` block, or with the world.
+            The view. Its ``address`` contains a secret, so that other pages in the browser cannot
+            read the world. The view ends with its ``close()``, at the end of a ``with`` block, or
+            with the world.
 
         Raises:
             MissingExtraError: The viewer is not installed.
@@ -76,8 +78,8 @@ class ViewedWorld(WorldQueries):
         """
         if self._view is not None and self._view.is_open:
             raise SettingsError(
-                f"this world has a view already, at {self._view.address}; open that address in another browser, or "
-                "call its close() first"
+                f"this world already has a view at {self._view.address}; open that address in another browser, or "
+                "call the view's close() first"
             )
         from voxshell.viewer.live_page import LivePage
 

@@ -1,4 +1,4 @@
 """Replays of recordings as offline web pages; an optional part, ``pip install voxshell[viewer]``.
 
-Nothing here is imported by ``import voxshell``, and viser only when a page is written.
+``import voxshell`` imports nothing from here, and viser is imported only when a page is made.
 """

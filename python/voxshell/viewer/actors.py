@@ -1,4 +1,4 @@
-"""The nodes of the scene that change while a replay plays, and the fixed ones around them."""
+"""The nodes of a replay's scene: those that change while it plays, and the fixed ones."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ if TYPE_CHECKING:
     import viser
 
 _SLAB_COLOR = (214, 218, 224)
-_GRID_LIFT = 0.002  # display units; enough to lie on the slab and not flicker with it
-# Numbers are rounded to what shows, in powers of two: they then end in zero bits and pack well.
-_POSE_GRAIN = 2.0**-16  # display units, and parts of a quaternion; a tenth of a pixel
+_GRID_LIFT = 0.002  # display units; enough to lie on the slab without flicker
+# Numbers are rounded to multiples of a power of two that are too small to see: they compress well.
+_POSE_GRAIN = 2.0**-16  # display units, and components of a quaternion; a tenth of a pixel
 _PIN_GRAIN = 2.0**-13
-_LABEL_WIDTH = 130  # characters that fit next to each other under all lanes of a row
+_LABEL_WIDTH = 130  # characters that fit side by side below all lanes of a row
 _SHORT_ROW = 3
-_LETTER_SHARE = 0.0205  # of the picture's height; 14 of 680 pixels
-_BALL_SHARE = 0.012  # of a body's diagonal
+_LETTER_SHARE = 0.0205  # fraction of the picture's height; 14 of 680 pixels
+_BALL_SHARE = 0.012  # fraction of a body's diagonal
 
 
 @dataclass(frozen=True, eq=False)
 class Script:
-    """What all lanes of a page share.
+    """Settings that all lanes of a page share.
 
     Args:
         stage: The space of every lane.
@@ -43,9 +43,9 @@ class Script:
         timeline: The instants shown.
         up: The world axis that points up.
         lane_count: Number of lanes.
-        deepest: Depth, metres, of the darkest colour.
-        counted: Whether to write the number of contacts under a lane.
-        max_contacts: Pins drawn in a lane at a time.
+        deepest: Depth with the darkest color, meters.
+        counted: Write the number of contacts below a lane.
+        max_contacts: Largest number of pins in a lane at a time.
     """
 
     stage: Stage
@@ -62,23 +62,23 @@ class Actor(Protocol):
     """A node that changes."""
 
     def show(self, instant: int) -> None:
-        """Puts the node into its state at an instant of the timeline."""
+        """Set the node's state for an instant of the timeline."""
         ...
 
 
 def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> list[Actor]:
-    """Adds one lane to the scene.
+    """Add a lane to the scene.
 
     Args:
         scene: The scene.
-        lane: What to add.
-        number: Which lane it is, from 0.
-        script: What it shares with the others.
+        lane: The lane.
+        number: Its number, from 0.
+        script: Settings that all lanes share.
 
     Returns:
         The nodes that change.
     """
-    # Slashes would make further levels of the scene's tree.
+    # Slashes would add levels to the scene's tree.
     root = f"/lane {number + 1} {' '.join(lane.label.replace('/', ' ').split())}".rstrip()
     scale = script.stage.scale
     scene.add_frame(root, show_axes=False, position=_triple(scale * np.array(lane.offset)))
@@ -93,7 +93,7 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
             continue
         color = body.color or FIXED_COLOR
         if body.color is None and not body.fixed:
-            # One body in each of several lanes: the colour tells lanes apart; else bodies.
+            # If each of several lanes has one body, colors distinguish lanes, otherwise bodies.
             alone = len(moving) == 1 and script.lane_count > 1
             color = BODY_COLORS[(number if alone else moving.index(body)) % len(BODY_COLORS)]
         node = scene.add_mesh_simple(
@@ -121,7 +121,7 @@ class _BodyActor:
         self._places = np.round(poses[:, :3, 3] * (scale / _POSE_GRAIN)) * _POSE_GRAIN
 
     def show(self, instant: int) -> None:
-        # viser leaves out what has not changed.
+        # viser does not send what has not changed.
         self._node.wxyz = self._turns[instant]
         self._node.position = self._places[instant]
 
@@ -157,12 +157,12 @@ class _ContactActor:
     def build(
         cls, scene: viser.SceneApi, name: str, lane: Lane, script: Script
     ) -> _ContactActor | None:
-        """Adds the node; None if the lane has no contact to show."""
+        """Add the node; return None if the lane has no contact to show."""
         frames = script.timeline.contact_frames(lane.recording)
         counts = lane.recording.contacts.counts[frames]
         if not counts.any() or script.max_contacts == 0:
             return None
-        # Made with the fullest of all instants: the player then never has to grow its buffers.
+        # Start with the fullest of all instants, so that the player never has to grow its buffers.
         pins = _pins(lane, int(frames[np.argmax(counts)]), script)
         ball = _BALL_SHARE * script.stage.body_size * script.stage.scale
         vertices, faces = build_pin_mesh(ball)
@@ -203,14 +203,15 @@ def _pins(lane: Lane, frame: int, script: Script) -> Pins:
 def _add_slab(
     scene: viser.SceneApi, name: str, slab: Slab, color: tuple[int, int, int], script: Script
 ) -> None:
-    """Adds a plate with a grid on top, whose lines pass through the recording's origin."""
+    """Add a plate with a grid on top, whose lines pass through the recording's origin."""
     _, _, upward = view_axes(script.up)
     low, high = slab.low * script.stage.scale, slab.high * script.stage.scale
     center, size = 0.5 * (low + high), high - low
     scene.add_box(name, color=color, dimensions=_triple(size), position=_triple(center))
     cell = script.stage.cell * script.stage.scale
-    # The grid's lines start from its middle; so its middle must lie on a line, and its half
-    # lengths reach the plate's nearer edge.
+    # The grid's lines start at its center. So a line must pass through the center, and the grid's
+    # half
+    # lengths must reach the nearer edge of the plate.
     level = upward == 0.0
     middle = np.where(level, np.round(center / cell) * cell, center)
     lengths = 2.0 * np.minimum(middle - low, high - middle)
@@ -227,10 +228,10 @@ def _add_slab(
 
 
 def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.LabelHandle:
-    """Adds an empty caption in front of the stage, at its foot.
+    """Add an empty caption at the front bottom edge of the stage.
 
-    In a long row, letters shrink with the lanes on a narrow window and grow when one comes close;
-    at a size of their own they would run into each other.
+    In a long row on a narrow window, letters shrink together with the lanes, and grow when the
+    camera comes close. Letters of fixed size would overlap.
     """
     _, forward, upward = view_axes(script.up)
     low, high = script.stage.low * script.stage.scale, script.stage.high * script.stage.scale
@@ -249,7 +250,7 @@ def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.Labe
 
 
 def _wrap(text: str, width: int) -> list[str]:
-    """As few lines as a width in characters asks for, all about as long."""
+    """Break a text into as few lines of a width as possible, of about equal length."""
     count = len(textwrap.wrap(text, width))
     while width > 1 and len(textwrap.wrap(text, width - 1)) == count:
         width -= 1

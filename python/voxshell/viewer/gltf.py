@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from voxshell.recording import BodyTrack, Recording
 
-# Numbers of the format.
+# Constants of the format.
 _FLOAT, _UNSIGNED = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963
 _TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
@@ -29,23 +29,23 @@ _MAGIC, _VERSION, _JSON_CHUNK, _BINARY_CHUNK = 0x46546C67, 2, 0x4E4F534A, 0x004E
 
 
 def save_gltf(path: Path, recording: Recording, *, up: str = "+z") -> Path:
-    """Writes a recording as binary glTF; see :meth:`voxshell.recording.Recording.save_gltf`."""
+    """Write a recording as binary glTF; see :meth:`voxshell.recording.Recording.save_gltf`."""
     write_bytes(path, make_gltf(recording, up=up))
     return path
 
 
 def make_gltf(recording: Recording, *, up: str = "+z") -> bytes:
-    """A recording as the bytes of a .glb file.
+    """Return a recording as the bytes of a .glb file.
 
     Args:
-        recording: What to write.
+        recording: The recording.
         up: The world axis that points up.
 
     Raises:
-        RecordingError: ``up`` is no axis.
+        RecordingError: ``up`` is not an axis.
     """
     right, forward, upward = view_axes(up)
-    # glTF looks along -z with +y up.
+    # In glTF, the view is along -z and +y points up.
     turn = np.stack([right, upward, -forward])
     data = _Data()
     nodes: list[dict[str, Any]] = [
@@ -100,7 +100,7 @@ def make_gltf(recording: Recording, *, up: str = "+z") -> bytes:
 
 
 class _Data:
-    """The arrays of a file, and what the format says of them."""
+    """The arrays of a file, with their descriptions."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -109,7 +109,7 @@ class _Data:
         self._accessors: list[dict[str, Any]] = []
 
     def add(self, array: NDArray[Any], *, target: int | None = None, limits: bool = False) -> int:
-        """Appends (n,) or (n, k) numbers of four bytes each; returns the number of their accessor."""
+        """Append (n,) or (n, k) numbers of four bytes each; return the number of their accessor."""
         content = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes()
         view = {"buffer": 0, "byteOffset": self._length, "byteLength": len(content)}
         if target is not None:
@@ -130,7 +130,7 @@ class _Data:
         return len(self._accessors) - 1
 
     def pack(self, document: dict[str, Any]) -> bytes:
-        """The whole file; every array has a length that is a multiple of four, as the format asks."""
+        """Return the whole file; the format requires arrays of multiples of four bytes."""
         binary = b"".join(self._parts)
         whole = document | {
             "buffers": [{"byteLength": len(binary)}],
@@ -145,17 +145,17 @@ class _Data:
 
 
 def _add_surface(data: _Data, body: BodyTrack) -> dict[str, Any]:
-    """The arrays of a body's surface, as a primitive without its material."""
+    """Return the arrays of a body's surface, as a primitive without a material."""
     attributes = {
         "POSITION": data.add(body.vertices.astype(np.float32), target=_VERTICES, limits=True)
     }
     if not is_faceted(body.vertices, body.faces):
-        # Without normals, every face is flat.
+        # Without normals, viewers draw flat faces.
         from trimesh import Trimesh
 
         normals = Trimesh(body.vertices, body.faces, process=False).vertex_normals
         lengths = np.linalg.norm(normals, axis=1)
-        # Vertices of no face have none, and the format knows only unit ones.
+        # Vertices without a face have no normal, but the format requires unit normals.
         normals = np.where(lengths[:, None] > 0.5, normals, (0.0, 0.0, 1.0))
         attributes["NORMAL"] = data.add(normals.astype(np.float32), target=_VERTICES)
     indices = data.add(body.faces.reshape(-1).astype(np.uint32), target=_INDICES)

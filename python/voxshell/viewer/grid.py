@@ -1,4 +1,4 @@
-"""The lines on the grounds of replays and live views."""
+"""Grid lines on the grounds of replays and live views."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def add_grid(
     plane: Literal["xy", "xz", "yz"] = "xy",
     position: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Any:
-    """Adds lines from the middle of a plane on, each fifth one stronger. Lengths are in display units."""
+    """Add lines outward from a plane's center, every fifth one stronger, in display units."""
     return scene.add_grid(
         name,
         width=size[0],

@@ -1,7 +1,7 @@
-"""Who may ask a server on this machine: pages that it served itself, at an address with a secret.
+"""Protection of a server on this machine: it answers only its own pages, at a secret address.
 
 Any page that is open in the user's browser can send requests to this machine: to a socket of
-127.0.0.1, and through a name of its own that it lets point there (DNS rebinding).
+127.0.0.1, or through a host name that it redirects there (DNS rebinding).
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ _SILENT.propagate = False
 
 
 def make_token() -> str:
-    """A new secret: 128 bits that fit into an address."""
+    """Return a new secret: 128 bits, suitable for an address."""
     return secrets.token_urlsafe(16)
 
 
 def is_welcome(request: Request, port: int, token: str) -> bool:
-    """Whether a request comes from the address with the secret, and from no page of others.
+    """Return whether a request uses the secret address and does not come from another page.
 
     Args:
-        request: Of a page or of a socket.
-        port: Of this server.
-        token: What the path begins with.
+        request: Request for a page or a socket.
+        port: Port of this server.
+        token: The secret with which the path must begin.
     """
     names = {f"127.0.0.1:{port}", f"localhost:{port}"}
     hosts, origins = (request.headers.get_all(name) for name in ("Host", "Origin"))
     if len(hosts) != 1 or hosts[0].lower() not in names:
         return False
-    # Browsers name the origin of every socket, and of requests from pages of others.
+    # Browsers state the origin of every socket, and of requests from other pages.
     is_socket = "Upgrade" in request.headers
     if len(origins) > 1 or (is_socket and not origins):
         return False
@@ -58,15 +58,15 @@ def is_welcome(request: Request, port: int, token: str) -> bool:
 
 @contextmanager
 def guarding(token: str) -> Iterator[Callable[[], bool]]:
-    """Lets the server that viser starts in the block answer none but welcome requests.
+    """Make the server that viser starts in the block refuse all other requests.
 
-    viser has no setting for this, and starts the server in a thread of its own.
+    viser has no setting for this, and starts the server in a separate thread.
 
     Args:
-        token: What addresses begin with.
+        token: The secret with which paths must begin.
 
     Yields:
-        Whether a server has started that is guarded.
+        A function that returns whether a protected server has started.
     """
     from websockets.asyncio import server as websockets
 
@@ -78,7 +78,7 @@ def guarding(token: str) -> Iterator[Callable[[], bool]]:
             return serve(*args, process_request=process_request, **kwargs)
         assert process_request is not None
         started.set()
-        # Strangers' requests are damaged; nobody wants to read in a terminal how.
+        # Errors from other clients' broken requests would only clutter the terminal.
         kwargs.setdefault("logger", _SILENT)
         return serve(*args, process_request=_guard(process_request, token), **kwargs)
 
@@ -95,7 +95,7 @@ def _guard(process: Process, token: str) -> Process:
         request.path = request.path[1 + len(token) :] or "/"
         response = process(connection, request)
         if response is not None:
-            response.headers["Referrer-Policy"] = "no-referrer"  # it would hold the secret
+            response.headers["Referrer-Policy"] = "no-referrer"  # the referrer contains the secret
         return response
 
     return answer

@@ -1,4 +1,4 @@
-"""A handle by which a body is dragged and turned on a page."""
+"""A handle to drag and turn a body on a page."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 
 class Handle:
-    """Arrows and rings that move a body; what is shown below :attr:`path` moves along.
+    """Arrows and rings that move a body, and everything below :attr:`path` in the scene.
 
     Args:
-        server: Where it is shown.
-        name: Of its node in the scene, such as ``"/part"``.
-        grip: (3,) metres, body frame: where the handle is, and what the body turns about.
-        pose: ``world_from_body`` at first, (4, 4).
-        scale: Display units a metre.
-        size: Of the arrows, display units.
+        server: The server of the page.
+        name: Name of its node in the scene, such as ``"/part"``.
+        grip: (3,) meters, body frame: position of the handle, about which the body turns.
+        pose: Initial ``world_from_body``, (4, 4).
+        scale: Display units per meter.
+        size: Size of the arrows, display units.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Handle:
         size: float,
     ) -> None:
         self.path: str = f"{name}/origin"
-        """Of the body's frame in the scene."""
+        """Path of the body's frame in the scene."""
         self._grip, self._scale = grip, scale
         self._controls = server.scene.add_transform_controls(name, scale=size)
         server.scene.add_frame(self.path, show_axes=False, position=-scale * grip)
@@ -46,7 +46,7 @@ class Handle:
 
     @property
     def pose(self) -> NDArray[np.float64]:
-        """``world_from_body`` as it stands, (4, 4); settable."""
+        """Current ``world_from_body``, (4, 4); settable."""
         from trimesh.transformations import quaternion_matrix
 
         pose = np.array(quaternion_matrix(self._controls.wxyz))
@@ -59,13 +59,13 @@ class Handle:
         self._controls.position = self._scale * (pose[:3, 3] + pose[:3, :3] @ self._grip)
 
     def on_drag(self, function: Callable[[], None]) -> None:
-        """Calls a function, in a thread of viser's, whenever somebody has dragged or turned it."""
+        """Call a function, in a thread of viser, whenever somebody drags or turns the handle."""
 
         @self._controls.on_update
         def _(_: Any) -> None:
             function()
 
     def show(self, *, shown: bool) -> None:
-        """Shows or hides the arrows and rings; the body stays in sight."""
+        """Show or hide the arrows and rings; the body stays visible."""
         controls = self._controls
         controls.disable_axes = controls.disable_sliders = controls.disable_rotations = not shown

@@ -1,4 +1,4 @@
-"""A page on which to look into a model, and to drag it and another body against each other."""
+"""A page that shows a model, and lets the user drag it and another body against each other."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ if TYPE_CHECKING:
 
 Layer = Literal["surface", "slice", "level", "points", "normals", "spheres"]
 
-# The model's diagonal in display units: viser's clipping planes and speed of flight suit that.
+# Diagonal of the model in display units, which suits viser's clipping planes and camera speed.
 _DIAGONAL = 3.0
 _BODY_COLOR, _OTHER_COLOR, _LEVEL_COLOR = (92, 141, 208), (176, 138, 190), (230, 170, 60)
 _MOST_PINS = 400
 _MOST_POINTS = 60_000
 _GRAIN = 2.0**-13
 _HANDLE = 0.5
-"""Size of a handle's arrows, in diagonals of its body."""
+"""Size of a handle's arrows as a fraction of its body's diagonal."""
 _PLANE_DRAWN = 1.5
-"""Side of the plate that a plane is drawn as, in diagonals of the model."""
+"""Side of the plate that represents a plane, in diagonals of the model."""
 
-# Turns of a picture, whose columns lie along x and rows along -y, into the planes across each axis.
+# Rotations of a picture, with columns along x and rows along -y, to the planes normal to each axis.
 _ACROSS: dict[Axis, NDArray[np.float64]] = {
     "x": np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
@@ -59,18 +59,18 @@ _ACROSS: dict[Axis, NDArray[np.float64]] = {
 
 
 class Inspector:
-    """The scene of a model, with controls, on a viser server; and perhaps a second body.
+    """The scene of a model, with controls, on a viser server; with a second body on request.
 
     Args:
-        server: Where to show it.
-        model: What to look into.
-        other: A second body; both can be dragged then, and the contacts follow.
-        pose: ``model_from_other`` at first, (4, 4); beside the model by default.
-        name: Of the model, for people.
-        show: What is seen at first; controls change it.
+        server: The server.
+        model: The model to inspect.
+        other: A second body; then both can be dragged, and the contacts are updated.
+        pose: Initial ``model_from_other``, (4, 4); beside the model by default.
+        name: The model's name for people.
+        show: Initially visible layers; controls change them.
 
     Raises:
-        SettingsError: ``other`` is nothing that a model can meet.
+        SettingsError: ``other`` cannot collide with a model.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Inspector:
         low, high = model.bounds
         self._scale = _DIAGONAL / float(np.linalg.norm(high - low))
         self._scratch = QueryScratch()
-        # viser calls back from several threads; a scratch is for one.
+        # viser calls back from several threads, but a scratch serves only one.
         self._lock = threading.RLock()
         self._nodes: dict[str, Any] = {}
         self._root = "/model"
@@ -107,10 +107,10 @@ class Inspector:
             self._add_contacts()
 
     def _look_at(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
-        """Places the camera before a box, metres, so that all of it is seen beside the controls."""
+        """Place the camera so that a box, in meters, is fully visible beside the controls."""
         target = 0.5 * (low + high) * self._scale
         away = 0.5 * float(np.linalg.norm(high - low)) * self._scale
-        # The controls cover the right of the page.
+        # The controls cover the right side of the page.
         target = target + away * np.array([0.5, 0.15, 0.0])
         camera = self._server.initial_camera
         camera.look_at, camera.position = target, target + away * np.array([0.7, -2.0, 1.1])
@@ -214,7 +214,7 @@ class Inspector:
 
     def _draw_points(self, level: int, *, points: bool, normals: bool) -> None:
         shell = self._model.shell
-        # Of very many, some stand for all: a browser draws no more in time.
+        # Large shells are drawn by a sample: browsers would be too slow otherwise.
         chosen = slice(None, None, -(-len(shell) // _MOST_POINTS))
         places = shell.points[chosen] * np.float32(self._scale)
         colors = color_segments(shell.tree.segments(level)[chosen])
@@ -254,17 +254,17 @@ class Inspector:
         )
 
     def _add_pair(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
-        """Puts both bodies on handles, and shows the second."""
+        """Add handles for both bodies, and show the second one."""
         mesh = mesh_of(other)  # pyright: ignore[reportArgumentType]: every shape that there is
         low, high = self._model.bounds
         if isinstance(other, Plane):
-            # A plate as large as the scene: the whole one would hide it.
+            # The plate has the size of the scene: the whole plane would hide it.
             middle = mesh.vertices.mean(axis=0)
             share = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
             surface = other.offset * other.normal
             mesh = mesh._replace(vertices=surface + share * (mesh.vertices - middle))
             start = np.eye(4) if pose is None else pose
-            # Towards a corner, where neither the model nor the controls are in its way.
+            # In the direction of a corner, the model and the controls leave space.
             corner = mesh.vertices[np.argmax(mesh.vertices @ (-1.0, -1.0, 1.0))]
             grip = surface + 0.6 * (corner - surface)
             seen = [low, high]
@@ -323,7 +323,7 @@ class Inspector:
 
             @place.on_update
             def _(event: Any) -> None:
-                # Not what a drag has just written.
+                # Ignore changes that a drag has just made.
                 if event.client_id is not None:
                     with self._lock:
                         pose = handle.pose
@@ -339,13 +339,14 @@ class Inspector:
         self.show_contacts()
 
     def save_html(self, path: Path) -> Path:
-        """Writes the scene as it stands as one offline page, to turn and look at.
+        """Write the current scene as one offline page, with a movable camera.
 
         Raises:
-            SettingsError: No file can be written there, as at a folder or a pipe.
-            FileAccessError: The system does not let it be written.
+            SettingsError: No file can be written there, for example because it is a folder or a
+                pipe.
+            FileAccessError: The system refuses to write it.
         """
-        # Without a server behind it, nothing would follow a drag.
+        # Without a server, dragging would have no effect.
         self._show_handles(shown=False)
         scene = self._server.get_scene_serializer().as_html()
         self._show_handles(shown=True)
@@ -365,12 +366,12 @@ class Inspector:
 
     @property
     def poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """``world_from_model`` and ``world_from_other`` as they stand, (4, 4) each."""
+        """Return the current ``world_from_model`` and ``world_from_other``, (4, 4) each."""
         first, second = self._handles
         return first.pose, second.pose
 
     def show_contacts(self) -> None:
-        """Works out the contacts where the bodies are now, and shows them."""
+        """Compute and show the contacts in the current poses."""
         assert self._other is not None
         poses = self.poses
         found = contacts(self._model, self._other, *poses, scratch=self._scratch)

@@ -1,4 +1,4 @@
-"""Lanes: recordings that one page shows next to each other."""
+"""Lanes: recordings that a page shows side by side."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from voxshell.errors import RecordingError
 from voxshell.recording import BodyTrack, Recording
 
-# A body that falls through its ground or is shot away would push everything else to the horizon.
-# What lies further from a body's start than this many of its own diameters is not framed.
+# Frames in which a body is farther from its start than this, in diameters of the body, are not
+# framed:
+# a body that falls through its ground or is shot away would make everything else tiny.
 _REACH_IN_DIAMETERS = 12.0
-# How much longer the diagonal of the box that is framed may become for a fixed body to be seen whole.
+# Largest growth of the framed box's diagonal that is accepted to show a fixed body completely.
 _MOST_GROWTH = 1.5
 _DIRECTIONS = 100
 _LONGEST_ROW = 6
@@ -23,15 +24,15 @@ _LONGEST_ROW = 6
 
 @dataclass(frozen=True)
 class Lane:
-    """A recording, its caption, and where the page puts it.
+    """A recording, its caption, and its place on the page.
 
     Args:
         label: Caption, of one or more lines; empty for none.
-        recording: What happened.
-        offset: (3,) metres, world frame, added to everything in the recording.
+        recording: The recording.
+        offset: (3,) meters, world frame, added to everything in the recording.
 
     Raises:
-        RecordingError: If the offset is not three finite numbers.
+        RecordingError: The offset is not three finite numbers.
     """
 
     label: str
@@ -57,16 +58,16 @@ def arrange_lanes(
     gap: float | None = None,
     up: str = "+z",
 ) -> tuple[Lane, ...]:
-    """Puts recordings in rows, first one at the back left, so that none reaches into another.
+    """Arrange recordings in rows without overlap, the first one at the back left.
 
     Args:
-        recordings: Recordings by caption, in the order of reading.
-        columns: Lanes in a row; None picks a number that suits a wide screen.
-        gap: Metres between neighbours; None takes a fifth of a lane.
+        recordings: Recordings by caption, in reading order.
+        columns: Lanes in a row; None chooses a number that suits a wide screen.
+        gap: Distance of neighbors, meters; None chooses a fifth of a lane.
         up: The world axis that points up, such as "+z" or "+y".
 
     Raises:
-        RecordingError: If there is no recording, or an option makes no sense.
+        RecordingError: There is no recording, or an option is invalid.
 
     Example:
         >>> import numpy as np
@@ -93,9 +94,9 @@ def arrange_lanes(
     if gap is None:
         gap = 0.22 * width
     if not (math.isfinite(gap) and gap >= 0.0):
-        raise RecordingError(f"gap must be metres, at least 0, got {gap!r}")
+        raise RecordingError(f"gap must be meters, at least 0, got {gap!r}")
     rows = math.ceil(len(recordings) / columns)
-    # A row stands further back by its height, or the row before would hide its feet.
+    # A row is set back by its height, so that the row in front does not hide its bottom.
     tall = float(np.abs(upward @ size))
     lanes = []
     for index, (label, recording) in enumerate(recordings.items()):
@@ -108,10 +109,10 @@ def arrange_lanes(
 
 
 def view_axes(up: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """The unit vectors right, forward (away from the viewer) and up, world frame.
+    """Return the unit vectors right, forward (away from the viewer) and up, world frame.
 
     Raises:
-        RecordingError: If ``up`` is none of "+x", "-x", "+y", "-y", "+z", "-z".
+        RecordingError: ``up`` is none of "+x", "-x", "+y", "-y", "+z", "-z".
 
     Example:
         >>> view_axes("+z")[1]
@@ -127,13 +128,13 @@ def view_axes(up: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArra
 
 
 def activity_bounds(recording: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The box in which the moving bodies move (all bodies, if none moves).
+    """Return the box in which the moving bodies move (all bodies, if none moves).
 
-    Stray frames, in which a body is far from where it started, do not count. A fixed body that
-    makes the box at most half as long again is in it as a whole, as a bolt under its nut is.
+    Frames in which a body is far from its start do not count. A fixed body, such as a bolt under
+    its nut, is included completely if the box becomes at most half as long again.
 
     Returns:
-        low (3,) and high (3,), metres, world frame.
+        low (3,) and high (3,), meters, world frame.
     """
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body in moving_bodies(recording):
@@ -157,19 +158,20 @@ def activity_bounds(recording: Recording) -> tuple[NDArray[np.float64], NDArray[
 
 
 def moving_bodies(recording: Recording) -> tuple[BodyTrack, ...]:
-    """The bodies that move, or all bodies if none does."""
+    """Return the bodies that move, or all bodies if none does."""
     return tuple(body for body in recording.bodies if not body.fixed) or recording.bodies
 
 
 def body_diameter(body: BodyTrack) -> float:
-    """The diagonal of the box around a body, metres."""
+    """Return the diagonal of the box around a body, meters."""
     return float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
 
 
 def _outermost_points(body: BodyTrack) -> NDArray[np.float64]:
-    """(k, 3) the vertices furthest out in directions all around, body frame.
+    """Return the outermost vertices in directions all around, (k, 3), body frame.
 
-    A few dozen stand for the whole surface: the box around them is short by less than 1 %.
+    A few dozen vertices represent the whole surface: the box around them is too short by less than
+    1 %.
     """
     index = np.arange(_DIRECTIONS) + 0.5
     height = 1.0 - 2.0 * index / _DIRECTIONS

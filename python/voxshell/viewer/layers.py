@@ -1,4 +1,4 @@
-"""What there is to see of a model: slices and level surfaces of its field, and its tree in colours."""
+"""Visible layers of a model: slices and level surfaces of its field, and its tree in colors."""
 
 from __future__ import annotations
 
@@ -18,35 +18,35 @@ Axis = Literal["x", "y", "z"]
 
 _PIXELS = 256
 _BANDS = 12
-"""Of distance, from the surface to the farthest that a slice shows."""
+"""Number of distance bands, from the surface to the farthest distance in a slice."""
 
 _CELLS = 48
-"""Along the longest side, of what a level surface is made from."""
+"""Number of grid cells along the longest side, from which a level surface is made."""
 
-# From the surface inwards and outwards: pale to strong.
+# Colors from the surface inward and outward, pale to strong.
 _INSIDE = np.array(((198, 219, 245), (33, 82, 156)), dtype=np.float64)
 _OUTSIDE = np.array(((252, 226, 205), (176, 58, 30)), dtype=np.float64)
 _SURFACE = np.array((20.0, 20.0, 20.0))
 
 
 def find_box(model: Model) -> NDArray[np.float64]:
-    """The box that slices are cut from, (2, 3), metres: the model's bounds and a fifth around."""
+    """Return the box for slices, (2, 3), meters: the model's bounds, enlarged by a fifth."""
     low, high = model.bounds
     around = 0.2 * float((high - low).max())
     return np.stack([low - around, high + around])
 
 
 def paint_slice(model: Model, axis: Axis, share: float) -> NDArray[np.uint8]:
-    """The field in a plane across an axis, in bands of colour, the surface black.
+    """Return the field in a plane normal to an axis, in bands of color, with a black surface.
 
     Args:
-        model: Whose field.
-        axis: Across which.
-        share: Where along that side of :func:`find_box`, 0 to 1.
+        model: The model.
+        axis: The normal of the plane.
+        share: Position along that side of :func:`find_box`, 0 to 1.
 
     Returns:
-        (h, w, 3): blue inside, red outside. Rows go up the second of the other two axes, in the order
-        x, y, z, columns along the first.
+        (h, w, 3): blue inside, red outside. Of the other two axes, in the order x, y, z, columns
+        follow the first and rows go up the second.
     """
     low, high = find_box(model)
     across = "xyz".index(axis)
@@ -69,7 +69,7 @@ def paint_slice(model: Model, axis: Axis, share: float) -> NDArray[np.uint8]:
 
 
 def find_level_surface(model: Model, distance: float) -> Mesh:
-    """The surface on which the field has a value, metres; empty where there is none.
+    """Return the surface where the field has a value, meters; empty if there is none.
 
     Raises:
         MissingExtraError: manifold3d is not installed.
@@ -97,14 +97,14 @@ def find_level_surface(model: Model, distance: float) -> Mesh:
 
 
 def color_segments(segments: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """A colour for each segment, (n, 3); neighbours in number differ much.
+    """Return a color for each segment, (n, 3); consecutive segments have very different colors.
 
     Example:
         >>> import numpy as np
         >>> color_segments(np.array([0, 0, 1])).tolist()
         [[217, 87, 87], [217, 87, 87], [87, 125, 217]]
     """
-    # Turns of the golden ratio spread over the circle however many there are.
+    # Multiples of the golden ratio spread evenly over the color circle, whatever their number.
     hue = 6.0 * np.modf(segments * 0.6180339887498949)[0]
     channels = [
         np.clip(np.abs(hue - 3.0) - 1.0, 0.0, 1.0),

@@ -1,4 +1,4 @@
-"""The page of a live view: a scene that follows a world, plots, and buttons that pause it."""
+"""The page of a live view: a scene that follows a world, plots, and buttons to pause."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from voxshell.viewer.stage import Camera
 
 _TEXT_EVERY = 0.2
-"""Seconds between two updates of plots and numbers, which cost more than the scene."""
+"""Seconds between updates of plots and numbers, which take more time than the scene."""
 
 _BESIDE = 0.5
-"""Width that is left free for the controls, as a share of the scene's."""
+"""Fraction of the scene's width that the controls cover."""
 
 _SPEEDS: dict[str, float | None] = {
     "as fast as possible": None,
@@ -47,13 +47,13 @@ class LivePage:
     """A server with the page of one world.
 
     Args:
-        view: What the page shows and pauses.
-        port: Where, or the next one that is free; 0: the system picks one.
+        view: The view that the page shows and pauses.
+        port: Port of the page, or the next free one. 0: the system chooses one.
         title: Heading.
-        colors: Of bodies, 0 to 255.
+        colors: Colors of bodies, 0 to 255.
 
     Raises:
-        MissingExtraError: If viser is not installed.
+        MissingExtraError: viser is not installed.
     """
 
     def __init__(
@@ -86,15 +86,15 @@ class LivePage:
 
     @property
     def address(self) -> str:
-        """For a browser on this machine."""
+        """The page's address for a browser on this machine."""
         return make_address(self._server, self._token)
 
     def show(self, frame: LiveFrame, *, last: bool) -> None:
-        """Shows a state of the world.
+        """Show a state of the world.
 
         Args:
             frame: The state.
-            last: Whether to bring the numbers and plots up to date in any case; they follow less often.
+            last: Update numbers and plots now; otherwise their updates are less frequent.
         """
         self._frame = frame
         with self._server.atomic():
@@ -109,7 +109,7 @@ class LivePage:
                 self._last_text = now
 
     def close(self) -> None:
-        """Ends the server; its page says that the connection is lost."""
+        """Stop the server; its page reports a lost connection."""
         self._stack.close()
 
     def _add_controls(self, gui: viser.GuiApi) -> None:
@@ -172,7 +172,7 @@ class LivePage:
             self._legend.content = legend
 
     def _describe(self) -> str:
-        """The legend, HTML."""
+        """Return the legend as HTML."""
         scene = self._scene
         if scene.extent is None:
             return ""
@@ -206,13 +206,13 @@ class LivePage:
             self._reset_camera(client)
 
     def _find_camera(self, frame: LiveFrame) -> Camera | None:
-        """From the front and slightly above, so that all bodies fit beside the controls."""
+        """Return a view from the front and slightly above, with all bodies beside the controls."""
         extent = self._scene.find_extent(frame)
         if extent is None:
             return None
         size = float(np.linalg.norm(extent.high - extent.low))
         low, high = extent.low - 0.06 * size, extent.high + 0.06 * size
-        # The controls cover the right of the page.
+        # The controls cover the right side of the page.
         right = view_axes(self._up)[0]
         beside = _BESIDE * float(np.abs(right @ (high - low)))
         high = high + beside * np.maximum(right, 0.0)
@@ -233,7 +233,7 @@ class LivePage:
         self._view.count_pages(-1)
 
     def _drag(self, body: Body, event: viser.SceneNodeDragEvent[Any]) -> None:
-        """Follows a hand: in viser's event loop, which gives its events in order."""
+        """Handle a drag in viser's event loop, which delivers events in order."""
         pulls, hand = self._view.pulls, event.client_id
         if event.phase == "end":
             pulls.release(hand)
@@ -242,7 +242,7 @@ class LivePage:
             frame = self._frame
             if frame is None or body not in frame.bodies:
                 return
-            # The page has the pose of the last frame; the world is some steps ahead of it.
+            # The page shows the pose of the last frame, but the world is some steps ahead.
             pose = frame.poses[frame.bodies.index(body)]
             point = np.array(event.start_position) / self._scene.scale
             size = np.ptp(self._scene.mesh(body).vertices, axis=0)
@@ -252,7 +252,7 @@ class LivePage:
 
 
 def find_up(gravity: NDArray[np.float64]) -> str:
-    """The axis that points up in gravity, (3,) m/s2: the nearest one to its opposite; "+z" without gravity.
+    """Return the axis nearest to the opposite of gravity, (3,) m/s2; "+z" without gravity.
 
     Example:
         >>> find_up(np.array((0.0, -9.81, 0.0)))

@@ -1,4 +1,4 @@
-"""Plots over simulated time beside a live view: energy, number of contacts, greatest depth."""
+"""Plots over simulated time beside a live view: energy, number of contacts, largest depth."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.live_frame import LiveFrame
 
 _SAMPLES = 600
-"""Frames that the plots show: twenty seconds at 30 frames a second."""
+"""Number of frames in the plots: twenty seconds at 30 frames per second."""
 
 _HEIGHT = 104  # pixels
 _ENERGY_COLORS = ("#1f6fb4", "#2a9d6f", "#1e2733")
@@ -23,11 +23,11 @@ class LivePlots:
     """Three plots in the controls of a page.
 
     Args:
-        gui: Of the page.
+        gui: The page's controls.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        # Time, kinetic, potential and whole energy, contacts, depth.
+        # Columns: time; kinetic, potential and total energy; contacts; depth.
         self._rows: deque[tuple[float, ...]] = deque(maxlen=_SAMPLES)
         self._ground: float | None = None
         names = ("kinetic", "potential", "sum")
@@ -36,7 +36,7 @@ class LivePlots:
         self._depth = _add_plot(gui, "deepest contact, mm", {"depth": "#d97706"})
 
     def add(self, frame: LiveFrame) -> None:
-        """Adds a frame. If the world went back in time, the plots start again."""
+        """Add a frame. If the time of the world went back, restart the plots."""
         if self._rows and frame.time < self._rows[-1][0]:
             self._rows.clear()
             self._ground = None
@@ -50,7 +50,7 @@ class LivePlots:
         self._rows.append((frame.time, *energies, float(len(frame.depths)), depth))
 
     def show(self) -> None:
-        """Draws the frames added so far."""
+        """Draw all frames added so far."""
         columns = np.array(self._rows).T
         if columns.shape[-1] < 2:
             return

@@ -32,29 +32,29 @@ if TYPE_CHECKING:
 _KINEMATIC_COLOR, _GROUND_COLOR = (150, 158, 140), (226, 230, 235)
 FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
 _DIAGONAL = 6.0
-"""Diagonal of what is seen at first, in display units: viser's clipping planes, shadows and speed of flight suit that."""
+"""Diagonal of the first view in display units; it suits viser's clipping planes and shadows."""
 _MOST_CONTACTS = 400
 _GRAIN = 2.0**-13
 _BALL = 0.012
 """Radius of a contact's ball, in diameters of a typical body."""
 _LEAST_DEPTH = 1e-4
-"""The smallest depth whose color differs from that of none, in diameters of a typical body."""
+"""Smallest depth with a color of its own, in diameters of a typical body."""
 _LONGEST_ARROW = 1.0
-"""In diameters of a typical body; a force of its weight is a quarter of that."""
+"""Length of the longest arrow, in diameters of a typical body; its weight has a quarter of that."""
 _ARROWS_A_WEIGHT = 0.25
 _OPACITY = 0.55
-"""Opacity of bodies through which contacts are seen."""
+"""Opacity of transparent bodies, which do not hide contacts."""
 _GROUND_SIDE = 10.0
-"""Side of a plane as it is drawn, in diagonals of what is seen."""
+"""Side of a drawn plane, in diagonals of the first view."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """What there is to see, in metres.
+    """The extent of the visible scene, in meters.
 
     Args:
-        low: (3,) lowest corner of a box around it, world frame.
-        high: (3,) highest corner.
+        low: (3,) lower corner of a box around it, world frame.
+        high: (3,) upper corner.
         body: Diameter of a typical moving body.
     """
 
@@ -68,9 +68,9 @@ class _Group:
     """Bodies of one shape and motion, which are instances of one node.
 
     Args:
-        node: Of the scene.
-        bodies: In the order of its instances.
-        places: Of the bodies in a frame.
+        node: The node in the scene.
+        bodies: The bodies in the order of the instances.
+        places: Their indices in a frame.
     """
 
     node: Any
@@ -82,8 +82,8 @@ class LiveScene:
     """Nodes that follow a world.
 
     Args:
-        scene: Where to add them.
-        colors: Of bodies, 0 to 255; others are given one.
+        scene: The scene that contains them.
+        colors: Colors of bodies, 0 to 255; the other bodies get default colors.
         on_drag: Called in viser's event loop, in order, while somebody drags a dynamic body.
     """
 
@@ -101,30 +101,30 @@ class LiveScene:
         self._deepest = 0.0
         self._opacity: float | None = _OPACITY
         self.scale: float = 1.0
-        """Display units in a metre."""
+        """Display units per meter."""
         self.weight: float = 0.0
-        """Newtons, of a typical dynamic body in standard gravity."""
+        """Weight of a typical dynamic body in standard gravity, newtons."""
         self.extent: Extent | None = None
-        """Of the first frame with a body other than a plane; None before."""
+        """Extent of the first frame with a body other than a plane; None before."""
 
     @property
     def deepest(self) -> float:
-        """Metres, of the darkest color: the deepest contact so far, rounded up; not less than what can be seen."""
+        """Depth of the darkest color, meters: the largest so far, rounded up, or a minimum."""
         if self._deepest == 0.0 or self.extent is None:
             return 0.0
         return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))
 
     @property
     def longest_force(self) -> float:
-        """Newtons above which arrows no longer grow."""
+        """Force above which arrows do not grow, newtons."""
         return self.weight * _LONGEST_ARROW / _ARROWS_A_WEIGHT
 
     def show(self, frame: LiveFrame, lines: NDArray[np.float64]) -> None:
-        """Brings all nodes into the state of a frame.
+        """Update all nodes to a frame.
 
         Args:
-            frame: Of the world.
-            lines: (k, 2, 3) metres, world frame: springs that pull.
+            frame: State of the world.
+            lines: (k, 2, 3) meters, world frame: springs that pull.
         """
         if self.extent is None:
             self._begin(frame)
@@ -136,13 +136,13 @@ class LiveScene:
         self._show_arrows("pulls", lines * self.scale, PULL_COLOR)
 
     def set_see_through(self, on: bool) -> None:
-        """Shows bodies half transparent, so that contacts in and under them are seen, or solid."""
+        """Draw bodies transparent, so that contacts in and under them are visible, or solid."""
         self._opacity = _OPACITY if on else None
         for group in list(self._groups.values()):
             group.node.opacity = self._opacity
 
     def find_extent(self, frame: LiveFrame) -> Extent | None:
-        """The box around all bodies of a frame but planes, with the parts of planes below it; None without one."""
+        """Return the box around all bodies except planes, and planes below it; None if empty."""
         boxes, diameters = [], []
         for body, pose in zip(frame.bodies, frame.poses, strict=True):
             if isinstance(body.shape, Plane):
@@ -172,10 +172,10 @@ class LiveScene:
         return Extent(low, high, typical)
 
     def mesh(self, body: Body) -> Mesh:
-        """The surface of a body in its own frame, metres; made once a shape."""
+        """Return the surface of a body in its own frame, meters; it is computed once per shape."""
         key = id(body.shape)
         if key not in self._meshes:
-            self._meshes[key] = (body.shape, mesh_of(body.shape))  # the shape keeps its id
+            self._meshes[key] = (body.shape, mesh_of(body.shape))  # storing the shape keeps its id
         return self._meshes[key][1]
 
     def _begin(self, frame: LiveFrame) -> None:
@@ -206,7 +206,7 @@ class LiveScene:
                 self._groups[key] = _Group(node, bodies, places)
                 continue
             group = self._groups[key]
-            # What stands still is not sent again: viser leaves out what has not changed.
+            # Bodies at rest are not sent again: viser does not send what has not changed.
             group.node.batched_positions = positions[places]
             group.node.batched_wxyzs = turns[places]
             if group.bodies != bodies:
@@ -233,7 +233,7 @@ class LiveScene:
         if first.motion == "dynamic":
             key = (id(first.shape), first.motion)
 
-            # Only coroutines are called in the order of the mouse's events.
+            # viser keeps the order of the mouse's events only for coroutines.
             @node.on_drag
             async def _(event: viser.SceneNodeDragEvent[Any]) -> None:
                 group = self._groups.get(key)
@@ -254,7 +254,7 @@ class LiveScene:
         return np.array(chosen, np.uint8)
 
     def _add_ground(self, body: Body, pose: NDArray[np.float64]) -> Any:
-        """A plane as a grid on a plate, below the middle of what is seen."""
+        """Add a plane as a grid on a plate, below the center of the scene."""
         assert self.extent is not None
         assert isinstance(body.shape, Plane)
         middle = 0.5 * (self.extent.low + self.extent.high)
@@ -282,7 +282,7 @@ class LiveScene:
 
     @property
     def cell(self) -> float:
-        """Metres between the lines of a ground's grid."""
+        """Distance of grid lines on a ground, meters."""
         assert self.extent is not None
         return nice_length(0.1 * float(np.linalg.norm(self.extent.high - self.extent.low)))
 
@@ -325,7 +325,7 @@ class LiveScene:
             node.visible = bool(len(pins))
 
     def _find_arrows(self, frame: LiveFrame) -> NDArray[np.float64]:
-        """(k, 2, 3) display units, from the point in the direction of the force."""
+        """Return arrows from points in the direction of forces, (k, 2, 3) display units."""
         assert self.extent is not None
         sizes = np.linalg.norm(frame.forces, axis=1)
         strongest = np.argsort(-sizes, kind="stable")[:_MOST_CONTACTS]
@@ -362,7 +362,7 @@ class LiveScene:
 def _foot(
     plane: Plane, pose: NDArray[np.float64], point: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The place of a plane nearest to a point, (3,) metres, world frame."""
+    """Return the point of a plane nearest to a point, (3,) meters, world frame."""
     normal = pose[:3, :3] @ plane.normal
     height = normal @ (point - pose[:3, 3]) - plane.offset
     return point - height * normal

@@ -1,4 +1,4 @@
-"""The page around a replay: heading, legend, and the promise to fetch nothing."""
+"""The page around a replay: heading, legend, and a policy that forbids network access."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from voxshell.viewer.stage import VIEW_ASPECT
 if TYPE_CHECKING:
     from pathlib import Path
 
-# The browser itself refuses every fetch from anywhere; what is in the page may run.
+# The browser refuses every network access, but may run what is in the page.
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob: data:; "
     "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; connect-src data: blob:; "
@@ -33,20 +33,20 @@ def add_heading(
     grid: float | None,
     plots: str = "",
 ) -> str:
-    """Adds a heading with a legend to the player's page, and forbids it to fetch anything.
+    """Add a heading with a legend to the player's page, and forbid network access.
 
     Args:
         page: The player's page, HTML.
         title: Plain text.
-        caption: Plain text under the title; may be empty.
-        rate: Plain text: how fast the replay plays.
-        deepest: Depth, metres, of the darkest colour, 0 if contacts do not overlap; None if there
-            are no contacts.
-        grid: Metres between grid lines; None if there is no grid.
-        plots: HTML, of :func:`~voxshell.viewer.time_plots.draw_time_plots`.
+        caption: Plain text below the title; may be empty.
+        rate: Plain text: the speed of the replay.
+        deepest: Depth of the darkest color, meters; 0 if contacts do not overlap; None if there are
+            no contacts.
+        grid: Distance of grid lines, meters; None if there is no grid.
+        plots: HTML from :func:`~voxshell.viewer.time_plots.draw_time_plots`.
 
     Raises:
-        RecordingError: If the page has no head and body to add to (another player than expected).
+        RecordingError: The page has no head or body, so the player is not the expected one.
     """
     legend = []
     if deepest is not None:
@@ -92,7 +92,7 @@ def add_heading(
 
 
 def metric(length: float) -> str:
-    """A length in metres, in the unit that keeps its digits few.
+    """Return a length, in meters, as a text in the unit with the fewest digits.
 
     Example:
         >>> [metric(x) for x in (0.00025, 0.003, 0.02, 1.5)]
@@ -105,6 +105,6 @@ def metric(length: float) -> str:
 
 
 def write_whole(path: Path, text: str) -> Path:
-    """Writes a file so that readers see the old one or the new one, never a part."""
+    """Write a file so that readers see either the old or the new content."""
     write_text(path, text)
     return path

@@ -1,4 +1,4 @@
-"""Colors of bodies that have none of their own, the same on every page and in every export."""
+"""Default colors of bodies, the same on every page and in every export."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from voxshell.recording import BodyTrack, Recording
 
-# Cool and muted, so that contacts, which are warm, stand out.
+# Cool and muted, so that contacts, which have warm colors, stand out.
 BODY_COLORS = (
     (92, 141, 208),
     (72, 163, 154),
@@ -20,7 +20,7 @@ FIXED_COLOR = (176, 182, 190)
 
 
 def choose_colors(recording: Recording) -> list[tuple[int, int, int]]:
-    """Red, green and blue, 0 to 255, of each body of a recording."""
+    """Return red, green and blue, 0 to 255, of each body of a recording."""
     moving = [body for body in recording.bodies if not body.fixed]
 
     def choose(body: BodyTrack) -> tuple[int, int, int]:

@@ -1,4 +1,4 @@
-"""Contact pins: a ball at the contact point and a stem along the normal, coloured by depth."""
+"""Contact pins: a ball at the contact point and a stem along the normal, colored by depth."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from numpy.typing import NDArray
 from voxshell.recording import ContactTrack, Recording
 from voxshell.viewer.quaternions import normals_as_wxyz
 
-# Warm colours, because bodies are given cool ones; from a touch to the deepest.
+# Warm colors, in contrast to the cool ones of bodies; from a touch to the largest depth.
 DEPTH_COLORS = ((255, 196, 0), (255, 112, 16), (224, 30, 60), (92, 0, 34))
 _STEM_IN_BALL_RADII = 7.0
 _SEGMENTS = 8
-# 1/4096 turns a stem by less than a pixel, and numbers that end in zero bits pack well.
+# Rounding to 1/4096 turns a stem by less than a pixel, and such numbers compress well.
 _TURNS = 4096.0
-# The one deep contact of a bad step should not turn all others pale.
+# A percentile, so that one deep contact in a bad step does not make all others pale.
 _FULL_DEPTH_QUANTILE = 0.995
 
 
 @dataclass(frozen=True, eq=False)
 class Pins:
-    """The contacts of one instant, ready to be drawn as instances of one mesh.
+    """The contacts of one instant, to draw as instances of one mesh.
 
     Args:
         positions: (k, 3) float32, display units, lane frame.
-        rotations: (k, 4) float32, quaternions (w, x, y, z) that turn the mesh's z to the normal.
-        colors: (k, 3) uint8, amounts of red, green and blue light.
+        rotations: (k, 4) float32, quaternions (w, x, y, z) that rotate the mesh's z axis to the
+            normal.
+        colors: (k, 3) uint8, linear intensities of red, green and blue.
     """
 
     positions: NDArray[np.float32]
@@ -41,10 +42,10 @@ class Pins:
 
 
 def build_pin_mesh(ball_radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """A surface of revolution about z: a ball round the origin with a stem upwards.
+    """Return a surface of revolution about z: a ball around the origin with a stem upward.
 
     Returns:
-        vertices (n, 3) in the unit of ``ball_radius``, and faces (m, 3), counter-clockwise.
+        vertices (n, 3) in the unit of ``ball_radius``, and faces (m, 3), counterclockwise.
     """
     ball = [(math.sin(a), -math.cos(a)) for a in np.linspace(0.0, 0.9 * math.pi, 6)[1:]]
     stem = [(0.22, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)]
@@ -63,10 +64,9 @@ def build_pin_mesh(ball_radius: float) -> tuple[NDArray[np.float32], NDArray[np.
 
 
 def full_depth(recordings: Sequence[Recording]) -> float:
-    """The depth, metres, that gets the darkest colour: about the deepest of all contacts.
+    """Return the depth of the darkest color, meters: about that of the deepest contact.
 
-    Rounded up to one or two digits, because it is written next to the scale. 0 if nothing
-    overlaps.
+    It is rounded up to one or two digits, because the scale shows it. It is 0 if nothing overlaps.
     """
     depths = np.concatenate([recording.contacts.depths for recording in recordings])
     depths = depths[depths > 0.0]
@@ -81,15 +81,15 @@ def full_depth(recordings: Sequence[Recording]) -> float:
 def build_pins(
     contacts: ContactTrack, *, scale: float, deepest: float, limit: int, grain: float
 ) -> Pins:
-    """Pins for the contacts of one frame.
+    """Return pins for the contacts of one frame.
 
     Args:
-        contacts: One frame, metres.
-        scale: Display units in a metre.
-        deepest: Depth, metres, of the darkest colour.
-        limit: Pins at most; of more contacts, ones spread evenly over them are taken.
-        grain: Display units to which positions are rounded; a power of two, so that rounded
-            numbers end in zero bits and pack well.
+        contacts: One frame, meters.
+        scale: Display units per meter.
+        deepest: Depth of the darkest color, meters.
+        limit: Largest number of pins; from more contacts, an even sample is taken.
+        grain: Multiple to which positions are rounded, display units; a power of two, so that the
+            numbers compress well.
     """
     chosen = slice(None)
     if len(contacts.points) > limit:
@@ -104,16 +104,16 @@ def build_pins(
 
 
 def color_depths(shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Colors (sRGB, 0 to 255), (k, 3), of depths as shares of the deepest, (k,)."""
+    """Return colors (sRGB, 0 to 255), (k, 3), of depths as fractions of the deepest, (k,)."""
     stops = np.linspace(0.0, 1.0, len(DEPTH_COLORS))
     channels = np.array(DEPTH_COLORS, dtype=np.float64).T
     return np.stack([np.interp(shares, stops, channel) for channel in channels], axis=1)
 
 
 def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Colours (sRGB, 0 to 255) as the player takes those of instances: amounts of light, 0 to 255.
+    """Convert colors (sRGB, 0 to 255) to linear intensities, 0 to 255, for the player's instances.
 
-    Sent as they are, they would come out pale.
+    Unconverted colors would look pale.
     """
     share = colors / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)

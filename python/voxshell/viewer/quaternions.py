@@ -1,4 +1,4 @@
-"""Rotations as the player takes them: quaternions (w, x, y, z)."""
+"""Rotations as the player represents them: quaternions (w, x, y, z)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def rotations_as_wxyz(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k, 4) unit quaternions, w first, of (k, 3, 3) rotation matrices.
+    """Return unit quaternions, (k, 4), w first, of (k, 3, 3) rotation matrices.
 
     Example:
         >>> turn = np.array([[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]])
@@ -17,7 +17,7 @@ def rotations_as_wxyz(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
     r = np.asarray(rotations, dtype=np.float64)
     diagonal = np.diagonal(r, axis1=1, axis2=2)
     trace = diagonal.sum(axis=1)
-    # Four times the squares of w, x, y and z. Dividing by the largest is safe everywhere.
+    # Four times the squares of w, x, y and z. Dividing by the largest is always accurate.
     squares = np.stack([1.0 + trace, *(1.0 + 2.0 * diagonal.T - trace)], axis=1)
     wx, wy, wz = (r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1])
     xy, xz, yz = (r[:, 0, 1] + r[:, 1, 0], r[:, 0, 2] + r[:, 2, 0], r[:, 1, 2] + r[:, 2, 1])
@@ -36,7 +36,7 @@ def rotations_as_wxyz(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def normals_as_wxyz(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k, 4) unit quaternions, w first, of the shortest turns from z to (k, 3) unit normals.
+    """Return unit quaternions, (k, 4), w first, of the shortest rotations from z to (k, 3) normals.
 
     Example:
         >>> normals_as_wxyz(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])).round(4)
@@ -45,17 +45,17 @@ def normals_as_wxyz(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     turns = np.zeros((len(normals), 4))
     turns[:, 0] = 1.0 + normals[:, 2]
-    turns[:, 1] = 0.0 - normals[:, 1]  # no negative zero
+    turns[:, 1] = 0.0 - normals[:, 1]  # avoids negative zero
     turns[:, 2] = normals[:, 0]
-    # Straight down every half turn will do; nearly so, the sum above has lost its digits.
+    # For a normal of -z, any half turn is correct; near it, the sum above has lost precision.
     turns[turns[:, 0] < 1e-6] = (0.0, 1.0, 0.0, 0.0)
     return turns / np.linalg.norm(turns, axis=1, keepdims=True)
 
 
 def as_steady(turns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same rotations, (k, 4), with signs such that neighbors do not differ by more than half a turn.
+    """Return the same rotations, (k, 4), with signs that keep neighbors within half a turn.
 
-    Between a quaternion and its negative, which is the same rotation, a program that interpolates would spin.
+    A quaternion and its negative are the same rotation, but interpolation between them would spin.
 
     Example:
         >>> as_steady(np.array([[1.0, 0.0, 0.0, 0.0], [-0.8, 0.6, 0.0, 0.0]])).tolist()

@@ -1,6 +1,6 @@
-"""Writes replays: one offline page that plays recordings side by side.
+"""Replays: offline pages that play recordings side by side.
 
-The page is viser's player with the scene inside. It opens from a file, fetches nothing, and has a
+The page is viser's player with the scene inside. It opens from a file, needs no network, and has a
 bar to play, pause and scrub.
 """
 
@@ -35,35 +35,37 @@ def save_replay(
     max_contacts: int = 400,
     hold: float = 1.0,
 ) -> Path:
-    """Writes one offline page in which recordings play side by side.
+    """Write one offline page that plays recordings side by side.
 
-    Bodies without a colour are given one. Level fixed boxes under everything that moves are
-    grounds: they are drawn as thin plates with a grid, cut to the stage. Contacts are pins, the
-    ball at the point, the stem along the normal, the colour by depth. Steps that no picture shows
-    still show their contacts, if the next picture has none. The number under a lane counts all
-    contacts of the step shown; plots show that number, and the deepest, over time.
+    Bodies without a color get one. Level fixed boxes under everything that moves are grounds: they
+    are drawn as thin plates with a grid, cut to the stage. Contacts are pins: a ball at the point,
+    a stem along the normal, and a color for the depth. If a shown step has no contacts, it shows
+    those of a skipped step before it. The number below a lane counts all contacts of the shown
+    step. Plots show that number and the largest depth over time.
 
     Args:
-        path: The file to write, ending in .html by custom; replaced whole or not at all.
-        lanes: What to show; see :func:`voxshell.viewer.lanes.arrange_lanes`. Their time steps may
+        path: The file, usually with the suffix .html; written completely or not at all.
+        lanes: The recordings; see :func:`voxshell.viewer.lanes.arrange_lanes`. Their time steps may
             differ: each shows its latest step.
         title: Heading of the page.
-        caption: A sentence under the heading.
+        caption: A sentence below the heading.
         up: The world axis that points up, such as "+z" or "+y".
-        frames_per_second: Pictures in a second of playing, at most; every n-th step is shown.
-        speed: Simulated seconds in a second of playing; 1 is real time, 0.25 slow motion. The
-            play bar can change it further.
-        max_contacts: Pins drawn in a lane at a time; of more, ones spread evenly are drawn.
-        hold: Seconds to stay on the last picture before the page plays again.
+        frames_per_second: Largest number of frames per second of playback; every n-th step is
+            shown.
+        speed: Simulated seconds per second of playback; 1 is real time, 0.25 slow motion. The play
+            bar can change it.
+        max_contacts: Largest number of pins in a lane at a time; from more contacts, an even sample
+            is drawn.
+        hold: Seconds to show the last frame before the replay starts again.
 
     Returns:
-        The path written.
+        The path of the file.
 
     Raises:
-        MissingExtraError: If viser is not installed.
-        RecordingError: If there is no lane, or an option makes no sense.
-        SettingsError: If no file can be written there, as at a folder or a pipe.
-        FileAccessError: If the system does not let it be written.
+        MissingExtraError: viser is not installed.
+        RecordingError: There is no lane, or an option is invalid.
+        SettingsError: No file can be written there, for example because it is a folder or a pipe.
+        FileAccessError: The system refuses to write it.
     """
     page = make_replay(
         lanes,
@@ -89,7 +91,7 @@ def make_replay(
     max_contacts: int = 400,
     hold: float = 1.0,
 ) -> str:
-    """The page that :func:`save_replay` writes, HTML; arguments and errors are the same."""
+    """Return the page that :func:`save_replay` writes, HTML; with the same arguments and errors."""
     lanes = tuple(lanes)
     if not lanes:
         raise RecordingError("nothing to show: no lanes")
@@ -126,7 +128,7 @@ def make_replay(
 
 
 def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
-    """The player's page with the scene and all its changes in it, HTML."""
+    """Return the player's page with the scene and all its changes, HTML."""
     with silent_server() as server:
         server.scene.world_axes.visible = False
         server.scene.set_up_direction(script.up)  # pyright: ignore[reportArgumentType]
@@ -150,7 +152,7 @@ def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
 
 
 def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
-    """How fast the page plays, in words."""
+    """Return the speed of the replay in words."""
     if timeline.speed == 1.0:
         pace = "Plays in real time"
     elif timeline.speed < 1.0:

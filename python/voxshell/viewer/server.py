@@ -1,4 +1,4 @@
-"""The viser server that a scene is made on."""
+"""The viser server on which scenes are made."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def import_viser() -> ModuleType:
-    """The package that makes scenes and pages.
+    """Return viser, which makes scenes and pages.
 
     Raises:
         MissingExtraError: It is not installed.
@@ -33,17 +33,17 @@ def import_viser() -> ModuleType:
 
 @contextmanager
 def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.ViserServer]:
-    """A viser server that says nothing itself: viser makes scenes only through one.
+    """Yield a viser server that prints nothing; viser can make scenes only on a server.
 
-    It listens on the loopback interface until the scene is done, and answers those alone who ask at
+    It listens on the loopback interface until the scene is done, and answers only requests to
     :func:`make_address`.
 
     Args:
-        port: Where, or the next one that is free; 0: the system picks one.
-        token: The secret in its address; by default, one that nobody knows.
+        port: Its port, or the next free one. 0: the system chooses one.
+        token: The secret in its address; a random one by default.
 
     Raises:
-        MissingExtraError: If viser is not installed, or one that cannot be guarded.
+        MissingExtraError: viser is not installed, or this version cannot be protected.
     """
     viser = import_viser()
     with _silence(), guarding(make_token() if token is None else token) as is_guarded:
@@ -51,8 +51,8 @@ def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.
     try:
         if not is_guarded():
             raise MissingExtraError(
-                f"viser {viser.__version__} starts its server in a way that cannot be kept from pages of "
-                "others; run: pip install 'viser<2'"
+                f"viser {viser.__version__} starts its server in a way that cannot be protected from "
+                "other pages; run: pip install 'viser<2'"
             )
         yield server
     finally:
@@ -61,13 +61,13 @@ def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.
 
 
 def make_address(server: viser.ViserServer, token: str) -> str:
-    """Where a server shows its scene, for a browser on this machine."""
+    """Return the address of a server's scene for a browser on this machine."""
     return f"http://127.0.0.1:{server.get_port()}/{token}/"
 
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Mutes rich's shared console, on which viser announces its start and stop, asked or not."""
+    """Mute rich's shared console, on which viser always announces its start and stop."""
     import rich
 
     console = rich.get_console()

@@ -1,4 +1,4 @@
-"""The stage: how large the scene is drawn, its grounds, and where the camera stands."""
+"""The stage: the scale of the scene, its grounds, and the camera."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from voxshell.viewer.lanes import (
     view_axes,
 )
 
-# The diagonal of a scene in display units. The page's player has clipping planes, shadows and a
-# speed of flight made for scenes about as large, so millimetres and kilometres look alike.
+# Diagonal of a scene in display units. The player's clipping planes, shadows and camera speed suit
+# scenes of this size, so millimeters and kilometers look alike.
 _SCENE_DIAGONAL = 6.0
 _FIELD_OF_VIEW = math.radians(32.0)
-# Width by height that the first view is fitted to; the page moves back on a narrower window.
+# Aspect ratio of the first view; on a narrower window, the page moves the camera back.
 VIEW_ASPECT = 1.85
-_MARGIN = 0.08  # of the stage's width, around what moves
-_THICKNESS = 0.08  # of the stage's width, of grounds
-# The part of the picture to fill, from -1 to 1: below the heading, above captions in front.
+_MARGIN = 0.08  # around what moves, as a fraction of the stage's width
+_THICKNESS = 0.08  # of grounds, as a fraction of the stage's width
+# Vertical range of the picture to fill, from -1 to 1: below the heading, above captions in front.
 _VIEW_LEFT, _VIEW_RIGHT, _VIEW_BOTTOM, _VIEW_TOP = -0.93, 0.93, -0.80, 0.76
 
 
 @dataclass(frozen=True, eq=False)
 class Slab:
-    """A ground as it is drawn: a thin plate under the bodies, however large the real one is.
+    """A ground as drawn: a thin plate below the bodies, whatever the size of the real one.
 
     Args:
-        low: (3,) metres, world frame of the recording.
+        low: (3,) meters, world frame of the recording.
         high: (3,) likewise.
     """
 
@@ -49,7 +49,7 @@ class Camera:
 
     Args:
         position: (3,) display units.
-        target: (3,) display units, the point looked at.
+        target: (3,) display units, the point that the camera looks at.
         field_of_view: Vertical, radians.
     """
 
@@ -59,23 +59,23 @@ class Camera:
 
     @property
     def view_height(self) -> float:
-        """Display units from the lower to the upper edge of the picture, at the target."""
+        """Height of the picture at the target, display units."""
         distance = float(np.linalg.norm(self.target - self.position))
         return 2.0 * distance * math.tan(0.5 * self.field_of_view)
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The space that all lanes share, each in its own frame.
+    """The space of every lane; each lane has its own frame.
 
     Args:
-        low: (3,) metres, the box to be seen, world frame of every recording.
-        high: (3,) likewise.
-        scale: Display units in a metre.
-        cell: Metres between grid lines: 1, 2 or 5 times a power of ten.
-        body_size: Metres, the diagonal of a typical moving body.
-        columns: Lanes next to each other at most.
-        rows: Lanes behind each other at most.
+        low: (3,) meters, lower corner of the visible box, world frame of every recording.
+        high: (3,) upper corner, likewise.
+        scale: Display units per meter.
+        cell: Distance of grid lines, meters: 1, 2 or 5 times a power of ten.
+        body_size: Diagonal of a typical moving body, meters.
+        columns: Largest number of lanes in a row.
+        rows: Number of rows.
     """
 
     low: NDArray[np.float64]
@@ -88,7 +88,7 @@ class Stage:
 
 
 def plan_stage(lanes: Sequence[Lane], *, up: str) -> Stage:
-    """One stage for all lanes, so that they look alike and compare."""
+    """Return one stage for all lanes, so that they have the same scale."""
     right, forward, upward = view_axes(up)
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for lane in lanes:
@@ -113,11 +113,11 @@ def plan_stage(lanes: Sequence[Lane], *, up: str) -> Stage:
 
 
 def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab]:
-    """The bodies that are grounds, by name: level fixed boxes under everything that moves.
+    """Return the bodies that are grounds, by name: level fixed boxes under everything that moves.
 
     Args:
-        recording: What is shown.
-        stage: Where; a slab is cut to it.
+        recording: The recording.
+        stage: The stage; slabs are cut to it.
         up: The world axis that points up.
     """
     right, forward, upward = view_axes(up)
@@ -150,11 +150,11 @@ def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab
 def place_camera(
     boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], *, rows: int, up: str
 ) -> Camera:
-    """Looks at boxes from the front and slightly above, as near as all of them fit.
+    """Return a camera that sees all boxes from the front and slightly above, as near as possible.
 
     Args:
         boxes: low (3,) and high (3,) of each, display units.
-        rows: Rows of lanes; more than one is seen from higher up.
+        rows: Rows of lanes; for more than one, the camera is higher.
         up: The world axis that points up.
     """
     right, forward, upward = view_axes(up)
@@ -173,7 +173,7 @@ def place_camera(
     distance = 2.0 * float(np.linalg.norm(corners - target, axis=1).max()) / tangent
     wanted = np.array([_VIEW_RIGHT - _VIEW_LEFT, _VIEW_TOP - _VIEW_BOTTOM])
     middle = 0.5 * np.array([_VIEW_RIGHT + _VIEW_LEFT, _VIEW_TOP + _VIEW_BOTTOM])
-    # Every round is exact but for perspective, so the error shrinks by a large factor each time.
+    # Each iteration is exact except for perspective, so the error shrinks quickly.
     for _ in range(40):
         seen = corners - (target - distance * away)
         depth = seen @ away
@@ -193,7 +193,7 @@ def _start_height(body: BodyTrack, upward: NDArray[np.float64]) -> float:
 
 
 def _is_level_box(body: BodyTrack) -> bool:
-    """Whether every vertex is a corner of a box whose sides follow the world's axes."""
+    """Return whether every vertex is a corner of an axis-aligned box."""
     corners = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
     low, high = corners.min(axis=0), corners.max(axis=0)
     tolerance = 1e-6 * float(np.abs(high - low).max())
@@ -202,6 +202,6 @@ def _is_level_box(body: BodyTrack) -> bool:
 
 
 def nice_length(length: float) -> float:
-    """1, 2 or 5 times a power of ten, at least ``length``."""
+    """Return 1, 2 or 5 times a power of ten, at least ``length``."""
     power = 10.0 ** math.floor(math.log10(length))
     return power * next(step for step in (1.0, 2.0, 5.0, 10.0) if step * power >= length)

@@ -1,17 +1,17 @@
-"""How a surface is shaded."""
+"""Choice of flat or smooth shading."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-_SHARP_COSINE = 0.82  # 35 degrees between neighbouring faces
+_SHARP_COSINE = 0.82  # 35 degrees between neighboring faces
 _SHARP_SHARE = 0.2
-"""Of the area, in faces with a sharp edge: a few long ones count, however fine all else is cut."""
+"""Fraction of the area in faces with a sharp edge; areas make a few long faces count."""
 
 
 def is_faceted(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bool:
-    """Whether a mesh has sharp edges, which smooth shading would smear.
+    """Return whether a mesh has sharp edges, which smooth shading would blur.
 
     Args:
         vertices: (n, 3).

@@ -1,4 +1,4 @@
-"""Plots over time beside a replay: how many contacts there are, and how deep the deepest is."""
+"""Plots over time beside a replay: number of contacts and largest depth."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _COLORS = ("#1f6fb4", "#d97706", "#2a9d6f", "#b4324a", "#7a55b0", "#8a6a4f", "#5
 
 
 def draw_time_plots(lanes: Sequence[Lane], timeline: Timeline) -> str:
-    """Two plots as HTML, a line a lane; empty if there are no contacts or nothing moves on.
+    """Return two plots as HTML, with a line for each lane; empty without contacts or motion.
 
-    Their ``data-seconds`` is what playing takes from their left edge to the right one.
+    Their ``data-seconds`` is the playback time from the left edge to the right one.
     """
     seconds = float(timeline.pauses.sum())
     counts = [_counts(lane.recording, timeline) for lane in lanes]
@@ -47,12 +47,12 @@ def draw_time_plots(lanes: Sequence[Lane], timeline: Timeline) -> str:
 
 
 def _counts(recording: Recording, timeline: Timeline) -> NDArray[np.float64]:
-    """(k,) contacts that are shown at each instant."""
+    """Return the number of contacts shown at each instant, (k,)."""
     return recording.contacts.counts[timeline.contact_frames(recording)].astype(np.float64)
 
 
 def _depths(recording: Recording, timeline: Timeline) -> NDArray[np.float64]:
-    """(k,) metres, of the deepest that is shown at each instant; 0 if none overlaps."""
+    """Return the largest depth shown at each instant, (k,) meters; 0 if nothing overlaps."""
     track = recording.contacts
     deepest = np.zeros(recording.frame_count)
     np.maximum.at(deepest, np.repeat(np.arange(recording.frame_count), track.counts), track.depths)
@@ -71,7 +71,7 @@ def _draw(title: str, lines: Sequence[NDArray[np.float64]], top: float) -> str:
 
 
 def _points(shares: NDArray[np.float64]) -> str:
-    """Of a line: the highest of what falls on a place, no more places than can be told apart."""
+    """Return a line's points, each the maximum over a pixel's width."""
     last = len(shares) - 1
     first = np.unique(np.linspace(0, last, int(_WIDTH) + 1).astype(int))
     across = first * (_WIDTH / last)

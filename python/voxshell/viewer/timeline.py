@@ -1,4 +1,4 @@
-"""Which steps of which recording are shown when."""
+"""The choice of steps that a replay shows, and their times."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from voxshell.errors import RecordingError
 from voxshell.recording import Recording
 
-# A time of exactly k steps must fall on step k in spite of rounding.
+# Tolerance for rounding, so that a time of exactly k steps falls on step k.
 _STEP_TOLERANCE = 1e-6
 
 
@@ -23,8 +23,8 @@ class Timeline:
     Args:
         times: (k,) float, seconds of simulated time, from 0; the last is the end of the longest
             recording.
-        stride: Steps of the fastest recording from one instant to the next.
-        speed: Simulated seconds that pass in a second of playing.
+        stride: Steps of the fastest recording between instants.
+        speed: Simulated seconds per second of playback.
     """
 
     times: NDArray[np.float64]
@@ -33,20 +33,19 @@ class Timeline:
 
     @property
     def pauses(self) -> NDArray[np.float64]:
-        """(k - 1,) seconds of playing between one instant and the next."""
+        """Seconds of playback between instants, (k - 1,)."""
         return np.diff(self.times) / self.speed
 
     def frames(self, recording: Recording) -> NDArray[np.int64]:
-        """(k,) the latest frame of a recording at each instant; its last one after its end."""
+        """Return the latest frame of a recording at each instant, (k,); at most the last one."""
         frames = np.floor(self.times / recording.time_step + _STEP_TOLERANCE).astype(np.int64)
         return np.minimum(frames, recording.frame_count - 1)
 
     def contact_frames(self, recording: Recording) -> NDArray[np.int64]:
-        """(k,) the frame whose contacts to show at each instant.
+        """Return the frame whose contacts to show at each instant, (k,).
 
-        It is the frame shown, unless that has no contact while steps passed over since the
-        instant before have some: then it is the latest of those, so that a touch too short for
-        the eye is seen all the same.
+        This is the shown frame. If it has no contact, but steps skipped since the previous instant
+        have some, it is the latest of those. So even very short contacts are visible.
         """
         shown = self.frames(recording)
         touching = np.where(recording.contacts.counts > 0, np.arange(recording.frame_count), -1)
@@ -58,17 +57,17 @@ class Timeline:
 def plan_timeline(
     recordings: Sequence[Recording], *, frames_per_second: float = 60.0, speed: float = 1.0
 ) -> Timeline:
-    """Shows every n-th step, with the smallest n that keeps to a rate of pictures.
+    """Plan to show every n-th step, with the smallest n that respects a frame rate.
 
-    Every n-th step, not the step nearest to a picture's time, so that motion looks even.
+    Constant strides make motion look even; the steps nearest to each frame's time would not.
 
     Args:
-        recordings: What to show together; the shortest time step sets the pace.
-        frames_per_second: Pictures in a second of playing, at most.
-        speed: Simulated seconds in a second of playing; 1 is real time, less is slow motion.
+        recordings: The recordings to show together; the shortest time step counts.
+        frames_per_second: Largest number of frames per second of playback.
+        speed: Simulated seconds per second of playback; 1 is real time, less is slow motion.
 
     Raises:
-        RecordingError: If there is no recording, or a rate is not positive.
+        RecordingError: There is no recording, or a rate is not positive.
 
     Example:
         >>> import numpy as np

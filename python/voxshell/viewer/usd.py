@@ -1,4 +1,4 @@
-"""Recordings as Universal Scene Description: a mesh with a pose for each frame, for each body."""
+"""Recordings as Universal Scene Description: each body is a mesh with a pose for each frame."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 def save_usd(path: Path, recording: Recording, *, up: str = "+z") -> Path:
-    """Writes a recording as USD; see :meth:`voxshell.recording.Recording.save_usd`."""
+    """Write a recording as USD; see :meth:`voxshell.recording.Recording.save_usd`."""
     if up not in ("+z", "+y"):
-        raise SettingsError(f"in USD up is '+z' or '+y', not {up!r}")
+        raise SettingsError(f"up must be '+z' or '+y' in USD, not {up!r}")
     usd = _import_usd()
     with replacing(path) as temporary:
         stage = usd.Usd.Stage.CreateInMemory()
@@ -36,12 +36,12 @@ def save_usd(path: Path, recording: Recording, *, up: str = "+z") -> Path:
         for number, body in enumerate(recording.bodies):
             _add_body(usd, stage, body, number, choose_colors(recording)[number])
         if not stage.Export(str(temporary)):
-            raise FileAccessError(f"cannot write {path}: USD tells no reason; is the disk full?")
+            raise FileAccessError(f"cannot write {path}: USD gives no reason; is the disk full?")
     return path
 
 
 def _import_usd() -> Any:
-    """The library, with the modules that are used; its types are known to no checker."""
+    """Return the library with the modules in use; type checkers do not know its types."""
     try:
         for name in ("Gf", "Tf", "Usd", "UsdGeom", "Vt"):
             import_module(f"pxr.{name}")
@@ -55,7 +55,7 @@ def _import_usd() -> Any:
 def _add_body(
     usd: Any, stage: Any, body: BodyTrack, number: int, color: tuple[int, int, int]
 ) -> None:
-    # Names are made of letters, digits and underscores; the number keeps them apart.
+    # USD's names consist of letters, digits and underscores; the number makes them unique.
     name = f"{usd.Tf.MakeValidIdentifier(body.name)}_{number}"
     mesh = usd.UsdGeom.Mesh.Define(stage, f"/recording/{name}")
     mesh.GetPrim().SetMetadata("displayName", body.name)

@@ -1,4 +1,4 @@
-"""Videos of recordings, drawn without a window and without a browser."""
+"""Videos of recordings, rendered without a window or browser."""
 
 from __future__ import annotations
 
@@ -47,27 +47,29 @@ def save_video(
     up: str = "+z",
     title: str = "",
 ) -> Path:
-    """Writes a video of a recording.
+    """Write a video of a recording.
 
-    Bodies, grounds and the camera are those of the offline page. Contacts are balls, colored by depth.
+    Bodies, grounds and the camera are those of the offline page. Contacts are balls, colored by
+    depth.
 
     Args:
-        path: The file to write, ending in .mp4 or .gif; replaced whole or not at all.
-        recording: What to show.
+        path: The file, with the suffix .mp4 or .gif; written completely or not at all.
+        recording: The recording.
         size: Width and height, pixels, both even, 64 to 7,680.
-        frames_per_second: Pictures in a second of playing, at most; every n-th frame of the recording is shown. 30 by
-            default, and 25 for GIF, which counts in hundredths of a second.
-        speed: Simulated seconds in a second of playing; 1 is real time, 0.25 slow motion.
+        frames_per_second: Largest number of frames per second of playback; every n-th frame of the
+            recording is shown. The default is 30, and 25 for GIF, which counts in hundredths of a
+            second.
+        speed: Simulated seconds per second of playback; 1 is real time, 0.25 slow motion.
         up: The world axis that points up, such as "+z" or "+y".
         title: Text at the top left.
 
     Returns:
-        The path written.
+        The path of the file.
 
     Raises:
-        MissingExtraError: A library is not installed, or it cannot draw on this machine.
+        MissingExtraError: A library is not installed, or it cannot render on this machine.
         SettingsError: ``size`` is out of range, or no file can be written there.
-        RecordingError: Another option makes no sense.
+        RecordingError: Another option is invalid.
         FileAccessError: The file cannot be written.
     """
     pixels = _as_size(size)
@@ -77,7 +79,7 @@ def save_video(
         frames_per_second=as_positive(rate, "frames_per_second"),
         speed=as_positive(speed, "speed"),
     )
-    # A recording of a single frame is a still of one second.
+    # A recording of a single frame becomes a still of one second.
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
     pyvista, imageio = _import_libraries()
     with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
@@ -86,13 +88,13 @@ def save_video(
             with _open_writer(imageio, temporary, pause) as writer:
                 for instant in range(len(timeline.times)):
                     writer.append_data(film.draw(instant))
-        except OSError as error:  # of the program that encodes, or of the disk
+        except OSError as error:  # from the encoder or the disk
             raise FileAccessError(f"cannot write {path}: {error}") from error
     return path
 
 
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Width and height, both even, as the encoder wants them."""
+    """Return width and height, both even, as the encoder requires."""
     if len(size) != 2:
         raise SettingsError(f"size must be (width, height) in pixels, not {size!r}")
     width, height = (as_integer(side, "size", 64, 7680) for side in size)
@@ -105,7 +107,7 @@ def _as_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 def _import_libraries() -> tuple[Any, Any]:
-    """PyVista, which draws, and imageio, which encodes."""
+    """Return PyVista, which renders, and imageio, which encodes."""
     try:
         import_module("imageio_ffmpeg")
         return import_module("pyvista"), import_module("imageio.v2")
@@ -118,9 +120,9 @@ def _import_libraries() -> tuple[Any, Any]:
 
 @contextmanager
 def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
-    """A plotter without a window."""
+    """Yield a plotter without a window."""
     core = import_module("vtkmodules.vtkCommonCore")
-    # VTK tells in a terminal that there is no X server, and then does without one.
+    # VTK prints that there is no X server, and then works without one.
     verbosity = core.vtkLogger.GetCurrentVerbosityCutoff()
     core.vtkLogger.SetStderrVerbosity(core.vtkLogger.VERBOSITY_OFF)
     warned = core.vtkObject.GetGlobalWarningDisplay()
@@ -143,15 +145,15 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
 
 
 def _open_writer(imageio: Any, path: Path, pause: float) -> Any:
-    """What pictures are appended to.
+    """Return a writer to which pictures can be appended.
 
     Args:
         imageio: The library.
-        path: Ends in .mp4 or .gif.
-        pause: Seconds from one picture to the next.
+        path: The file, with the suffix .mp4 or .gif.
+        pause: Seconds between frames.
     """
     if path.suffix.lower() == ".gif":
-        # Browsers slow down what is faster than 20 ms a picture.
+        # Browsers slow down GIFs with less than 20 ms per frame.
         hundredths = max(round(100.0 * pause), 2)
         return imageio.get_writer(path, format="GIF", mode="I", duration=10 * hundredths, loop=0)
     return imageio.get_writer(
@@ -172,9 +174,9 @@ class _Film:
 
     Args:
         pyvista: The library.
-        plotter: Where to draw.
-        recording: What.
-        timeline: When.
+        plotter: The plotter.
+        recording: The recording.
+        timeline: The instants to show.
         up: The world axis that points up.
         title: Text at the top left.
     """
@@ -221,7 +223,7 @@ class _Film:
             self._write(f"contact depth 0 to {metric(self._deepest)}", "upper_right")
 
     def draw(self, instant: int) -> NDArray[np.uint8]:
-        """The picture of an instant of the timeline, (h, w, 3)."""
+        """Return the picture of an instant of the timeline, (h, w, 3)."""
         frame = int(self._frames[instant])
         for actor, body in self._moving:
             actor.user_matrix = body.poses[frame]
@@ -260,7 +262,7 @@ class _Film:
         stage: Stage,
         up: str,
     ) -> None:
-        """A plate, and lines on it whose crossings lie on multiples of the stage's cell."""
+        """Add a plate, and lines on it that cross at multiples of the stage's cell."""
         box = self._pyvista.Box(np.stack([low, high], axis=1).reshape(-1))
         self._plotter.add_mesh(box, color=color, lighting=False, render=False)
         _, _, upward = view_axes(up)
@@ -307,7 +309,7 @@ class _Film:
         self._overlay.AddActor(self._contacts)
 
     def _add_overlay(self) -> Any:
-        """A layer in front of all bodies, with the same camera: contacts lie between bodies, where nobody sees them."""
+        """Return a layer in front of all bodies, so that bodies do not hide contacts."""
         overlay = import_module("vtkmodules.vtkRenderingCore").vtkRenderer()
         overlay.SetLayer(1)
         overlay.InteractiveOff()
@@ -322,7 +324,7 @@ class _Film:
         )
 
     def _paint_scale(self, picture: NDArray[np.uint8]) -> None:
-        """A bar in the colors of depths under the text at the top right."""
+        """Draw a bar in the colors of depths below the text at the top right."""
         height, width = picture.shape[:2]
         long, thick = width // 6, max(2, height // 60)
         top, right = 3 * self._font_size, width - self._font_size

@@ -1,4 +1,4 @@
-"""What the studies add to the command line ``voxshell``."""
+"""The studies' commands for ``voxshell``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ reproduce.command(peers)
 
 
 def add_commands(app: App) -> None:
-    """Adds ``reproduce`` and ``simulate drop``; the entry point of the group ``voxshell.commands``."""
+    """Add ``reproduce`` and ``simulate drop``; this is an entry point of ``voxshell.commands``."""
     app.command(reproduce)
     simulate = app["simulate"]
     usage = "voxshell simulate drop [OPTIONS] [MESH]"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def make_table(runs: list[DropRun], summaries: list[DropSummary]) -> Table:
-    """One row a method; fits 80 columns."""
+    """Return a table of 80 columns with a row for each method."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("method\n", no_wrap=True)
     for heading in (
@@ -47,7 +47,7 @@ def make_table(runs: list[DropRun], summaries: list[DropSummary]) -> Table:
 
 
 def explain(runs: list[DropRun], steps: int) -> str:
-    """What the table's columns mean, and what is special about this one."""
+    """Return an explanation of the table's columns and of special values."""
     first, last = FULL_OPERATION
     lines = [
         f"narrow phase  all of Bullet's work on the pair in a step; steps {first} to {last}",
@@ -73,7 +73,7 @@ def explain(runs: list[DropRun], steps: int) -> str:
 
 
 def format_ratio(ratio: float | None) -> str:
-    """A multiple below or above one: "137", "1/4.0", "1/339".
+    """Return a factor above or below one as text: "137", "1/4.0", "1/339".
 
     Example:
         >>> [format_ratio(r) for r in (137.2, 1.0, 0.25, 0.00295, None)]
@@ -86,6 +86,6 @@ def format_ratio(ratio: float | None) -> str:
 
 
 def _format_thousandths(value: float, decimals: int, sign: str = "") -> str:
-    """Millimetres of metres; whole ones where there are many, as of bodies that were thrown off."""
+    """Return a length in millimeters as text; without decimals if it is large."""
     number = value * 1e3
     return f"{number:{sign}.{decimals if abs(number) < 100.0 else 0}f}"

@@ -59,11 +59,11 @@ class Options:
 DEFAULTS = Options()
 
 OTHER_TABLES = ("peers",)
-"""Tables of a settings file that are for commands of their own."""
+"""Tables of a settings file for other commands."""
 
 
 def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
-    """Plans, runs what is missing, concludes, and prints a table an experiment."""
+    """Plan, run what is missing, conclude, and print a table for each experiment."""
     from voxshell_studies.reproduction import conclude, describe_rows, plan_studies
     from voxshell_studies.running import run_each
     from voxshell_studies.settings import read_settings_file
@@ -105,7 +105,7 @@ def run(experiments: tuple[Experiment, ...], options: Options) -> list[Finding]:
 
 
 def _run_missing(studies: list[Study], options: Options, console: Console) -> None:
-    """Runs parts under a bar with the time left."""
+    """Run parts with a progress bar and the remaining time."""
     from voxshell_studies.reproduction import run_studies
 
     missing = [part for s in studies for part in s.parts if not s.store.has(part)]

@@ -1,4 +1,4 @@
-"""``voxshell reproduce peers``: voxshell beside what people would use instead."""
+"""``voxshell reproduce peers``: comparison of voxshell with other libraries."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 _NAME_WIDTH = 12
-"""Characters; the longest word of the peers' names."""
+"""Width of the column of names, characters."""
 
 
 def peers(
@@ -40,8 +40,8 @@ def peers(
 ) -> None:
     """Contacts, depths and drops of the bunny: voxshell, Bullet, MuJoCo, ODE, coal, fcl, Drake.
 
-    Each peer runs in a process of its own; one that is not installed, crashes or hangs is a row that
-    says so. Rows that are done are not measured again.
+    Each peer runs in a process of its own; one that is not installed, crashes or hangs is a row
+    that says so. Rows that are done are not measured again.
 
     For example:
 
@@ -49,8 +49,8 @@ def peers(
 
     Args:
         out: The folder to write into.
-        quick: Shorter, with fewer drops, and without the convex decomposition unless it is kept from an
-            earlier run.
+        quick: Shorter, with fewer drops, and without the convex decomposition unless it is kept
+            from an earlier run.
         settings: A TOML file; the keys of its table [peers] override settings.
         only: Peers to measure, by key, such as voxshell coal mujoco-hull; all by default.
         json_only: Print the results as JSON and nothing else.

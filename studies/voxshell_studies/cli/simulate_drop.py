@@ -122,7 +122,7 @@ def _run(
     slow_steps: int,
     console: Console,
 ) -> tuple[list[DropRun], list[DropSummary]]:
-    """Builds, simulates and writes, with a line of progress for each part."""
+    """Build, simulate and write, with a line of progress for each part."""
     from voxshell_studies.drop import run_drop, summarise
     from voxshell_studies.drop_report import draw_curves, save_page, write_results
     from voxshell_studies.scenes.drop import build_shapes

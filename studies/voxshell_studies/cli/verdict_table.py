@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def make_table(title: str, rows: Iterable[Row]) -> Table:
-    """Published beside here, with the bar and the verdict; long words wrap."""
+    """Return a table of published and measured values with bars and verdicts; long words wrap."""
     table = bare_table(title, expand=True)
-    # What is left over goes to the words that need it most.
+    # The remaining width goes to the columns that need it most.
     table.add_column("quantity", ratio=1)
     table.add_column("published", justify="right", max_width=10)
     table.add_column("here", justify="right", no_wrap=True)

@@ -1,5 +1,5 @@
-"""What people would use instead of voxshell, on the same poses: times, depths, drops.
+"""Comparison with other libraries in equal poses: times, depths, drops.
 
-Each peer has a module here with one function, ``set_up(job, variant)``, which gives a
-:class:`~voxshell_studies.peers.protocol.Contender`. Peers run in processes of their own.
+Each peer has a module here with one function, ``set_up(job, variant)``, which returns a
+:class:`~voxshell_studies.peers.protocol.Contender`. Each peer runs in a separate process.
 """

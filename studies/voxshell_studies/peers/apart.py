@@ -1,4 +1,4 @@
-"""Work in a process of its own, which may crash or hang without ending what asked for it."""
+"""Work in a separate process, which may crash or hang without affecting the caller."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _GRACE = 5.0
-"""Seconds that a process has to end by itself after its last word."""
+"""Seconds in which a process must end after its last result."""
 
 _LAST_WORDS = 200
-"""Characters of a log that say why a process ended."""
+"""Largest number of characters of a log in an explanation."""
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How work ended.
+    """The end of work in a process.
 
     Attributes:
-        how: "done"; "missing": a library is not installed; "failed": it raised or its process ended;
-            "timed out".
-        reason: Why it is not done.
+        how: "done"; "missing": a library is not installed; "failed": it raised or its process
+            ended; "timed out".
+        reason: Why it was not completed.
     """
 
     how: Literal["done", "missing", "failed", "timed out"]
@@ -50,16 +50,16 @@ def run_apart(
     limit: float,
     log: Path,
 ) -> Ending:
-    """Runs a generator in a fresh process and hands over what it yields, as soon as it does.
+    """Run a generator in a new process, and pass on what it yields at once.
 
     Args:
         work: A generator function at a module's top level.
         arguments: Its keyword arguments, which can be pickled.
-        receive: Called with each thing that it yields.
+        receive: Called with each result.
         limit: Seconds after which the process is killed.
-        log: Takes what the process and its libraries print; its folder is where the process runs.
+        log: File for the output of the process and its libraries; the process runs in its folder.
     """
-    # Forking would hand over whatever the parent has loaded.
+    # Forking would copy the libraries that the parent has loaded.
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(
@@ -84,7 +84,7 @@ def run_apart(
             receive(message)
         return Ending("timed out", f"killed after {limit:g} s")
     finally:
-        # Also work that has told its ending, but hangs in a library's clean-up.
+        # This also applies to work that has reported its end, but hangs in a library's clean-up.
         if process.pid is not None:
             process.kill()
             process.join()
@@ -99,12 +99,12 @@ def _run(
 ) -> None:
     begin_worker()
     try:
-        # Libraries write to the descriptors, past Python's streams.
+        # Libraries write to file descriptors, not to Python's streams.
         descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         os.dup2(descriptor, 1)
         os.dup2(descriptor, 2)
         faulthandler.enable(sys.stderr)
-        # Some libraries leave files wherever they run.
+        # Some libraries write files into the current folder.
         os.chdir(log.parent)
         for message in work(**arguments):
             sender.send(message)
@@ -116,7 +116,7 @@ def _run(
 
 
 def _describe_exit(code: int | None, log: Path) -> str:
-    """What ended a process that did not say so itself."""
+    """Return why a process ended without a report."""
     if code is not None and code < 0:
         how = f"crashed with {signal.Signals(-code).name}"
     else:
@@ -125,7 +125,7 @@ def _describe_exit(code: int | None, log: Path) -> str:
         lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     except OSError:
         lines = []
-    # Of a crash, faulthandler's first line is the reason and the rest the stack.
+    # After a crash, faulthandler's first line is the reason, and the rest is the stack.
     words = [line for line in lines if line.startswith("Fatal") or line.startswith("terminate")]
     last = (words or lines[-1:] or [""])[0].strip()[:_LAST_WORDS]
     return f"{how} ({last})" if last else how

@@ -1,4 +1,4 @@
-"""Bullet as :class:`voxshell.World` runs it: its own shapes, and voxshell's models beside them."""
+"""Bullet in :class:`voxshell.World`: its own shapes, and voxshell's models for comparison."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 CASE_MARGIN = 0.0
-"""Bullet's collision margin where contacts are asked for, metres: any other is part of the depths."""
+"""Bullet's collision margin in queries, meters; any other would add to the depths."""
 
 
 def set_up(job: Job, variant: str) -> Worlds:
-    """A contender that steps a world.
+    """Return a contender that steps a world.
 
     Args:
-        job: What to do.
+        job: The job.
         variant: "voxels" or "analytic": models, on a model or on Bullet's plane and box;
             "gimpact", "hull" or "parts": Bullet's own.
     """
@@ -36,7 +36,7 @@ def set_up(job: Job, variant: str) -> Worlds:
 
 
 class Worlds:
-    """One world a case and a drop."""
+    """A world for each case and drop."""
 
     timed = "Bullet's narrow phase of the pair, from within"
 
@@ -69,7 +69,8 @@ class Worlds:
             "drops": f"margin {BULLET_MARGIN * 1e3:g} mm, Bullet's split impulse",
         }
         if variant == "gimpact":
-            # GImpact finds a box's contacts a hundred times faster where it is triangles as well.
+            # GImpact finds a box's contacts a hundred times faster if the box consists of
+            # triangles, too.
             self._grounds["box"] = (GImpact(mesh_of(box), margin=CASE_MARGIN), below)
             self.settings["box"] = "12 triangles"
         elif variant == "hull":
@@ -78,7 +79,7 @@ class Worlds:
             self.settings["parts"] = len(job.parts)
 
     def meet(self, case: Case) -> _Query | None:
-        """The pair of a case."""
+        """Return the pair of a case."""
         if case.other == "body":
             if not self._has_pairs:
                 return None
@@ -87,7 +88,7 @@ class Worlds:
         return _Query(self._world(1.0 / 200.0), self._asked, ground, pose)
 
     def drop(self, other: Other, rate: float) -> _Fall | None:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         world = self._world(1.0 / rate, gravity=True)
         ground, pose = self._grounds[other]
         world.add(ground, mass=0.0, pose=pose)
@@ -107,13 +108,13 @@ class Worlds:
 
 
 class _Query:
-    """A step of a world without gravity, in which the body stands still at the pose asked about."""
+    """A step of a world without gravity, in which the body rests at the queried pose."""
 
     def __init__(
         self, world: World, body: Shape, other: Shape, other_pose: NDArray[np.float64]
     ) -> None:
         self._world = world
-        # First, so that of two equal models this one is the shell, as in ours.py.
+        # Added first, so that the first of two equal models is the shell, as in ours.py.
         self._body = world.add(body)
         world.add(other, mass=0.0, pose=other_pose)
 
@@ -150,5 +151,5 @@ def _make_shape(job: Job, variant: str, margin: float) -> Shape:
 
 
 def _hull_of(job: Job) -> NDArray[np.float64]:
-    """The vertices of the hull alone: those inside cost time."""
+    """Return only the vertices of the hull: points inside cost time."""
     return ConvexHull(job.mesh.vertices).mesh.vertices

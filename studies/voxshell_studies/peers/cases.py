@@ -1,4 +1,4 @@
-"""The bunny, the poses that all peers are asked about, and the drop."""
+"""The bunny, the poses for all peers, and the drop."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LENGTH = 0.3
-"""Of the bunny's longest side, metres."""
+"""Longest side of the bunny, meters."""
 
 MASS = 1.0
 """Kilograms."""
 
 BOX_HALF_EXTENTS = (0.3, 0.3, 0.025)
-"""Of the box, metres: a slab 5 cm thick."""
+"""Half extents of the box, meters: a slab of 5 cm."""
 
 GROUND_DEPTH = 0.001
-"""Of the lowest vertex in the plane and in the box, metres."""
+"""Depth of the lowest vertex in the plane and in the box, meters."""
 
 PAIR_OFFSETS = ((0.0015, 0.265626), (0.0736, 0.149471))
-"""Depth of the deepest vertex or face centre of either bunny in the other, as libigl has it, and
-distance along x at which two bunnies with the same axes have it; both metres."""
+"""Depth of the deepest vertex or face center of either bunny in the other by libigl, and the
+distance along x at which two bunnies with parallel axes have it; both meters."""
 
 POSES = 32
-"""A case has so many, around the first."""
+"""Number of poses of a case, around the first one."""
 
 SHIFT, TURN = 1e-4, 5e-4
-"""Largest move of the body away from the first pose, metres along each axis and radians about it:
-what a body does from one step of a haptic loop to the next."""
+"""Largest displacement from the first pose, meters along each axis and radians about it: the
+typical motion in a step of a haptic loop."""
 
 DROP_HEIGHT = 0.5
-"""Of the lowest vertex over the ground, metres."""
+"""Initial height of the lowest vertex above the ground, meters."""
 
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """The bunny's y axis points up."""
@@ -51,14 +51,14 @@ _SEED = 53
 
 @dataclass(frozen=True)
 class PeersSettings:
-    """How much is measured.
+    """Extent of the measurement.
 
     Attributes:
-        case_seconds: How long a case is repeated for each peer.
-        rates: Of the drops, steps a second.
-        drop_seconds: How long a drop is followed.
-        time_limit: Of a peer, seconds; what it has measured by then counts.
-        parts_time_limit: Of the convex decomposition, seconds.
+        case_seconds: Time for which a case is repeated for each peer.
+        rates: Steps per second of the drops.
+        drop_seconds: Duration of a drop.
+        time_limit: Time limit of a peer, seconds; results up to then count.
+        parts_time_limit: Time limit of the convex decomposition, seconds.
 
     Raises:
         SettingsError: A number is out of range.
@@ -82,11 +82,11 @@ class PeersSettings:
 QUICK = PeersSettings(
     case_seconds=0.3, rates=(200.0, 60.0, 20.0), drop_seconds=2.5, time_limit=120.0
 )
-"""Settings of a look at it."""
+"""Settings of a quick run."""
 
 
 def make_job(settings: PeersSettings) -> Job:
-    """The bunny at all poses.
+    """Return the bunny at all poses.
 
     Raises:
         MeshError: The bunny is not installed.
@@ -106,7 +106,7 @@ def make_job(settings: PeersSettings) -> Job:
 
 
 def load_body() -> tuple[Mesh, MassProperties]:
-    """The bunny, scaled, its centre of mass at the origin, and its mass properties as a solid."""
+    """Return the scaled bunny with its center of mass at the origin, and its mass properties."""
     import trimesh
 
     mesh = read_mesh(find_bunny())
@@ -121,7 +121,7 @@ def load_body() -> tuple[Mesh, MassProperties]:
 
 
 def make_cases(mesh: Mesh) -> tuple[Case, ...]:
-    """Bunny on plane, on box, and on bunny, shallow and deep."""
+    """Return the cases: bunny on plane, on box, and on bunny, shallow and deep."""
     standing = stand(mesh, GROUND_DEPTH)
     below = np.eye(4)
     below[2, 3] = -BOX_HALF_EXTENTS[2]
@@ -148,7 +148,7 @@ def make_cases(mesh: Mesh) -> tuple[Case, ...]:
 
 
 def stand(mesh: Mesh, depth: float) -> NDArray[np.float64]:
-    """``world_from_body`` of the upright body whose lowest vertex is ``depth`` below z = 0."""
+    """Return ``world_from_body`` of the upright body, its lowest vertex ``depth`` below z = 0."""
     pose = np.eye(4)
     pose[:3, :3] = UPRIGHT
     pose[2, 3] = -depth - (mesh.vertices @ UPRIGHT[2]).min()
@@ -156,7 +156,7 @@ def stand(mesh: Mesh, depth: float) -> NDArray[np.float64]:
 
 
 def vary(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(POSES, 4, 4): the pose, then poses near it, the same on every run."""
+    """Return (POSES, 4, 4): the pose, then poses near it, the same in every run."""
     from trimesh.transformations import euler_matrix
 
     rng = np.random.default_rng(_SEED)

@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 MOST_CONTACTS = 1_000_000
-"""All there are."""
+"""Largest number of contacts: all."""
 
 BREAK_DISTANCE = 0.0
-"""Metres up to which volumes that are apart are looked into: 1 mm by default, for the same contacts in
-three times the time."""
+"""Distance up to which separated volumes are examined, meters. The default of 1 mm gives the same
+contacts in three times the time."""
 
 
 def set_up(job: Job, variant: str) -> Coal:
-    """A contender that asks ``coal.collide`` for all contacts; ``variant`` is not used."""
+    """Return a contender that calls ``coal.collide`` for all contacts; ``variant`` is not used."""
     return Coal(job)
 
 
@@ -50,7 +50,7 @@ class Coal:
         self._body.endModel()
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         match case.other:
             case "plane":
                 other = self._coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
@@ -61,7 +61,7 @@ class Coal:
         return _Query(self._coal, self._body, other, case.other_pose)
 
     def drop(self, other: Other, rate: float) -> None:
-        """There are no dynamics."""
+        """Return None: coal has no dynamics."""
 
 
 class _Query:

@@ -1,4 +1,4 @@
-"""All peers, one after another; each row is kept, so that an interrupted run goes on."""
+"""Comparison of all peers in sequence; rows are stored, so that an interrupted run can resume."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What was measured.
+    """The results.
 
     Attributes:
-        settings: With what.
-        cases: Those asked about.
-        truths: By case; empty where libigl could not say.
-        truth_problem: Why it could not.
-        peers: A row each.
+        settings: The settings.
+        cases: The cases.
+        truths: True depths by case; empty if libigl failed.
+        truth_problem: Why it failed.
+        peers: A row for each peer.
         environment: Versions, machine, commit.
     """
 
@@ -54,7 +54,7 @@ class Comparison:
     environment: dict[str, object]
 
     def true_depth(self, case: Case) -> float:
-        """By libigl, or as the case was set up, metres."""
+        """Return the true depth by libigl, or that of the set-up, meters."""
         return self.truths[case.key].depth if case.key in self.truths else case.depth
 
 
@@ -66,14 +66,14 @@ def compare(
     skip_slow: bool = False,
     progress: Progress = lambda name, stage, fraction: None,
 ) -> Comparison:
-    """Measures peers.
+    """Measure peers.
 
     Args:
-        settings: How much.
-        out: Folder of rows that are done, and of the logs of libraries.
-        peers: Those wanted.
-        skip_slow: Do without the convex decomposition unless it is kept from an earlier run.
-        progress: Called with a row's label, what it is at, and the fraction of it that is done.
+        settings: Extent of the measurement.
+        out: Folder of finished rows and of the libraries' logs.
+        peers: The chosen peers.
+        skip_slow: Skip the convex decomposition unless an earlier run has stored it.
+        progress: Called with a row's label, the current stage, and the completed fraction.
 
     Raises:
         MeshError: The bunny is not installed.
@@ -107,7 +107,7 @@ def compare(
 def measure_peer(
     peer: Peer, job: Job, *, limit: float, log: Path, progress: Progress
 ) -> PeerResult:
-    """Measures one peer in a process of its own; whatever happens there, this returns a row."""
+    """Measure one peer in a separate process; always return a row, whatever happens there."""
     row = PeerResult(peer.key, peer.label, "measured", load=os.getloadavg()[0])
     expected = len(job.cases) + 2 * len(job.rates)
 
@@ -159,7 +159,7 @@ def _measure_or_recall(
             "decomposition": f"CoACD {parts.version}, threshold {CONCAVITY:g}",
             "decomposition_seconds": parts.seconds,
         }
-    # What was missing or failed may be there the next time.
+    # Missing or failed peers may work the next time.
     if row.status == "measured":
         make_folder(path.parent)
         write_json(path, asdict(row))
@@ -192,7 +192,7 @@ def _find_truths(
 
 
 def _address(peer: Peer, settings: PeersSettings, parts: Parts | None) -> str:
-    """Digest of what a row depends on: settings, parts, and the code."""
+    """Return a digest of what a row depends on: settings, parts, and the code."""
     digest = hashlib.sha256(compute_fingerprint().encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
@@ -214,7 +214,7 @@ def _load_row(path: Path) -> PeerResult | None:
 
 
 def _with_nan(values: dict[str, Any]) -> dict[str, Any]:
-    """Numbers that JSON does not have come back; a depth that a peer does not report stays None."""
+    """Restore numbers that JSON lacks; a depth that a peer does not report stays None."""
     return {
         key: float("nan") if value is None and key != "depth" else value
         for key, value in values.items()

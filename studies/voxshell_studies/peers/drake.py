@@ -16,25 +16,25 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 MODULUS = 1e7
-"""Hydroelastic modulus of what is compliant, pascals: the body's weight sinks in by micrometres."""
+"""Hydroelastic modulus of compliant bodies, pascals: the body sinks by micrometers."""
 
 SLAB = 0.05
-"""Thickness of the compliant layer of a half-space, metres."""
+"""Thickness of the compliant layer of a half-space, meters."""
 
 RESOLUTION_HINT = 0.01
-"""Longest edge of the meshes that Drake makes of shapes, metres."""
+"""Longest edge of the meshes that Drake makes from shapes, meters."""
 
 FRICTION = 0.5
-"""As that of the other peers' bodies."""
+"""Friction, equal to that of the other peers' bodies."""
 
 
 def set_up(job: Job, variant: str) -> Drake:
-    """A contender that asks ``ComputeContactSurfaces``; ``variant`` is not used."""
+    """Return a contender that calls ``ComputeContactSurfaces``; ``variant`` is not used."""
     return Drake(job)
 
 
 class Drake:
-    """The body as a rigid mesh; what it meets is compliant."""
+    """The body as a rigid mesh; the other bodies are compliant."""
 
     timed = "ComputeContactSurfaces called from Python, polygons"
 
@@ -55,7 +55,7 @@ class Drake:
         self._mesh = drake.Mesh(mesh_data=drake.InMemoryMesh(mesh_file=file))
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         drake = self._drake
         scene = drake.SceneGraph()
         source = scene.RegisterSource("pair")
@@ -71,7 +71,7 @@ class Drake:
         return _Query(drake, scene, source, frames, case.other_pose)
 
     def drop(self, other: Other, rate: float) -> _Fall:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         drake = self._drake
         builder = drake.DiagramBuilder()
         plant, _ = drake.AddMultibodyPlantSceneGraph(builder, time_step=1.0 / rate)

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 MOST_CONTACTS = 1_000_000
-"""All there are."""
+"""Largest number of contacts: all."""
 
 
 def set_up(job: Job, variant: str) -> Fcl:
-    """A contender that asks ``fcl.collide`` for all contacts; ``variant`` is not used."""
+    """Return a contender that calls ``fcl.collide`` for all contacts; ``variant`` is not used."""
     return Fcl(job)
 
 
@@ -39,7 +39,7 @@ class Fcl:
         self._body.endModel()
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         match case.other:
             case "plane":
                 other = self._fcl.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
@@ -50,7 +50,7 @@ class Fcl:
         return _Query(self._fcl, self._body, other, case.other_pose)
 
     def drop(self, other: Other, rate: float) -> None:
-        """There are no dynamics."""
+        """Return None: fcl has no dynamics."""
 
 
 class _Query:

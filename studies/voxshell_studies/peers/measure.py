@@ -1,4 +1,4 @@
-"""Asks a prepared peer about all cases and follows its drops."""
+"""Measurement of a prepared peer: all cases, then its drops."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Contender, Job, Other, Query
 
 MOST_PASSES = 200
-"""Over the poses of a case: enough for a p99."""
+"""Smallest number of queries of a case: enough for a p99."""
 
 SUNK = 0.005
-"""Of bodies that end deeper than this it is not said that they rest, metres."""
+"""Depth beyond which bodies do not count as resting, meters."""
 
 REST_SPEED, REST_SPIN = 0.01, 0.1
-"""A body at rest is slower than this, m/s and rad/s."""
+"""Largest speeds of a body at rest, m/s and rad/s."""
 
 LAST_SECONDS = 1.0
-"""The end of a drop, by which it is judged."""
+"""Final seconds of a drop, which determine the outcome."""
 
 
 def measure(contender: Contender, job: Job) -> Iterator[CaseResult | DropResult]:
-    """Each result as soon as it is there. What a peer raises becomes the result's problem."""
+    """Yield results as they become available; a peer's exception becomes the result's problem."""
     for case in job.cases:
         try:
             query = contender.meet(case)
@@ -52,7 +52,7 @@ def measure(contender: Contender, job: Job) -> Iterator[CaseResult | DropResult]
 
 
 def measure_case(query: Query, case: Case, seconds: float) -> CaseResult:
-    """The answer at the first pose, and times over passes through all poses."""
+    """Return the result at the first pose, and times of passes through all poses."""
     query.ask(case.poses[0])
     contacts, depth = query.answer()
     passes: list[list[float]] = []
@@ -72,7 +72,7 @@ def measure_case(query: Query, case: Case, seconds: float) -> CaseResult:
 
 
 def follow_drop(contender: Contender, job: Job, other: Other, rate: float) -> DropResult | None:
-    """Lets the body fall; None if the peer does no dynamics."""
+    """Simulate a drop; return None if the peer has no dynamics."""
     fall = contender.drop(other, rate)
     if fall is None:
         return None
@@ -82,21 +82,21 @@ def follow_drop(contender: Contender, job: Job, other: Other, rate: float) -> Dr
 
 
 def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) -> DropResult:
-    """What became of a body that fell.
+    """Return the outcome of a drop.
 
-    "through": its centre ended below the surface. "off": beyond the box's sides. "sinks": its
+    "through": its center ended below the surface. "off": beyond the box's sides. "sinks": its
     lowest vertex is deeper than :data:`SUNK`. "moves": it did not come to rest. Else it "rests".
     "unstable": a pose is not finite.
 
     Args:
         poses: (steps, 4, 4) ``world_from_body`` after each step.
-        job: Of the drop.
-        other: What it fell on.
-        rate: Steps a second.
+        job: The job with the drop.
+        other: The ground.
+        rate: Steps per second.
     """
     if not np.isfinite(poses).all():
         return DropResult(other, rate, "unstable")
-    # One product a step: the vertices of all steps together would not fit.
+    # One product per step: the vertices of all steps together would not fit into memory.
     lowest = np.array([(job.mesh.vertices @ pose[2, :3]).min() + pose[2, 3] for pose in poses])
     last = max(2, math.ceil(LAST_SECONDS * rate))
     end = poses[-last:]
@@ -126,7 +126,7 @@ def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) 
 
 
 def describe(error: BaseException) -> str:
-    r"""One line: the kind of error and what it says.
+    r"""Return the kind of an error and its message in one line.
 
     Example:
         >>> describe(ValueError("too many\ncontacts"))
@@ -137,7 +137,7 @@ def describe(error: BaseException) -> str:
 
 
 def _angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Between the rotations of two poses, radians; exact for small angles too."""
+    """Return the angle between the rotations of two poses, radians; accurate if small, too."""
     turn = a[:3, :3].T @ b[:3, :3]
     sine = np.linalg.norm(
         [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]

@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 _PLANE_GRID = 1.0
-"""Spacing of the lines drawn on a plane, metres: MuJoCo asks for one."""
+"""Spacing of the lines drawn on a plane, meters; MuJoCo requires a value."""
 
 
 def set_up(job: Job, variant: str) -> MuJoCo:
-    """A contender that asks ``mj_collision`` and steps with ``mj_step``.
+    """Return a contender that calls ``mj_collision`` and steps with ``mj_step``.
 
     Args:
-        job: What to do.
+        job: The job.
         variant: "hull", "parts" or "sdf".
     """
     return MuJoCo(job, variant)
 
 
 class MuJoCo:
-    """One MuJoCo model a case and a drop."""
+    """A MuJoCo model for each case and drop."""
 
     timed = "mj_collision called from Python, broad phase included"
 
@@ -46,11 +46,11 @@ class MuJoCo:
             self.settings["sdf_iterations"] = int(option.sdf_iterations)
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         return _Query(self._mujoco, self._compile(case.other, 0.005), case)
 
     def drop(self, other: Other, rate: float) -> _Fall:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         return _Fall(self._mujoco, self._compile(other, 1.0 / rate), self._job.drop_pose)
 
     def _compile(self, other: Other, time_step: float) -> Any:
@@ -123,11 +123,11 @@ class _Fall:
 
     def step(self) -> NDArray[np.float64]:
         self._mujoco.mj_step(self._model, self._data)
-        # MuJoCo warns, and begins anew at the origin.
+        # MuJoCo warns, and restarts at the origin.
         unstable = self._mujoco.mjtWarning.mjWARN_BADQACC
         if self._data.warning[unstable].number > 0:
             return np.full((4, 4), np.nan)
-        # The step leaves the poses of its beginning.
+        # After the step, the poses are still those of its beginning.
         self._mujoco.mj_kinematics(self._model, self._data)
         pose = np.eye(4)
         pose[:3, :3] = self._data.xmat[1].reshape(3, 3)
@@ -136,7 +136,7 @@ class _Fall:
 
 
 def _position(mujoco: Any, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A pose as MuJoCo has it: place, then quaternion with the real part first."""
+    """Return a pose in MuJoCo's form: position, then quaternion with the real part first."""
     position = np.empty(7)
     position[:3] = pose[:3, 3]
     mujoco.mju_mat2Quat(position[3:], np.ascontiguousarray(pose[:3, :3]).ravel())

@@ -1,4 +1,4 @@
-"""ODE, the Open Dynamics Engine, by its C library: it has no Python package that is kept."""
+"""ODE, the Open Dynamics Engine, through its C library: no Python package is maintained."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ if TYPE_CHECKING:
     from voxshell_studies.peers.protocol import Case, Job, Other
 
 LIBRARY = "libode.so.8"
-"""Debian and Ubuntu's package libode8, ODE 0.16 in double precision."""
+"""Library in the Debian and Ubuntu package libode8, ODE 0.16 in double precision."""
 
 MOST_CONTACTS = 8192
-"""Of a query: all there are."""
+"""Largest number of contacts of a query: all."""
 
 MOST_DROP_CONTACTS = 1024
-"""That a step of a drop solves for: with 64, all may be of one foot, and the body tumbles on."""
+"""Contacts per step of a drop: with 64, all may be on one foot, and the body keeps tumbling."""
 
 SURFACE_LAYER, CORRECTING_SPEED, CFM, ITERATIONS = 1e-4, 0.5, 1e-5, 50
-"""Of drops: depth that is left alone, metres; fastest way out of the rest, m/s; softness of contacts;
-of QuickStep. With these the bunny rests at 200 to 20 Hz; with ODE's defaults at none of them."""
+"""Settings of drops: allowed depth, meters; largest correcting velocity, m/s; softness of contacts;
+QuickStep. With these the bunny rests at 200 to 20 Hz; with ODE's defaults at none of these
+rates."""
 
 FRICTION = 0.5
-"""As that of the other peers' bodies."""
+"""Friction, equal to that of the other peers' bodies."""
 
-# contact.h of ODE 0.16 in double precision.
+# From contact.h of ODE 0.16 in double precision.
 _Vector = c_double * 4
 _Matrix3 = c_double * 12
 
@@ -70,7 +71,7 @@ class _Mass(ctypes.Structure):
     _fields_ = [("mass", c_double), ("c", _Vector), ("I", _Matrix3)]
 
 
-# Function -> what it returns and takes; of those that are used here.
+# Result and argument types of the functions in use.
 _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "dInitODE2": (c_int, [c_uint]),
     "dCheckConfiguration": (c_int, [c_char_p]),
@@ -109,12 +110,12 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 
 
 def set_up(job: Job, variant: str) -> Ode:
-    """A contender that asks ``dCollide``; ``variant`` is not used."""
+    """Return a contender that calls ``dCollide``; ``variant`` is not used."""
     return Ode(job)
 
 
 def load_ode() -> Any:
-    """The C library, with types.
+    """Return the C library, with types.
 
     Raises:
         MissingExtraError: It is not installed, or not in double precision.
@@ -147,7 +148,7 @@ class Ode:
             f"{CORRECTING_SPEED:g} m/s at most",
         }
         self._job = job
-        # ODE keeps pointers to these.
+        # ODE keeps pointers to these arrays.
         self._vertices = np.zeros((len(job.mesh.vertices), 4))
         self._vertices[:, :3] = job.mesh.vertices
         self._indices = np.ascontiguousarray(job.mesh.faces, np.uint32)
@@ -164,14 +165,14 @@ class Ode:
         ode.dGeomTriMeshDataPreprocess(self._mesh)
 
     def meet(self, case: Case) -> _Query:
-        """The pair of a case."""
+        """Return the pair of a case."""
         other = self._make_other(case.other)
         if case.other != "plane":  # ODE's planes cannot be placed
             _place(self._ode, "dGeom", other, case.other_pose)
         return _Query(self._ode, self._make_body(), other)
 
     def drop(self, other: Other, rate: float) -> _Fall:
-        """The body above the plane or the box."""
+        """Return the body above the plane or the box."""
         ground = self._make_other(other)
         if other == "box":
             below = np.eye(4)
@@ -274,7 +275,7 @@ class _Fall:
 
 
 def _place(ode: Any, kind: str, thing: int, pose: NDArray[np.float64]) -> None:
-    """Puts a geom or a body at a pose."""
+    """Set the pose of a geom or a body."""
     rotation = np.zeros((3, 4))
     rotation[:, :3] = pose[:3, :3]
     getattr(ode, f"{kind}SetPosition")(thing, *pose[:3, 3])

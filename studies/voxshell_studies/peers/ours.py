@@ -21,14 +21,14 @@ RESOLUTION = 300
 """Voxels along the body's longest side."""
 
 POINTS = 34_835
-"""Of the shell: as many as the bunny has vertices."""
+"""Number of points of the shell: as many as the bunny's vertices."""
 
 
 def set_up(job: Job, variant: str) -> Queries:
-    """A contender that asks :func:`voxshell.contacts`.
+    """Return a contender that calls :func:`voxshell.contacts`.
 
     Args:
-        job: What to do.
+        job: The job.
         variant: "voxels": the ground is a model, a slab; "analytic": a plane or a box.
     """
     return Queries(job, variant)
@@ -48,14 +48,14 @@ class Queries:
         }
 
     def meet(self, case: Case) -> _Query | None:
-        """The pair of a case."""
+        """Return the pair of a case."""
         if case.other == "body":
             return _Query(self._body, self._body, case) if self._has_pairs else None
         ground, ground_pose = self._grounds[case.other]
         return _Query(self._body, ground, case, ground_pose)
 
     def drop(self, other: Other, rate: float) -> None:
-        """Queries do no dynamics."""
+        """Return None: queries have no dynamics."""
 
 
 class _Query:
@@ -93,9 +93,9 @@ class _Query:
 def make_shapes(
     job: Job, variant: str
 ) -> tuple[Model, dict[str, tuple[Model | Plane | Box, NDArray[np.float64]]]]:
-    """The body's model; and what stands for the plane and the box, each with its pose.
+    """Return the body's model, and the shapes for the plane and the box, each with its pose.
 
-    Built, not found in the cache: preparation is timed.
+    Models are built without the cache, because preparation is timed.
     """
     import numpy as np
 
@@ -110,7 +110,7 @@ def make_shapes(
 
 
 def describe_models(body: Model, variant: str) -> dict[str, object]:
-    """The settings of the models, for the table."""
+    """Return the settings of the models, for the table."""
     return {
         "voxel_size": body.field.voxel_size,
         "points": len(body.shell),

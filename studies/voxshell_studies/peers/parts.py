@@ -1,4 +1,4 @@
-"""The body as convex parts, by CoACD, split in a process of its own that may take so long and no longer."""
+"""Convex parts of the body by CoACD, in a separate process with a time limit."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ RECIPE = RECIPES["coacd"]
 def fetch_parts(
     mesh: Mesh, *, limit: float, log: Path, only_kept: bool
 ) -> tuple[Parts | None, Ending]:
-    """The parts of a mesh, kept beside the models in the cache.
+    """Return the parts of a mesh, which the cache keeps.
 
     Args:
-        mesh: Closed.
-        limit: Seconds that CoACD may take.
-        log: Takes what CoACD prints.
+        mesh: A closed mesh.
+        limit: Time limit of CoACD, seconds.
+        log: File for CoACD's output.
         only_kept: Do not run CoACD.
 
     Returns:
-        The parts or None, and how it ended; "missing" where ``only_kept`` and there are none.
+        The parts or None, and how the process ended; "missing" if ``only_kept`` and there are none.
     """
     path = find_place(mesh, RECIPE.identity)
     if path is not None and (kept := load_parts(path)) is not None:
@@ -50,7 +50,7 @@ def fetch_parts(
 
 
 def decompose(mesh: Mesh) -> Iterator[Parts]:
-    """Runs CoACD, on all cores.
+    """Run CoACD, on all cores.
 
     Raises:
         MissingExtraError: It is not installed.

@@ -1,7 +1,7 @@
-"""What every peer is given and what it must give back.
+"""The input and the output of every peer.
 
-Lengths are metres, times seconds. World frame: z up, the ground's surface at z = 0. Body frame: the
-origin is the centre of mass.
+Lengths are in meters, times in seconds. World frame: z up, the ground's surface at z = 0. Body
+frame: the origin is the center of mass.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import Mesh
 
 Other = Literal["plane", "box", "body"]
-"""What the body meets: the plane z = 0, a box whose top is in it, or a second body of its kind."""
+"""The other body: the plane z = 0, a box with its top at z = 0, or a second bunny."""
 
 Status = Literal["measured", "missing", "failed", "timed out", "skipped"]
-"""How a peer came off; all but the first have a reason."""
+"""Status of a peer; all except the first have a reason."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A pair of bodies whose contacts are asked for.
+    """A pair of bodies whose contacts are queried.
 
     Attributes:
         key: Short name.
-        label: For people.
-        other: What the body meets.
-        depth: How deep the body is in the other in the first pose, metres, as it was set up.
-        poses: (k, 4, 4) ``world_from_body``; the first is answered, all are timed.
+        label: Label for people.
+        other: The other body.
+        depth: Depth of the body in the other in the first pose, meters, by set-up.
+        poses: (k, 4, 4) ``world_from_body``; the result is that of the first, all are timed.
         other_pose: (4, 4) ``world_from_other``.
     """
 
@@ -51,18 +51,18 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What a peer has to do.
+    """The work of a peer.
 
     Attributes:
         mesh: The body, closed, in its body frame.
-        mass_properties: Of the body.
-        box_half_extents: Of the box, metres.
-        cases: Pairs to ask about.
-        case_seconds: How long to repeat a case's poses; each pose is asked about once at least.
-        drop_pose: (4, 4) ``world_from_body`` from which the body falls.
-        rates: Steps a second of the drops, each onto the plane and onto the box.
-        drop_seconds: How long a drop is followed.
-        parts: Points of the convex parts that stand for the body, for peers that need them.
+        mass_properties: Mass properties of the body.
+        box_half_extents: Half extents of the box, meters.
+        cases: Pairs to query.
+        case_seconds: Time to repeat a case's poses; each pose is queried at least once.
+        drop_pose: (4, 4) initial ``world_from_body`` of drops.
+        rates: Steps per second of the drops, each onto the plane and onto the box.
+        drop_seconds: Duration of a drop.
+        parts: Points of the convex parts that represent the body, for peers that need them.
     """
 
     mesh: Mesh
@@ -77,14 +77,14 @@ class Job:
 
 
 class Query(Protocol):
-    """A pair, ready to be asked about."""
+    """A pair that is ready for queries."""
 
     def ask(self, pose: NDArray[np.float64]) -> float:
-        """Finds the contacts with the body at a pose; returns the seconds that this took."""
+        """Find the contacts with the body at a pose; return the seconds that this took."""
         ...
 
     def answer(self) -> tuple[int, float | None]:
-        """How many contacts the last question gave, and the deepest depth reported, metres.
+        """Return the number of contacts of the last query, and the largest reported depth, meters.
 
         None: this peer reports no depths.
         """
@@ -92,10 +92,10 @@ class Query(Protocol):
 
 
 class Fall(Protocol):
-    """A drop, ready to be followed."""
+    """A drop that is ready to run."""
 
     def step(self) -> NDArray[np.float64]:
-        """Advances by a time step; returns ``world_from_body``, (4, 4); not finite if it blew up."""
+        """Advance by a time step; return ``world_from_body``, (4, 4); not finite if it diverged."""
         ...
 
 
@@ -107,27 +107,27 @@ class Contender(Protocol):
     timed: str
 
     def meet(self, case: Case) -> Query | None:
-        """The pair of a case; None where this peer has nothing to measure there."""
+        """Return the pair of a case; None if this peer cannot measure it."""
         ...
 
     def drop(self, other: Other, rate: float) -> Fall | None:
-        """The body above the plane or box, in steps of 1 / rate; None: it does no dynamics."""
+        """Return the body above the plane or box, with steps of 1 / rate; None without dynamics."""
         ...
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What a peer did with a case.
+    """The results of a peer in a case.
 
     Attributes:
         case: Key of the case.
-        median, p99: Seconds a query.
-        least: Median over the poses of the least of a pose's queries, seconds: what is left when other
-            work's turns are taken out.
-        queries: How many were timed.
-        contacts: In the first pose.
-        depth: The deepest depth reported there, metres; None where the peer reports none.
-        problem: Why there are no figures; empty where there are.
+        median, p99: Seconds per query.
+        least: Median over the poses of the fastest of a pose's queries, seconds: this removes the
+            effect of other load.
+        queries: Number of timed queries.
+        contacts: Number of contacts in the first pose.
+        depth: The largest reported depth there, meters; None if the peer reports none.
+        problem: Why there are no figures; empty if there are.
     """
 
     case: str
@@ -142,17 +142,17 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class DropResult:
-    """How a drop ended.
+    """The outcome of a drop.
 
     Attributes:
-        other: What the body fell on.
-        rate: Steps a second.
+        other: The ground.
+        rate: Steps per second.
         outcome: "rests", "moves", "sinks", "through", "off" or "unstable"; see
             :func:`voxshell_studies.peers.measure.judge_drop`. Empty where there was a problem.
-        deepest: How far the mesh's lowest vertex was below the surface at worst, metres.
-        rest_height: Height of the mesh's lowest vertex at the end, metres.
+        deepest: Largest depth of the mesh's lowest vertex below the surface, meters.
+        rest_height: Height of the mesh's lowest vertex at the end, meters.
         speed, spin: Largest in the last second, m/s and rad/s.
-        problem: Why there is no outcome; empty where there is one.
+        problem: Why there is no outcome; empty if there is one.
     """
 
     other: Other
@@ -170,15 +170,16 @@ class PeerResult:
     """A row of the table.
 
     Attributes:
-        key: Of the peer.
-        label: For people.
-        status: How it came off.
-        reason: Why it was not, or not wholly, measured.
-        version: Of its library.
-        settings: Those that it was run with.
-        timed: What its times are of.
-        preparation: Seconds from the mesh to what collides, without the parts.
-        load: The system's load average when it began; above the cores, other work took turns.
+        key: Key of the peer.
+        label: Label for people.
+        status: Its status.
+        reason: Why it was not, or not completely, measured.
+        version: Version of its library.
+        settings: Its settings.
+        timed: What its times include.
+        preparation: Seconds from the mesh to the collision shape, without the decomposition.
+        load: The system's load average at the start; above the number of cores, other work
+            competed.
         cases: In the order of the job.
         drops: Likewise.
     """
@@ -197,7 +198,7 @@ class PeerResult:
 
 
 def load_library(module: str, package: str) -> Any:
-    """Imports the library of a peer.
+    """Import the library of a peer.
 
     Raises:
         MissingExtraError: It is not installed, or cannot be loaded.
@@ -211,7 +212,7 @@ def load_library(module: str, package: str) -> Any:
 
 
 def seconds_of(call: Callable[[], object]) -> float:
-    """How long a call takes."""
+    """Return the duration of a call."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start

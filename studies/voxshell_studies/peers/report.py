@@ -1,4 +1,4 @@
-"""The comparison written down: data as JSON and CSV, tables as Markdown."""
+"""Reports of the comparison: data as JSON and CSV, tables as Markdown."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ GROUNDS = ("plane", "box")
 
 
 def write_results(out: Path, comparison: Comparison, command: str) -> None:
-    """Writes ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
+    """Write ``peers.json``, ``cases.csv``, ``drops.csv`` and ``peers.md``."""
     make_folder(out)
     write_json(out / "peers.json", describe(comparison) | {"command": command})
     _write_csv(out / "cases.csv", list_cases(comparison))
@@ -42,7 +42,7 @@ def write_results(out: Path, comparison: Comparison, command: str) -> None:
 
 
 def describe(comparison: Comparison) -> dict[str, object]:
-    """All results, ready for JSON. Seconds, meters, m/s, rad/s."""
+    """Return all results for JSON, in seconds, meters, m/s and rad/s."""
     return {
         "experiment": "peers",
         "units": "seconds, metres, m/s, rad/s",
@@ -69,7 +69,7 @@ def describe(comparison: Comparison) -> dict[str, object]:
 
 
 def list_cases(comparison: Comparison) -> list[dict[str, object]]:
-    """A row a peer and case: times, their ratio to ours, contacts, depth and its error."""
+    """Return rows by peer and case: times, their ratio to ours, contacts, depth and error."""
     rows = []
     for peer in comparison.peers:
         for case in comparison.cases:
@@ -97,22 +97,22 @@ def list_cases(comparison: Comparison) -> list[dict[str, object]]:
 
 
 def list_drops(comparison: Comparison) -> list[dict[str, object]]:
-    """A row a peer, ground and rate."""
+    """Return a row for each peer, ground and rate."""
     return [{"peer": peer.key, **asdict(drop)} for peer in comparison.peers for drop in peer.drops]
 
 
 def find_case(peer: PeerResult, case: Case) -> CaseResult | None:
-    """What the peer did there; None where it was not asked."""
+    """Return the peer's result in a case; None if it was not queried."""
     return next((result for result in peer.cases if result.case == case.key), None)
 
 
 def find_drop(peer: PeerResult, ground: str, rate: float) -> DropResult | None:
-    """What the peer did there; None where it did not drop."""
+    """Return the peer's outcome of a drop; None if it did not drop."""
     return next((d for d in peer.drops if (d.other, d.rate) == (ground, rate)), None)
 
 
 def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> float:
-    """Least time as a multiple of that of voxshell's contacts on voxels; NaN without it."""
+    """Return the fastest time as a multiple of voxshell's contacts on voxels; NaN without it."""
     ours = next((peer for peer in comparison.peers if peer.key == REFERENCE), None)
     reference = None if ours is None else find_case(ours, case)
     return math.nan if reference is None else result.least / reference.least
@@ -124,7 +124,7 @@ def compute_ratio(comparison: Comparison, case: Case, result: CaseResult) -> flo
 def format_times(
     comparison: Comparison, peer: PeerResult, case: Case, *, with_p99: bool = False
 ) -> str:
-    """Median, perhaps p99, and the least as a multiple of ours: "16.1 µs 1.0x"."""
+    """Return the median, perhaps p99, and the fastest as a multiple of ours: "16.1 µs 1.0x"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -136,7 +136,7 @@ def format_times(
 
 
 def format_ratio(ratio: float) -> str:
-    """A ratio with two significant digits, as "12x" (slower) or "1/13" (faster).
+    """Return a ratio with two significant digits, as "12x" (slower) or "1/13" (faster).
 
     Example:
         >>> [format_ratio(ratio) for ratio in (0.0754, 0.5, 1.0, 12.3, 1234.0)]
@@ -148,7 +148,7 @@ def format_ratio(ratio: float) -> str:
 
 
 def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
-    """Contacts, deepest depth and its error: "94: 0.98 (-0.02)"."""
+    """Return contacts, largest depth and its error: "94: 0.98 (-0.02)"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -159,12 +159,12 @@ def format_depth(comparison: Comparison, peer: PeerResult, case: Case) -> str:
     if result.depth is None:
         return f"{result.contacts}: none given"
     error = 1e3 * (result.depth - comparison.true_depth(case))
-    # Not "-0.00".
+    # Avoid "-0.00".
     return f"{result.contacts}: {1e3 * result.depth:.2f} ({round(error, 2) + 0.0:+.2f})"
 
 
 def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
-    """Contacts and the error of the deepest depth, millimeters: "94 -0.02"."""
+    """Return contacts and the error of the largest depth, millimeters: "94 -0.02"."""
     result = find_case(peer, case)
     if result is None:
         return "-"
@@ -177,7 +177,7 @@ def format_error(comparison: Comparison, peer: PeerResult, case: Case) -> str:
 
 
 def format_drop(drop: DropResult | None) -> str:
-    """The result, and the height of the lowest vertex, millimeters: "rests -0.10"."""
+    """Return the result, and the height of the lowest vertex, millimeters: "rests -0.10"."""
     if drop is None:
         return "-"
     if drop.problem:
@@ -188,7 +188,7 @@ def format_drop(drop: DropResult | None) -> str:
 
 
 def format_preparation(peer: PeerResult) -> str:
-    """Seconds, with those of the decomposition: "247 + 0.2"."""
+    """Return seconds, with those of the decomposition: "247 + 0.2"."""
     if not math.isfinite(peer.preparation):
         return "-"
     parts = peer.settings.get("decomposition_seconds")
@@ -197,7 +197,7 @@ def format_preparation(peer: PeerResult) -> str:
 
 
 def describe_truth(comparison: Comparison) -> str:
-    """The origin of the true depths."""
+    """Return the origin of the true depths."""
     if comparison.truth_problem:
         return (
             f"computed once with libigl when the poses were made (not available in this run: "
@@ -208,7 +208,7 @@ def describe_truth(comparison: Comparison) -> str:
 
 
 def describe_load(peers: list[PeerResult]) -> str:
-    """The load of the machine: a load above the number of cores means that other work competed."""
+    """Return a sentence on the load: above the number of cores, other work competed."""
     loads = [peer.load for peer in peers]
     if not loads:
         return "nothing measured"
@@ -222,7 +222,7 @@ def describe_load(peers: list[PeerResult]) -> str:
 
 
 def write_markdown(comparison: Comparison, command: str) -> str:
-    """The page: the setup, the tables, the settings of each engine."""
+    """Return the page: the setup, the tables, the settings of each engine."""
     measured = [peer for peer in comparison.peers if peer.cases or peer.drops]
     lines = [
         "# Comparison with other engines",
@@ -365,7 +365,7 @@ def _tabulate_problems(comparison: Comparison) -> list[str]:
 
 
 def format_settings(peer: PeerResult) -> str:
-    """Names and values."""
+    """Return names and values."""
     return "; ".join(
         f"{name.replace('_', ' ')} {value:g}"
         if isinstance(value, float)
@@ -375,7 +375,7 @@ def format_settings(peer: PeerResult) -> str:
 
 
 def list_problems(comparison: Comparison) -> Iterable[list[str]]:
-    """Peer, what is not measured, and why."""
+    """Return peer, what is not measured, and why."""
     for peer in comparison.peers:
         if peer.status != "measured":
             yield [peer.label, peer.status, peer.reason]

@@ -1,4 +1,4 @@
-"""Who takes part."""
+"""The list of peers."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class Peer:
 
     Attributes:
         key: Short name.
-        label: For people.
-        module: Where its ``set_up`` is.
-        variant: Handed to ``set_up``.
-        needs_parts: Whether it collides convex parts.
+        label: Label for people.
+        module: The module of its ``set_up``.
+        variant: The argument of ``set_up``.
+        needs_parts: True if it collides convex parts.
     """
 
     key: str
@@ -37,9 +37,9 @@ class Peer:
 _HERE = "voxshell_studies.peers"
 
 REFERENCE = "voxshell"
-"""Key of the row that ratios are taken to."""
+"""Key of the row to which ratios refer."""
 
-# "voxels", "analytic": what the ground is.
+# "voxels", "analytic": the kind of the ground.
 PEERS = (
     Peer(REFERENCE, "voxshell, voxels", f"{_HERE}.ours", "voxels"),
     Peer("voxshell-analytic", "voxshell, analytic", f"{_HERE}.ours", "analytic"),
@@ -60,13 +60,13 @@ PEERS = (
 
 @dataclass(frozen=True)
 class Prepared:
-    """What a peer says of itself when it is ready.
+    """The report of a peer when it is ready.
 
     Attributes:
-        version: Of its library.
-        settings: Those that it runs with.
-        timed: What its times are of.
-        seconds: From the mesh until it was ready, importing its library included.
+        version: Version of its library.
+        settings: Its settings.
+        timed: What its times include.
+        seconds: Time from the mesh until it was ready, including the import of its library.
     """
 
     version: str
@@ -76,7 +76,7 @@ class Prepared:
 
 
 def work(peer: Peer, job: Job) -> Iterator[Prepared | CaseResult | DropResult]:
-    """Sets a peer up and measures it."""
+    """Set up a peer and measure it."""
     module = importlib.import_module(peer.module)
     start = time.perf_counter()
     contender: Contender = module.set_up(job, peer.variant)

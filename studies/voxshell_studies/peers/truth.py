@@ -1,4 +1,4 @@
-"""How deep the bodies really are in each other, by libigl's signed distances to the exact meshes."""
+"""True depths of the bodies' overlap, by libigl's signed distances to the exact meshes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Truth:
-    """Of one case, in its first pose. Metres; 0 where there is no overlap.
+    """True depths of a case in its first pose. Meters; 0 without overlap.
 
     Attributes:
         case: Its key.
         depth: The larger of the next two.
-        body_depth: How deep the deepest sample of the body is in the other.
-        other_depth: And the other way round.
-        version: Of libigl.
+        body_depth: Depth of the body's deepest sample in the other body.
+        other_depth: Likewise, with the roles exchanged.
+        version: Version of libigl.
     """
 
     case: str
@@ -41,7 +41,7 @@ class Truth:
 
 
 def find_truths(job: Job) -> Iterator[Truth]:
-    """Samples are all vertices and the centres of all faces.
+    """Compute the true depth; samples are all vertices and the centers of all faces.
 
     Raises:
         MissingExtraError: libigl is not installed.

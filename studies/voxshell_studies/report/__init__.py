@@ -1,1 +1,1 @@
-"""What experiments say: verdicts, figures, replays and the page, from parts' data alone."""
+"""Reports of experiments from parts' data alone: verdicts, figures, replays and the page."""

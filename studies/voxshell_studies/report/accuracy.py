@@ -1,4 +1,4 @@
-"""What the accuracy says."""
+"""Report of the accuracy."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns
 
 TOUCHING_VOLUME = 1e-12
-"""m3: exact overlaps below this are rounding."""
+"""Exact overlaps below this are rounding errors, m3."""
 
 
 def describe(settings: AccuracySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"Two bunnies of {settings.size * 1e3:g} mm are in {settings.poses} relative poses, from "
         f"{-settings.least_depth * 1e3:g} mm apart to {settings.most_depth * 1e3:g} mm in each other. "
@@ -38,7 +38,7 @@ def describe(settings: AccuracySettings) -> str:
 
 
 def reduce(settings: AccuracySettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     table = results["depths"]["depths"]
     overlap = table["volume"] > TOUCHING_VOLUME
     rows = []
@@ -94,14 +94,14 @@ def reduce(settings: AccuracySettings, results: Results) -> list[Row]:
 
 
 def _tell_volumes(table: Columns, overlap: NDArray[np.bool_], shell: str) -> str:
-    """Of single poses: the ratio in the middle half of them."""
+    """Return rows on single poses: the ratio in the middle half of them."""
     ratios = table[f"{shell}_volume"][overlap] / table["volume"][overlap]
     low, middle, high = np.percentile(ratios, (25, 50, 75)) if len(ratios) else (np.nan,) * 3
     return f"of single poses {middle:.2g} in the median, half of them {low:.2g} to {high:.2g}"
 
 
 def draw(settings: AccuracySettings, results: Results, folder: Path) -> list[Picture]:
-    """Depth of each shell over the true one; volume of its contacts over the exact one."""
+    """Draw each shell's depth over the true one, and its volume over the exact one."""
     table = results["depths"]["depths"]
     overlap = table["volume"] > TOUCHING_VOLUME
     with open_figure(folder / "depths.png", width=10, height=4.2) as figure:
@@ -118,7 +118,7 @@ def draw(settings: AccuracySettings, results: Results, folder: Path) -> list[Pic
                 color=color,
                 label=f"{points:,} points",
             )
-            # What a shell misses has no place on a logarithmic axis.
+            # Overlaps that a shell misses cannot be shown on a logarithmic axis.
             found = overlap & (table[f"{shell}_volume"] > 0.0)
             exact, counted = table["volume"][found] * 1e9, table[f"{shell}_volume"][found] * 1e9
             volumes.plot(exact, counted, marker, ms=4, color=color)

@@ -1,4 +1,4 @@
-"""What the bouncing ball says: verdicts, figures and a replay."""
+"""Report of the bouncing ball: verdicts, figures and a replay."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ PUBLISHED_DEPTHS = {
     "low": (6.8, 9.5, 20.1),
     "high": (3.5, 4.0, 19.2),
 }
-"""Millimetres, for the published restitutions (the table of the ball in section 5.3)."""
+"""Published depths for the restitutions, millimeters (the table of the ball in section 5.3)."""
 
 PUBLISHED_RESTITUTIONS = (0.1, 0.5, 0.9)
 ROUNDING = 1e-6
-"""Per cent of the energy, that are not a gain."""
+"""Percent of the energy that do not count as a gain."""
 
 ELASTIC_GAIN = 5.0
-"""Per cent that an elastic ball may gain."""
+"""Percent of the energy that an elastic ball may gain."""
 
 APEX_TOLERANCE = 0.005
-"""Metres: what a step of the published fall can move the apex."""
+"""Effect of one step of the published fall on the apex, meters."""
 
 LABELS = {"bullet": "Bullet's sphere", "low": "VPS, {low} points", "high": "VPS, {high} points"}
 COLORS = {"bullet": PEERS[1], "low": OURS_COARSE, "high": OURS}
 ROUGHLY = 0.05
-"""Of the way down, that a ball may be off one that it roughly follows."""
+"""Accepted deviation of a ball that roughly follows another, as a fraction of the descent."""
 
 
 def describe(settings: BallSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"A ball of radius {settings.radius:g} m and {settings.mass:g} kg falls from a center height of "
         f"{settings.height:g} m at {settings.rate:g} Hz, with g {settings.gravity:g} m/s2, onto a block "
@@ -69,7 +69,7 @@ def describe(settings: BallSettings) -> str:
 
 
 def reduce(settings: BallSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     return [
         *_rows_of_contacts(settings, results),
         *_rows_of_apexes(settings, results),
@@ -122,12 +122,12 @@ def _rows_of_apexes(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _compute_ideal_apex(settings: BallSettings, restitution: float) -> float:
-    """Of the centre after the first rebound, metres."""
+    """Return the height of the center after the first rebound, meters."""
     return settings.radius + restitution**2 * (settings.height - settings.radius)
 
 
 def _measure_apex(settings: BallSettings, fall: Columns) -> tuple[float, float]:
-    """Height of the first apex, NaN without one, and the height that its turning is worth, metres."""
+    """Return the first apex, NaN without one, and the height equivalent of its rotation, meters."""
     apex = ball.find_apex(fall)
     if apex is None:
         return float("nan"), 0.0
@@ -135,7 +135,7 @@ def _measure_apex(settings: BallSettings, fall: Columns) -> tuple[float, float]:
 
 
 def _rows_of_following(settings: BallSettings, results: Results) -> list[Row]:
-    """How far the shells' balls are off Bullet's, until that is at its first apex."""
+    """Return how far the shells' balls are off Bullet's, until that is at its first apex."""
     limit = ROUGHLY * (settings.height - settings.radius)
     rows = []
     for method in ("low", "high"):
@@ -183,7 +183,8 @@ def _rows_of_depths(settings: BallSettings, results: Results) -> list[Row]:
                 if method == "high" and restitution < 0.9:
                     reproduced = 3.0 <= here <= 5.0
                 else:
-                    # The published start height is known to a step's way, not to a millimetre.
+                    # The published initial height is known to one step's displacement, not to a
+                    # millimeter.
                     reproduced = bool(spread.min() - 1.0 <= published <= spread.max() + 1.0)
             rows.append(
                 Row(
@@ -205,8 +206,8 @@ def _rows_of_depths(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _explain_depth(settings: BallSettings, method: str) -> str:
-    """Where the published depth would have to come from, in numbers of the free fall."""
-    # Bullet moves a body by its new speed.
+    """Return where the published depth would have to come from, in terms of free fall."""
+    # Bullet moves a body with its new velocity.
     step = 1.0 / settings.rate
     count = np.arange(settings.steps + 1)
     gaps = (
@@ -237,7 +238,7 @@ def _rows_of_phases(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _judge_runs(settings: BallSettings, runs: Columns, who: str) -> list[Row]:
-    """Rebound, energy and depth over start heights, and the bars for them."""
+    """Return rebound, energy and depth over initial heights, with their bars."""
     limit = (settings.way_a_step + settings.voxel_size) * 1e3
     ideal = runs["restitution"] ** 2
     bounces = ideal > 0.0
@@ -289,7 +290,7 @@ def _judge_runs(settings: BallSettings, runs: Columns, who: str) -> list[Row]:
 
 
 def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
-    """What the coarse ball does when it lands on a point beside its centre: it turns."""
+    """Return the rotation of the coarse ball when it lands on a point beside its center."""
     who = f"{_label(settings, 'low')} as its mesh lies"
     rows = [
         Row(
@@ -324,7 +325,7 @@ def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
 
 
 def _measure_first_contact(fall: Tables) -> float:
-    """How far the first contact of the first restitution's fall is beside the ball's centre, metres."""
+    """Return the offset of the first contact from the center, first restitution, meters."""
     contacts = fall["contacts_0"]
     first = int(contacts["frame"].argmin())
     centre = read_poses({"poses": fall["poses_0"]}, "ball")[contacts["frame"][first], :2, 3]
@@ -332,7 +333,7 @@ def _measure_first_contact(fall: Tables) -> float:
 
 
 def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture]:
-    """Height over steps as published, penetration over start heights, a replay."""
+    """Draw height over steps as published, penetration over initial heights, and a replay."""
     for rule in ball.RULES:
         _draw_heights(settings, results, folder / f"heights-{rule}.png", rule)
     _draw_phases(settings, results, folder / "phases.png")
@@ -351,7 +352,7 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
 def _panels(
     settings: BallSettings, path: Path, height: float, x: str, y: str
 ) -> Iterator[list[tuple[Axes, float]]]:
-    """A figure, in inches of height, with a panel for each restitution."""
+    """Yield a figure, in inches of height, with a panel for each restitution."""
     with open_figure(path, width=11, height=height) as figure:
         columns = figure.subplots(1, len(settings.restitutions), sharey=True, squeeze=False)[0]
         yield list(zip(columns, settings.restitutions, strict=True))
@@ -359,7 +360,7 @@ def _panels(
             axes.set_title(f"c = {restitution:g}", fontsize=10)
             axes.set_xlabel(x)
         columns[0].set_ylabel(y)
-        # Of one panel, as all have the same curves; above them, where it hides none.
+        # The legend of one panel serves all; it is above them, where it hides no curve.
         lines, labels = columns[0].get_legend_handles_labels()
         figure.legend(
             lines, labels, loc="outside upper center", ncols=len(labels), fontsize=8, frameon=False

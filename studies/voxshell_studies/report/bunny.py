@@ -1,4 +1,4 @@
-"""What the falling bunny says: verdicts, the published curves and pictures, an animation, a replay."""
+"""Report of the falling bunny: verdicts, published curves and pictures, animation, replay."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ SEEN = 2e-4
 
 
 def describe(settings: BunnyFallSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     first, last = FULL_OPERATION
     return (
         f"The bunny of {settings.size * 1e3:g} mm and {settings.mass:g} kg falls {settings.height:g} m "
@@ -90,7 +90,7 @@ def describe(settings: BunnyFallSettings) -> str:
 
 
 def reduce(settings: BunnyFallSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     falls = {name: results[name] for name in results if name.startswith("orientation")}
     methods = bunny.methods_of(falls["orientation-0"])
     own = {method.key: _median_time(falls, "steps", method.key) for method in methods}
@@ -110,7 +110,7 @@ def reduce(settings: BunnyFallSettings, results: Results) -> list[Row]:
 
 
 def _rows_of_setup(settings: BunnyFallSettings, tables: Tables) -> list[Row]:
-    """What was reconstructed, beside the published one."""
+    """Return rows that compare the reconstructed set-up with the published one."""
     sides, moments = tables["body"]["side"], tables["body"]["moment"] / settings.mass
     grid = np.ceil(sides / settings.voxel_size).astype(int) + 2 * PUBLISHED_PADDING
     shells = dict(zip(*(tables["shells"][name].tolist() for name in ("method", "points")), strict=True))  # fmt: skip
@@ -145,7 +145,7 @@ def _rows_of_setup(settings: BunnyFallSettings, tables: Tables) -> list[Row]:
 
 
 def _explain_fine(results: Results) -> str:
-    """What the fine shell's time is made of in its own fall, and what the hull does without."""
+    """Return the stages of the fine shell's time, and what the hull saves."""
     stages = ", ".join(
         f"{stage} {format_value(1e6 * float(np.median(_samples(results, 'steps', 'vps-fine', stage))))}"
         for stage in STAGES
@@ -209,7 +209,7 @@ def _rows_of_ratios(times: dict[str, float], where: str, why: str) -> list[Row]:
 def _rows_of_decomposers(
     settings: BunnyFallSettings, tables: Tables, times: dict[str, float], where: str
 ) -> list[Row]:
-    """Convex parts by others than V-HACD; those that are not here say why."""
+    """Return rows on convex parts by other libraries, or why they are missing."""
     rows, hulls = [], tables["hulls"]
     seconds = dict(zip(*(tables["split"][name].tolist() for name in ("method", "seconds")), strict=True))  # fmt: skip
     for method in bunny.DECOMPOSERS:
@@ -241,7 +241,7 @@ def _rows_of_decomposers(
 
 
 def _row_of_order(times: dict[str, float]) -> Row:
-    """Every lead that VPS had over a peer is there still, and where it lagged it lags no more."""
+    """Return a row on whether VPS leads wherever it led, and no longer lags elsewhere."""
     known = (method for method in (*METHODS, *bunny.DECOMPOSERS) if method.key in times)
     published = {m.key: m.thesis_ratio for m in known if m.thesis_ratio is not None}
     peers = [key for key in published if not key.startswith("vps")]
@@ -263,7 +263,7 @@ def _row_of_order(times: dict[str, float]) -> Row:
 
 
 def _rows_of_pictures(tables: Tables) -> list[Row]:
-    """What the published pictures show, measured on what is drawn here."""
+    """Return measurements of the pictures that correspond to the published ones."""
     hull = len(read_hulls(tables["hulls"], "hull")[0])
     parts = read_hulls(tables["hulls"], "decomposition")
     poses = read_poses({"poses": tables["vps-fine_poses"]}, "body")
@@ -370,7 +370,7 @@ def _rows_of_rest(results: Results, methods: Sequence[Method]) -> list[Row]:
 
 
 def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Picture]:
-    """Curves, frames, hulls, segments, an animation and a replay."""
+    """Draw curves, frames, hulls, segments, an animation and a replay."""
     make_folder(folder)
     tables = results["orientation-0"]
     mesh = bunny.read_scaled(bunny.find_mesh(settings), settings.size)
@@ -417,7 +417,7 @@ def _summaries(runs: list[DropRun]) -> Any:
 
 
 def _find_surface(tables: Any, key: str) -> Mesh | None:
-    """The triangles of hull or decomposition; None for the other methods."""
+    """Return the triangles of hull or decomposition; None for the other methods."""
     hulls = read_hulls(tables["hulls"], key)
     return ConvexDecomposition(hulls).mesh if hulls else None
 
@@ -495,7 +495,7 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
         pictures = []
         for key in SHOWN:
             pose = poses[key][step]
-            # What is at rest needs no new picture.
+            # Bodies at rest need no new picture.
             if key not in last or np.abs(pose - last[key][0]).max() > SEEN:
                 canvas = Canvas(camera)
                 canvas.paint_floor((-0.11, -0.11), (0.11, 0.11))
@@ -519,9 +519,10 @@ def _animate(settings: BunnyFallSettings, tables: Any, mesh: Mesh, path: Path) -
 def _samples(
     results: Results, table: str, key: str, figure: str = "narrow_phase"
 ) -> NDArray[np.float64]:
-    """Seconds of the steps that count, of all orientations.
+    """Return seconds of the steps that count, of all orientations.
 
-    A body that has left the block has nothing to do: only steps with contact are full operation.
+    Only steps with contact are full operation: a body that has left the block needs no narrow
+    phase.
     """
     first, last = FULL_OPERATION
     values = []

@@ -1,4 +1,4 @@
-"""All experiments, in the order in which the report tells them."""
+"""All experiments, in the order of the report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What everyday scenes say."""
+"""Report of everyday scenes."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ TABLE = "table.md"
 """Name of the file with the tables for documents."""
 
 MOST_DECADES = 3.0
-"""Errors beyond a thousandth and a thousand bars look the same in the figure."""
+"""Errors below a thousandth and above a thousand bars are drawn at these limits."""
 
 
 def describe(settings: EverydaySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     rates = sorted({rate for scene in settings.chosen for rate in settings.rates_of(scene)})
     ran = ", ".join(ENGINE_NAMES[engine] for engine in ENGINES if engine in settings.engines)
     return (
@@ -58,7 +58,7 @@ def describe(settings: EverydaySettings) -> str:
 
 
 def reduce(settings: EverydaySettings, results: Results) -> list[Row]:
-    """The verdicts: how many measures hold, then each measure, good and bad alike."""
+    """Return the verdicts: the number of measures that hold, then all measures."""
     lines = make_lines(settings, results)
     return [*_summarize(settings, lines), *(_make_row(line) for line in lines)]
 
@@ -147,7 +147,7 @@ def _make_row(line: Line) -> Row:
 
 
 def draw(settings: EverydaySettings, results: Results, folder: Path) -> list[Picture]:
-    """Errors over bars by rate and engine, the tables for documents, and replays."""
+    """Draw errors relative to bars by rate and engine, and write tables and replays."""
     lines = make_lines(settings, results)
     make_folder(folder)
     write_text(folder / TABLE, write_table(lines))
@@ -214,7 +214,7 @@ def _draw_errors(lines: Sequence[Line], path: Path) -> None:
 
 
 def _count_decades(error: float, bar: float) -> float:
-    """The logarithm of an error over its bar; of a bar of 0, all or nothing."""
+    """Return the logarithm of an error relative to its bar, clipped; all or nothing if one is 0."""
     if bar == 0.0 or error == 0.0 or np.isinf(error):
         return MOST_DECADES if error > bar else -MOST_DECADES
     return float(np.clip(np.log10(error / bar), -MOST_DECADES, MOST_DECADES))

@@ -1,4 +1,4 @@
-"""Everyday scenes as numbers by rate and engine: the worst of all placements, and a table for documents."""
+"""Numbers of everyday scenes by rate and engine: the worst of all placements, and tables."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ ENGINE_NAMES: dict[Engine, str] = {
 }
 
 _SHARE_OF_BAR = 1e-9
-"""Of a bar: errors that differ by less are the same."""
+"""Fraction of a bar below which errors count as equal."""
 
 
 @dataclass(frozen=True)
 class Worst:
-    """The run of an engine that is farthest off.
+    """The run of an engine with the largest error.
 
     Attributes:
-        error: As the bar is meant; infinite where a run had no value.
-        value: In that run, before the measure's scale.
-        truth: The same.
-        rate: Steps a second.
-        placement: Its number.
+        error: In terms of the bar; infinite if a run had no value.
+        value: Value of that run, before the measure's scale.
+        truth: True value, likewise.
+        rate: Steps per second.
+        placement: Number of the placement.
     """
 
     error: float
@@ -55,7 +55,7 @@ class Line:
     Attributes:
         scene: The scene.
         measure: Its measure.
-        worst: By engine, of those that ran.
+        worst: Worst runs by engine, of those that ran.
         by_rate: Worst errors by engine and rate.
     """
 
@@ -65,7 +65,7 @@ class Line:
     by_rate: dict[Engine, dict[float, float]]
 
     def holds(self, engine: Engine, rate: float | None = None) -> bool | None:
-        """Whether an engine's worst error, at a rate or all, is within the bar; None where it did not run."""
+        """Return whether an engine's worst error is within the bar; None if it did not run."""
         if engine not in self.worst:
             return None
         error = self.worst[engine].error
@@ -77,14 +77,14 @@ class Line:
 
     @property
     def is_best(self) -> bool:
-        """Whether no other engine that ran has a smaller worst error than voxshell."""
+        """True if no other engine that ran has a smaller worst error than voxshell."""
         others = [worst.error for engine, worst in self.worst.items() if engine != "voxshell"]
         ours = self.worst["voxshell"].error
         return bool(others) and ours <= min(others) * (1.0 + _SHARE_OF_BAR)
 
     @property
     def verdict(self) -> str:
-        """In a few words."""
+        """The verdict in a few words."""
         if self.holds("voxshell"):
             return "holds"
         others = [worst for engine, worst in self.worst.items() if engine != "voxshell"]
@@ -96,7 +96,7 @@ class Line:
 
 
 def make_lines(settings: EverydaySettings, results: Results) -> list[Line]:
-    """A line a measure, of the scenes that voxshell ran, in the order of the list."""
+    """Return a line for each measure of the scenes that voxshell ran, in the order of the list."""
     lines = []
     for scene in settings.chosen:
         tables = {
@@ -131,7 +131,7 @@ def make_lines(settings: EverydaySettings, results: Results) -> list[Line]:
 
 
 def format_error(measure: Measure, error: float | None) -> str:
-    """An error in the measure's unit, in per cent where it is relative, in words where it is yes or no."""
+    """Return an error as text: in the measure's unit, in percent if relative, or in words."""
     if error is None:
         return ""
     if measure.bar == 0.0 and measure.unit == "":
@@ -149,20 +149,20 @@ def format_error(measure: Measure, error: float | None) -> str:
 
 
 def format_bar(measure: Measure) -> str:
-    """The bar with its unit."""
+    """Return the bar with its unit."""
     if measure.bar == 0.0:
         return "right" if measure.unit == "" else "0"
     return f"<= {format_error(measure, measure.bar)}"
 
 
 def count_holding(lines: Sequence[Line], engine: Engine, rate: float | None) -> tuple[int, int]:
-    """Measures within their bars, and how many an engine ran, at a rate or at all."""
+    """Return the numbers of measures within their bars and of measures that an engine ran."""
     told = [held for line in lines if (held := line.holds(engine, rate)) is not None]
     return sum(told), len(told)
 
 
 def write_table(lines: Sequence[Line]) -> str:
-    """Tables as Markdown: counts by rate and engine, then one a group, good and bad rows alike."""
+    """Return tables as Markdown: counts by rate and engine, then a table for each group."""
     parts = ["### Measures within their limits", _write_counts(lines)]
     for group, members in groupby(lines, key=lambda line: line.scene.group):
         parts.append(f"### {group}")

@@ -1,4 +1,4 @@
-"""How figures of experiments look."""
+"""Style of the experiments' figures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FAINT = "#999999"
 
 @contextmanager
 def open_figure(path: Path, *, width: float = 10.0, height: float = 5.0) -> Iterator[Any]:
-    """A matplotlib figure that is written when the block ends, inches.
+    """Yield a matplotlib figure that is written when the block ends, inches.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
@@ -39,7 +39,7 @@ def open_figure(path: Path, *, width: float = 10.0, height: float = 5.0) -> Iter
 
 
 def as_rgb(color: str) -> tuple[int, int, int]:
-    """Of "#rrggbb", each 0 to 255.
+    """Return the components of "#rrggbb", each 0 to 255.
 
     Example:
         >>> as_rgb("#0b6e4f")

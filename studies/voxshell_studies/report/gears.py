@@ -1,4 +1,4 @@
-"""What the pair of gears says."""
+"""Report of the pair of gears."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Tables
 
 RATIO_ERROR = 0.01
-"""Of the ratio of turns, at most."""
+"""Largest accepted error of the ratio of turns."""
 
 LABELS = {
     "voxshell": "VPS",
@@ -37,7 +37,7 @@ COLORS = dict(zip(LABELS, (OURS, *PEERS, "#8d6e63"), strict=True))
 
 
 def describe(settings: GearsSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"A gear of {settings.teeth[0]} involute teeth drives one of {settings.teeth[1]}. The module is "
         f"{settings.module * 1e3:g} mm, each tooth is {settings.backlash * 1e3:g} mm thinner than half a "
@@ -52,7 +52,7 @@ def describe(settings: GearsSettings) -> str:
 
 
 def reduce(settings: GearsSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     for method in settings.methods:
         tables = results[method]
@@ -99,7 +99,7 @@ def reduce(settings: GearsSettings, results: Results) -> list[Row]:
 
 
 def _measure_ratio(settings: GearsSettings, tables: Tables) -> tuple[float, str]:
-    """Turns of the driven gear when the other has made one, NaN if it does not; and words on it."""
+    """Return the driven gear's turn when the other has made one, or NaN; and an explanation."""
     driven, other = tables["steps"]["driven"], -tables["steps"]["other"]
     done = np.flatnonzero(other >= 1.0)
     if len(done) == 0:
@@ -112,7 +112,7 @@ def _measure_ratio(settings: GearsSettings, tables: Tables) -> tuple[float, str]
 
 
 def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Picture]:
-    """Turns over turns, the gears as each method has them, a replay."""
+    """Draw turn over turns, each method's gears, and a replay."""
     ran = [method for method in settings.methods if len(results[method]["steps"]["driven"])]
     with open_figure(folder / "turns.png", width=9.5, height=3.8) as figure:
         whole, near = figure.subplots(1, 2)
@@ -141,7 +141,7 @@ def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Pictur
 
 
 def _surfaces(settings: GearsSettings, tables: Tables) -> list[list[Mesh]]:
-    """Of each gear, the meshes of its parts, or its own."""
+    """Return the meshes of each gear's parts, or its own."""
     from voxshell.simulation.comparison_shapes import ConvexHull
 
     return [

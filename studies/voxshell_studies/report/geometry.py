@@ -1,4 +1,4 @@
-"""What the study of geometry says."""
+"""Report of the geometry study."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ NORMAL_BAR = 10.0
 """Degrees."""
 
 SHARE_BAR = 99.0
-"""Percent of contacts that have to be right."""
+"""Percent of contacts that must be correct."""
 
 VOXEL_SHARE_BAR = 0.25
-"""How far places on b may be off b, in voxels of the field."""
+"""Largest error of points on b, in voxels of the field."""
 
 _GROUNDS = ("slab", "table", "stairs", "terrain")
 _GROUPS = {
@@ -58,11 +58,11 @@ _GROUPS = {
     "inside": "bodies within others",
 }
 _SHOWN_LEAST = 1e-6
-"""Metres: smaller errors are drawn here."""
+"""Errors below this are drawn here, meters."""
 
 
 def describe(settings: GeometrySettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     held_out = sum(SCENES[name].held_out for name in settings.chosen)
     compared = (
         f" Two of {COMPARED}, 1 mm deep in each other, are queried in {settings.compared_poses} poses. "
@@ -85,7 +85,7 @@ def describe(settings: GeometrySettings) -> str:
 
 
 def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     chosen = [SCENES[name] for name in settings.chosen]
     scenes = {scene.name: results[name_scene(scene.name)] for scene in chosen}
     pairs = {
@@ -93,7 +93,7 @@ def reduce(settings: GeometrySettings, results: Results) -> list[Row]:
         for index in range(settings.pairs)
         if len(results[name_pair(index)]["poses"]["offset"])
     }
-    # Titles are what quantities below them begin with.
+    # Quantities begin with the titles of their groups.
     groups: dict[str, Sequence[Row | None]] = {
         "Wrong answers at least the bar off the first touch": [
             _judge_answers(group, chosen, results) for group in _GROUPS
@@ -155,7 +155,7 @@ def _mark(scene: GeometryScene) -> str:
 
 
 def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
-    """Overlaps at least as deep as the scene's bar that ``collide`` denies."""
+    """Return overlaps at least as deep as the scene's bar that ``collide`` denies."""
     denied = asked = early = apart = 0
     for scene in chosen:
         if scene.group != group:
@@ -180,7 +180,7 @@ def _judge_answers(group: str, chosen: list[GeometryScene], results: Results) ->
 
 
 def _judge_unseen(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
-    """Approaches on which ``collide`` denies an overlap, wherever on the way it is."""
+    """Return approaches on which ``collide`` denies an overlap at any place."""
     unseen = asked = 0
     worst, where = 0.0, ""
     for scene in chosen:
@@ -208,7 +208,7 @@ def _judge_unseen(group: str, chosen: list[GeometryScene], results: Results) -> 
 
 
 def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
-    """How far off the true first touch the first contact is."""
+    """Return the error of the first contact, compared with the true first touch."""
     onset = _correct(table)
     worst = float(onset[np.argmax(np.abs(onset))]) if len(onset) else np.nan
     notes = []
@@ -235,15 +235,15 @@ def _judge_onset(scene: GeometryScene, table: Columns) -> Row:
 
 
 def _correct(table: Columns) -> NDArray[np.float64]:
-    """First contacts beyond the first touch as lengths of the shortest separating translation, metres."""
+    """Return first contacts beyond the touch as lengths of the separating translation, meters."""
     return table["onset"] * table["slope"]
 
 
 def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
-    """How far the deepest contact is off the true depth.
+    """Return the error of the deepest contact, compared with the true depth.
 
-    Where edges cross or a body is wedged in, no place is as deep as the shortest separating translation is
-    long: anything from the deepest place to that is right.
+    Where edges cross or a body is wedged in, no point is as deep as the shortest separating
+    translation: any value from the largest depth to that length is correct.
     """
     deepest = _deepest(table)
     off = np.maximum(table["reach"] - deepest, deepest - table["way_out"]).clip(min=0.0)
@@ -263,12 +263,12 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
 
 
 def _deepest(table: Columns) -> NDArray[np.float64]:
-    """The deepest contact of each pose, 0 where there is none."""
+    """Return the deepest contact of each pose, or 0 if there is none."""
     return np.where(table["count"] > 0.0, table["deepest"], 0.0)
 
 
 def _leave_out_ambiguous(table: Columns) -> tuple[Columns, str]:
-    """The contacts whose depth and normal are said to be clear, and how many others there are."""
+    """Return the contacts that are not ambiguous, and the number of others."""
     is_clear = table["ambiguous"] == 0.0
     left_out = len(is_clear) - int(is_clear.sum())
     said = f"; {left_out:,} more say that they are ambiguous" if left_out else ""
@@ -276,7 +276,7 @@ def _leave_out_ambiguous(table: Columns) -> tuple[Columns, str]:
 
 
 def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
-    """Normals and places of the contacts of a scene that is for them."""
+    """Return rows on normals and points of contacts of a scene made for them."""
     table, said = _leave_out_ambiguous(table)
     if len(table["angle"]) == 0:
         return []
@@ -307,7 +307,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
 
 
 def _judge_thin(body: str, table: Columns) -> list[Row]:
-    """Shares of the contacts of a thin body, in any pose, that are right."""
+    """Return the fractions of correct contacts of a thin body, in any pose."""
     table, said = _leave_out_ambiguous(table)
     angles = np.degrees(table["angle"])
     shares = table["b_off"] / table["voxel"]
@@ -338,7 +338,7 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
 
 
 def _tell_normals(group: str, chosen: list[GeometryScene], results: Results) -> Row | None:
-    """Normals of all contacts of a group, for information."""
+    """Return rows on normals of all contacts of a group, for information."""
     tables = [
         _leave_out_ambiguous(results[name_scene(s.name)]["contacts"])[0]
         for s in chosen
@@ -376,7 +376,7 @@ def _judge_coincident(table: Columns) -> Row:
 
 
 def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Picture]:
-    """How far off the first touch each first contact is, a line a scene."""
+    """Draw the error of each first contact, a line for each scene."""
     scenes = [SCENES[name] for name in settings.chosen]
     with open_figure(folder / "onset.png", width=10, height=1.2 + 0.2 * len(scenes)) as figure:
         axes = figure.subplots()

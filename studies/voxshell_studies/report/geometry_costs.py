@@ -1,4 +1,4 @@
-"""What the study of geometry says of the time and memory that models take."""
+"""Report of the geometry study on time and memory of models."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 SECONDS_BAR, BYTES_BAR = 3.0, 64e6
 
 QUERY_BAR, MEMORY_BAR, BUILD_BAR = 1.3, 1.0, 1.5
-"""Of a model to a tolerance, over a uniform one that is as exact."""
+"""Limits for a model by tolerance, relative to an equally accurate uniform one."""
 
 
 def judge_builds(table: Columns) -> list[Row]:
-    """Whether default builds are fast and small, or warn."""
+    """Return rows on whether default builds are fast and small, and on their warnings."""
     within = (table["seconds"] <= SECONDS_BAR) & (table["bytes"] <= BYTES_BAR)
     broken = ~within & (table["warnings"] == 0.0)
     names = [body for body, fails in zip(BUILT, broken, strict=False) if fails]
@@ -54,7 +54,7 @@ def judge_builds(table: Columns) -> list[Row]:
 
 
 def judge_costs(settings: GeometrySettings, tables: Tables) -> list[Row]:
-    """A model to a tolerance over a uniform one whose field is no more exact."""
+    """Return rows that compare a model by tolerance with an equally accurate uniform one."""
     builds, queries = tables["builds"], tables["queries"]
     seconds, size, points, segments, tolerance, field, shell = (
         [float(np.median(builds[column][builds["kind"] == kind])) for kind in range(len(KINDS))]

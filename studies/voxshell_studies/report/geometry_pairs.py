@@ -1,4 +1,4 @@
-"""What the study of geometry says of pairs of mixed size, in any pose."""
+"""Report of the geometry study on pairs of mixed size, in any pose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns, Tables
 
 LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
-"""Stated bounds: metres, or this fraction of the larger body."""
+"""Stated bounds: meters, or this fraction of the larger body."""
 
 SHARPNESS_BAR = 3.0
 """Stated bound over the worst overlap that is found to be denied."""
@@ -23,7 +23,7 @@ _ROUNDING = 1e-6
 
 
 def judge_violations(name: str, tables: Tables) -> Row:
-    """Whether stated bounds hold."""
+    """Return rows on whether stated bounds hold."""
     poses, worst = tables["poses"], tables["worst"]
     inside = poses["offset"] > 0.0
     stated = np.where(inside, poses["overlap"], poses["clearance"])
@@ -43,7 +43,7 @@ def judge_violations(name: str, tables: Tables) -> Row:
 
 
 def tell_worst(name: str, worst: Columns) -> Row:
-    """How deep the surface of the shell is in the other body where the answer is no."""
+    """Return rows on the depth of the shell's surface in the other body where the answer is no."""
     return Row(
         f"worst overlap that is denied, {name}",
         None,
@@ -54,7 +54,7 @@ def tell_worst(name: str, worst: Columns) -> Row:
 
 
 def judge_bounds(name: str, poses: Columns) -> Row:
-    """How wide the stated bounds are."""
+    """Return rows on the size of the stated bounds."""
     size = max(float(np.ptp(make_body(b).vertices, axis=0).max()) for b in name.split(" and "))
     most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
     bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
@@ -70,7 +70,7 @@ def judge_bounds(name: str, poses: Columns) -> Row:
 
 
 def judge_sharpness(settings: GeometrySettings, name: str, tables: Tables) -> Row:
-    """How near the worst pose comes to the stated bounds; chance alone does not find it."""
+    """Return rows on how close the worst pose comes to the bounds, by chance and after a search."""
     deepest = float(tables["worst"]["optimized"].max())
     sharpness = float(tables["poses"]["overlap"].max()) / deepest if deepest > 0.0 else np.inf
     return Row(

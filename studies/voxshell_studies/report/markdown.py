@@ -1,4 +1,4 @@
-"""The verdicts as a text, for documents."""
+"""The verdicts as Markdown."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _HEAD = (
 
 
 def write_markdown(path: Path, findings: list[Finding], *, command: str) -> None:
-    """Writes a table an experiment, with set-ups and notes, as Markdown."""
+    """Write a table for each experiment, with set-ups and notes, as Markdown."""
     environment = describe_environment()
     parts = [
         "# Section 5.3, re-run",
@@ -42,7 +42,7 @@ def write_markdown(path: Path, findings: list[Finding], *, command: str) -> None
 
 
 def _make_tables(rows: list[Row]) -> list[str]:
-    """A table a group, below its heading."""
+    """Return a table for each group, below its heading."""
     parts = []
     for group, members in groupby(rows, key=lambda row: row.group):
         if group:

@@ -1,4 +1,4 @@
-"""What the nut on its bolt says."""
+"""Report of the nut on its bolt."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from voxshell_studies.experiment import Results
 
 SETTLED = 0.3
-"""Part of the run after which the nut may not move any more."""
+"""Fraction of the run after which the nut must not move."""
 
 MOST_CREEP = 1e-4
-"""Metres."""
+"""Meters."""
 
 LEAST_CLEARANCE = 0.9
-"""Of what is meant: edges cut into threads, and models round them off."""
+"""Accepted fraction of the ideal value: models round the edges that threads have."""
 
 HEAD_ROOM = 0.001
-"""Metres over the bolt's head, from where on the nut is no longer on the thread alone."""
+"""Height above the bolt's head from which only the thread supports the nut, meters."""
 
 LABELS = {
     "voxshell": "VPS",
@@ -41,7 +41,7 @@ LABELS = {
 
 
 def describe(settings: BoltSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"A nut of size M{settings.radius * 2e3:g} has a clearance of {settings.clearance * 1e3:g} mm "
         f"along the radius and {settings.compute_clearance() * 1e3:.2f} mm across the flanks. It is "
@@ -54,16 +54,16 @@ def describe(settings: BoltSettings) -> str:
 
 
 def reduce(settings: BoltSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
-    # Flanks lean by 45 degrees: along the axis there is as much play as along the radius, twice.
+    # Flanks are inclined by 45 degrees: the axial play equals the radial play, twice.
     play = settings.clearance + settings.voxel_size
     for mode in nut.MODES:
         held = results[f"hold-{mode}"]["steps"]
         late = held["height"][int(SETTLED * len(held["height"])) :]
         creep = float(np.ptp(late))
         turned = results[f"turn-{mode}"]["steps"]
-        # Down to the head, where it stops.
+        # Down to the head, where the nut stops.
         free = turned["height"] > HEAD_ROOM - nut.START_TURNS * settings.pitch
         off = float(np.abs(turned["height"] - settings.pitch * turned["turns"])[free].max())
         rows += [
@@ -121,7 +121,7 @@ def reduce(settings: BoltSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: BoltSettings, results: Results, folder: Path) -> list[Picture]:
-    """Height over turns, a picture of start and end, a replay."""
+    """Draw height over turns, a picture of start and end, and a replay."""
     with open_figure(folder / "thread.png", width=8, height=3.8) as figure:
         axes = figure.subplots()
         for mode, color in zip(nut.MODES, (OURS, OURS_PLANE), strict=True):

@@ -29,7 +29,7 @@ PAGE, ROWS, TEXT = "index.html", "report.json", "report.md"
 
 _MEDIA = {".png": "image/png", ".gif": "image/gif"}
 
-# The page asks the network for nothing, and says so to the browser.
+# The page uses no network, and tells the browser to forbid it.
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 
 _STYLE = """
@@ -50,12 +50,12 @@ code { font-size: .85rem; } details { margin: .6rem 0; }
 
 
 def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
-    """Writes the page, the rows, and the verdicts as a text.
+    """Write the page, the rows, and the verdicts as a text.
 
     Args:
-        out: The folder that the experiments' folders are in.
-        findings: Of all experiments, in the order in which to tell them.
-        command: That made the report.
+        out: The folder that contains the experiments' folders.
+        findings: Results of all experiments, in the order of the report.
+        command: The command that made the report.
     """
     environment = describe_environment()
     rows = [row for each in findings for row in describe_rows(each.study, each.rows)]

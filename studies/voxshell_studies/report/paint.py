@@ -1,4 +1,4 @@
-"""Pictures of bodies without a graphics card: triangles and points painted from back to front."""
+"""Pictures of bodies without a graphics card: triangles and points, painted from back to front."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _LIGHT = np.array([0.35, -0.6, 0.72])
 _AMBIENT = 0.35
 _SMOOTHING = 2
-"""Pixels painted for each one kept, along a side."""
+"""Painted pixels per final pixel, along each side."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,11 @@ class Camera:
     """A parallel view.
 
     Attributes:
-        target: What is in the middle, metres, world frame.
-        width: Metres from the left edge to the right one.
+        target: The point in the center, meters, world frame.
+        width: Width of the view, meters.
         pixels: Width and height of the picture.
-        azimuth: From which side, degrees about z; 0 looks along y.
-        elevation: From how far above, degrees.
+        azimuth: Direction of the view, degrees about z; 0 looks along y.
+        elevation: Angle from above, degrees.
     """
 
     target: tuple[float, float, float]
@@ -44,14 +44,14 @@ class Camera:
 
     @property
     def axes(self) -> NDArray[np.float64]:
-        """Rows: right, up, and towards the viewer, world frame."""
+        """The axes right, up, and toward the viewer as rows, world frame."""
         turn, tilt = np.radians([self.azimuth, self.elevation])
         right = np.array([np.cos(turn), np.sin(turn), 0.0])
         back = np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
         return np.stack([right, np.cross(back, right), back])
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of points (n, 3): column and row, in pixels painted, and nearness, metres, (n, 3)."""
+        """Return column, row in painted pixels, and nearness, meters, of points, (n, 3)."""
         seen = (points - np.array(self.target)) @ self.axes.T
         scale = _SMOOTHING * self.pixels[0] / self.width
         seen[:, 0] = 0.5 * _SMOOTHING * self.pixels[0] + scale * seen[:, 0]
@@ -66,8 +66,8 @@ class Solid:
     Attributes:
         mesh: Its triangles, body frame.
         pose: ``world_from_body``, (4, 4).
-        color: 0 to 255, (3,), or one a face, (m, 3).
-        edges: Whether to draw the triangles' outlines.
+        color: 0 to 255, (3,), or one per face, (m, 3).
+        edges: Draw the triangles' outlines.
     """
 
     mesh: Mesh
@@ -77,7 +77,7 @@ class Solid:
 
 
 class Canvas:
-    """A white picture to paint on; what is painted later hides what was before.
+    """A white picture to paint on; later objects hide earlier ones.
 
     Raises:
         MissingExtraError: Pillow is not installed.
@@ -91,13 +91,13 @@ class Canvas:
         self._draw = draw.Draw(self._image)
 
     def paint_floor(self, low: Sequence[float], high: Sequence[float], height: float = 0.0) -> None:
-        """A grey rectangle at a height, between corners (x, y), metres."""
+        """Paint a gray rectangle at a height, between corners (x, y), meters."""
         corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
         flat = self.camera.project(np.array([(*corner, height) for corner in corners]))
         self._draw.polygon([tuple(p) for p in flat[:, :2].tolist()], fill=(226, 229, 234))
 
     def paint(self, solids: Sequence[Solid]) -> None:
-        """Bodies, lit from above; those that hide each other must be painted together."""
+        """Paint bodies, lit from above; bodies that hide each other must be painted together."""
         triangles, colors, outlined = [], [], []
         for solid in solids:
             world = solid.mesh.vertices @ solid.pose[:3, :3].T + solid.pose[:3, 3]
@@ -116,7 +116,7 @@ class Canvas:
         flat = seen[order, :, :2].reshape(-1, 6).tolist()
         for place, shade, edge in zip(flat, shades[order].tolist(), edges[order], strict=True):
             color = tuple(shade)
-            # The outline closes the hair of background between neighbours.
+            # The outline closes the thin gap between neighbors.
             outline = tuple(c // 2 for c in color) if edge else color
             self._draw.polygon(place, fill=color, outline=outline)
 
@@ -127,13 +127,13 @@ class Canvas:
         colors: NDArray[np.float64],
         radius: float,
     ) -> None:
-        """Points of a surface that face the viewer, as discs.
+        """Paint the points of a surface that face the viewer, as discs.
 
         Args:
-            points: (n, 3) metres, world frame.
+            points: (n, 3) meters, world frame.
             normals: (n, 3) unit, outward.
             colors: (n, 3), 0 to 255.
-            radius: Metres.
+            radius: Meters.
         """
         front = normals @ self.camera.axes[2] > 0.0
         seen = self.camera.project(points[front])
@@ -144,7 +144,7 @@ class Canvas:
             self._draw.ellipse((x - size, y - size, x + size, y + size), fill=tuple(shade))
 
     def write(self, text: str, column: float, row: float) -> None:
-        """Dark text, its middle at shares of the width and height."""
+        """Write dark text, centered at fractions of the width and height."""
         font = _import_font(int(_SMOOTHING * 13))
         at = (column * self._image.width, row * self._image.height)
         self._draw.multiline_text(
@@ -152,13 +152,13 @@ class Canvas:
         )
 
     def finish(self) -> Any:
-        """The picture."""
+        """Return the picture."""
         image, _ = _import_pillow()
         return self._image.resize(self.camera.pixels, image.Resampling.BOX)
 
 
 def thin_out(mesh: Mesh, cell: float) -> Mesh:
-    """The mesh with all vertices in a cube of the given edge, metres, made one: for small pictures.
+    """Return a mesh with vertices merged on a grid of cubes, edge in meters, for small pictures.
 
     Example:
         >>> import trimesh
@@ -181,7 +181,7 @@ def thin_out(mesh: Mesh, cell: float) -> Mesh:
 
 
 def join_row(pictures: Sequence[Any], columns: int | None = None) -> Any:
-    """Pictures of one size, side by side; with ``columns`` in several rows."""
+    """Return pictures of equal size side by side; with ``columns``, in several rows."""
     image, _ = _import_pillow()
     columns = min(columns or len(pictures), len(pictures))
     rows = -(-len(pictures) // columns)
@@ -193,17 +193,17 @@ def join_row(pictures: Sequence[Any], columns: int | None = None) -> Any:
 
 
 def save_row(pictures: Sequence[Any], path: Path, columns: int | None = None) -> None:
-    """Writes what :func:`join_row` makes."""
+    """Write the result of :func:`join_row`."""
     save_picture(join_row(pictures, columns), path)
 
 
 def save_picture(picture: Any, path: Path, **options: Any) -> None:
-    """Writes a picture of Pillow's, whole or not at all.
+    """Write a Pillow picture completely or not at all.
 
     Args:
-        picture: What to write.
-        path: Where; its ending names the format.
-        **options: Of the format.
+        picture: The picture.
+        path: The file; its suffix determines the format.
+        **options: Options of the format.
     """
     content = BytesIO()
     picture.save(content, format=path.suffix[1:].upper(), **options)
@@ -211,7 +211,7 @@ def save_picture(picture: Any, path: Path, **options: Any) -> None:
 
 
 def make_hue(number: int) -> tuple[int, int, int]:
-    """Colours far apart for neighbouring numbers: hues by the golden ratio."""
+    """Return very different colors for consecutive numbers: hues by the golden ratio."""
     red, green, blue = colorsys.hsv_to_rgb((0.13 + 0.618034 * number) % 1.0, 0.55, 0.95)
     return round(255 * red), round(255 * green), round(255 * blue)
 

@@ -1,4 +1,4 @@
-"""What bunny on bunny says."""
+"""Report of bunny on bunny."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ BARS_FALLING = {
     ("decomposition", pair.UNFOLLOWED): None,
     ("decomposition", "vps-coarse"): None,
 }
-"""By keys of a peer and a model, what the peer's time over the model's should at least be."""
+"""Required ratio of a peer's time to a model's, by their keys."""
 
 LABELS = {method.key: method.label for method in METHODS} | {
     pair.UNFOLLOWED: "VPS fine, not followed",
@@ -41,7 +41,7 @@ LABELS = {method.key: method.label for method in METHODS} | {
 
 
 def describe(settings: PairSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"Two bunnies of {settings.size * 1e3:g} mm overlap by {settings.least_depth * 1e3:g} to "
         f"{settings.most_depth * 1e3:g} mm in {settings.poses} relative poses, the same for every method "
@@ -67,7 +67,7 @@ def _describe_rest(settings: PairSettings) -> str:
 
 
 def reduce(settings: PairSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     times = {key: _median(results, key) for key in (*pair.PAIRED, "collide", "coal")}
     over_gimpact = times["gimpact"] / times["vps-fine"]
     over_parts = times["decomposition"] / times["vps-fine"]
@@ -131,13 +131,13 @@ def _tell_part(
     poses: str,
     bars: Mapping[tuple[str, str], float | None],
 ) -> list[Row]:
-    """The ratios of bodies that rest or fall.
+    """Return the ratios of bodies that rest or fall.
 
     Args:
-        results: Of the experiment.
-        part: Its name.
-        state: Of the bodies, in words.
-        poses: What its poses are, in words.
+        results: Results of the experiment.
+        part: Name of the part.
+        state: State of the bodies, in words.
+        poses: Origin of its poses, in words.
         bars: As BARS_AT_REST.
     """
     rows = []
@@ -168,7 +168,7 @@ def _list_stages(results: Results, part: str, model: str = "vps-fine") -> str:
 
 
 def _explain_fine(results: Results) -> str:
-    """What the fine shell's time is made of, and how many contacts it finds beside the hulls."""
+    """Return the stages of the fine shell's time, and its number of contacts beside the hulls'."""
     found = results["times"]["contacts"]
     fine, hulls = (
         float(found["contacts"][found["method"] == key].mean())
@@ -182,13 +182,13 @@ def _explain_fine(results: Results) -> str:
 
 
 def _deepest(results: Results, key: str) -> float:
-    """Of all poses, millimetres."""
+    """Return the largest depth of all poses, millimeters."""
     found = results["times"]["contacts"]
     return float(found["depth"][found["method"] == key].max()) * 1e3
 
 
 def draw(settings: PairSettings, results: Results, folder: Path) -> list[Picture]:
-    """Times of all poses, a box a method."""
+    """Draw times of all poses, a box for each method."""
     del settings
     with open_figure(folder / "times.png", width=9, height=3.8) as figure:
         axes = figure.subplots()
@@ -204,7 +204,7 @@ def draw(settings: PairSettings, results: Results, folder: Path) -> list[Picture
 
 
 def _of_poses(results: Results, key: str, part: str = "times") -> NDArray[np.float64]:
-    """Seconds, (poses,): the least of the times each was timed, which a busy machine adds least to."""
+    """Return seconds, (poses,): the shortest time of each, which other load affects least."""
     table = results[part]["times"]
     mine = table["method"] == key
     if not mine.any():

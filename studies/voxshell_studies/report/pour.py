@@ -1,4 +1,4 @@
-"""What bunnies in a bin say."""
+"""Report of bunnies in a bin."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 LABELS = {"voxshell": "VPS", "decomposition": "8 hulls each", "gimpact": "GImpact"}
 COLORS = {"voxshell": OURS, "decomposition": PEERS[2]}
 LAST = 0.1
-"""Share of the run, at its end, that counts as lying."""
+"""Fraction of the run, at its end, that counts as rest."""
 
 DRAWN_ERROR = 0.004
-"""Of the triangles in pictures, as a fraction of the body's size."""
+"""Size of the triangles in pictures, as a fraction of the body's size."""
 
 
 def describe(settings: PourSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     inside = " x ".join(f"{1e2 * side:g}" for side in settings.bin_size)
     return (
         f"{settings.count} bodies of {settings.size * 1e3:g} mm, with {len(settings.build_model().shell.points):,} "
@@ -52,7 +52,7 @@ def describe(settings: PourSettings) -> str:
 
 
 def reduce(settings: PourSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     tables = results["pour"]
     ends = tables["ends"]
     rows = []
@@ -113,7 +113,7 @@ def _heap_time(results: Results, method: str) -> float:
 
 
 def draw(settings: PourSettings, results: Results, folder: Path) -> list[Picture]:
-    """Step time and calm over time, the heap, a replay."""
+    """Draw step time and motion over time, the heap, and a replay."""
     tables = results["pour"]
     with open_figure(folder / "steps.png", width=11, height=3.8) as figure:
         panels = figure.subplots(1, 2)
@@ -137,7 +137,7 @@ def draw(settings: PourSettings, results: Results, folder: Path) -> list[Picture
 
 
 def _shades(count: int) -> list[tuple[int, int, int]]:
-    """Colours that tell neighbours apart."""
+    """Return colors that distinguish neighbors."""
     palette = [as_rgb(color) for color in (OURS, *PEERS, OURS_COARSE, OURS_PLANE)]
     return [palette[number % len(palette)] for number in range(count)]
 

@@ -1,4 +1,4 @@
-"""What low rates say."""
+"""Report of low rates."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
     from voxshell_studies.part import Columns
 
 PUBLISHED_LOWEST = {1: 30.0, 4: 10.0, 5: 10.0}
-"""Steps a second down to which a level holds, about (section 5.3)."""
+"""Approximate lowest steps per second at which a level holds (section 5.3)."""
 
 GROUNDS = {"plane": "half-space", "slab": "slab of 5 cm"}
 LOW_RATE = 5.0
 DEPTHS = {"deepest after the first contact": "later_depth", "deepest at rest": "rest_depth"}
 HELD_TO = ("level 4", "level 5", "regular", "auto")
-"""Modes that the bars are for: fewer contacts cannot carry a body at any rate."""
+"""Modes with bars: fewer contacts cannot carry a body at any rate."""
 
 
 def describe(settings: RatesSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny with {settings.fine_points:,} points falls {settings.height:g} m in "
         f"{settings.orientations} orientations. Each run takes {settings.seconds:g} s and at least "
@@ -52,7 +52,7 @@ def describe(settings: RatesSettings) -> str:
 
 
 def is_carried(runs: Columns, ground: str) -> NDArray[np.bool_]:
-    """Whether the centre of mass is above the surface at the end, and not beside the slab."""
+    """Return whether the center of mass is above the surface at the end, and not beside the slab."""
     over = np.isfinite(runs["middle"]) & (runs["middle"] > 0.0)
     if ground == "slab":
         over &= runs["sideways"] < rates.SLAB_HALF_EXTENTS[0]
@@ -60,7 +60,7 @@ def is_carried(runs: Columns, ground: str) -> NDArray[np.bool_]:
 
 
 def reduce(settings: RatesSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     return [
         *_rows_as_published(results),
         *_rows_of_ours(settings, results),
@@ -168,7 +168,7 @@ def _rows_of_throws(settings: RatesSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Picture]:
-    """Depth at rest over rates, and the lowest rate of each level."""
+    """Draw depth at rest over rates, and the lowest rate of each level."""
     shades = ("#c7e9c0", "#8fd08f", "#4fae72", "#238b57", "#00522e", "#5c6bc0", "#c2410c")
     with open_figure(folder / "rates.png", width=12, height=7.5) as figure:
         panels = figure.subplots(2, 2, sharex=True, sharey=True)
@@ -281,12 +281,12 @@ def _tell_depths(runs: Columns, key: str, limit: float) -> str:
 
 
 def _deepest_above(runs: Columns, key: str, rate: float) -> float:
-    """At all rates above one, metres."""
+    """Return the largest depth at rates above a given one, meters."""
     return float(runs[key][runs["rate"] > rate].max(initial=0.0))
 
 
 def _fell_through(runs: Columns, ground: str) -> NDArray[np.bool_]:
-    """Whether the body ends below the ground; one that bounced over the slab's edge did not."""
+    """Return whether the body ends below the ground; one that bounced over the slab's edge did not."""
     beside = runs["sideways"] >= rates.SLAB_HALF_EXTENTS[0] if ground == "slab" else False
     return ~(runs["middle"] > 0.0) & ~np.asarray(beside)
 

@@ -1,4 +1,4 @@
-"""What rest says."""
+"""Report of rest."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ MOST_TURNING = 0.002
 """rad/s."""
 
 ROLLING = 0.1
-"""rad/s: more than any body here trembles by that lies on its contacts."""
+"""Larger than the vibration of any body here that rests on its contacts, rad/s."""
 
 MOST_DRIFT = 1e-4
-"""Metres in ten seconds."""
+"""Largest accepted drift in ten seconds, meters."""
 
 ROLLER_NAMES = {
     "fine": "VPS fine",
@@ -51,7 +51,7 @@ GROUND_NAMES = {"voxels": "block of voxels", "plane": "analytic plane"}
 
 
 def describe(settings: RestSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny is released {settings.height * 1e2:g} cm above the ground in {settings.orientations} "
         f"orientations, at {settings.rate:g} Hz, with the fine and the coarse shell and every contact "
@@ -71,7 +71,7 @@ def describe(settings: RestSettings) -> str:
 
 
 def reduce(settings: RestSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     others = _tell_others(settings, results)
     for held, beside in rest.HULLS.items():
@@ -121,7 +121,7 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
 
 
 def _rows_of_others(settings: RestSettings, results: Results) -> list[Row]:
-    """In orientations on which the rolling friction was not chosen."""
+    """Return rows on orientations for which the rolling friction was not chosen."""
     rows = []
     for ground, shell in product(rest.GROUNDS, rest.SHELLS) if settings.others > 0 else ():
         missed, count = [], 0
@@ -151,7 +151,7 @@ def _name_friction(settings: RestSettings) -> str:
 
 
 def _tell_others(settings: RestSettings, results: Results) -> str:
-    """In how many orientations the hull of all vertices is calm in time, by library, the finest rate."""
+    """Count the orientations in which the hull of all vertices rests, at the finest rate."""
     rate = max(settings.roll_rates)
     still = {
         roller: count_below(settings, results[name], MOST_TURNING)
@@ -195,7 +195,7 @@ def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
 
 
 def count_below(settings: RestSettings, tables: Tables, limit: float) -> int:
-    """In how many orientations no frame of the window before ``settle_seconds`` reaches a limit, rad/s."""
+    """Count orientations that stay below a limit, rad/s, before ``settle_seconds``."""
     table = tables["turning"]
     late = table["time"] > settings.settle_seconds - rest.WINDOW_SECONDS
     window = late & (table["time"] <= settings.settle_seconds)
@@ -204,9 +204,9 @@ def count_below(settings: RestSettings, tables: Tables, limit: float) -> int:
 
 
 def find_stills(tables: Tables) -> NDArray[np.float64]:
-    """From when on each orientation lies still, (orientations,), seconds after touch-down.
+    """Return when each orientation comes to rest, (orientations,), seconds after touch-down.
 
-    Infinite where it turns to the end.
+    Infinite if it rotates to the end.
     """
     table = tables["turning"]
     stills = []
@@ -216,7 +216,7 @@ def find_stills(tables: Tables) -> NDArray[np.float64]:
         if turns[-1]:
             stills.append(np.inf)
         else:
-            # A frame's time is its end, from where the next one counts.
+            # The time of a frame is its end, from which the next one counts.
             stills.append(times[np.flatnonzero(turns)[-1]] if turns.any() else 0.0)
     return np.array(stills)
 
@@ -228,7 +228,7 @@ def _format_seconds(settings: RestSettings, seconds: float) -> str:
 
 
 def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture]:
-    """Angular speed and drift of every orientation; and how many lie still, over time."""
+    """Draw angular speed and drift of every orientation, and the number at rest over time."""
     _draw_rolling(settings, results, folder / "rolling.png")
     with open_figure(folder / "rest.png", width=9, height=7.2) as figure:
         turning, drift = figure.subplots(2, 1, sharex=True)

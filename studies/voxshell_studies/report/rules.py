@@ -1,3 +1,3 @@
-"""What rows and figures call the two rules of which points are contacts."""
+"""Names of the two contact rules in rows and figures."""
 
 RULE_NAMES = {"published": "published rule", "voxshell": "our rule"}

@@ -1,4 +1,4 @@
-"""What the scaling says."""
+"""Report of the scaling."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ENGINE_NAMES: dict[Engine, str] = {
 
 
 def describe(settings: ScalingSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny is {settings.depth * 1e3:g} mm deep in a block of voxels and moves back and forth by "
         f"{settings.shift * 1e3:g} mm, for {settings.steps} steps in {settings.orientations} "
@@ -48,7 +48,7 @@ def describe(settings: ScalingSettings) -> str:
 
 
 def reduce(settings: ScalingSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     points, seconds = _by(results, "points", "points")
     exponent = float(np.polyfit(np.log(points), np.log(seconds), 1)[0])
@@ -148,14 +148,14 @@ def _describe_heap(engine: Engine, count: int, tables: Tables) -> Row:
 def _heaps(
     settings: ScalingSettings, results: Results, engine: Engine
 ) -> tuple[list[int], list[float]]:
-    """Numbers of bodies that an engine was timed with, and its median steps, seconds."""
+    """Return the numbers of bodies that an engine was timed with, and its median steps, seconds."""
     counts = [count for count in settings.bodies if name_crowd(engine, count) in results]
     steps = [results[name_crowd(engine, count)]["heap"]["step"] for count in counts]
     return counts, [float(np.median(step)) for step in steps]
 
 
 def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Picture]:
-    """Time over points, over the voxel size, and over bodies."""
+    """Draw time over points, over the voxel size, and over bodies."""
     from matplotlib.ticker import LogLocator
 
     with open_figure(folder / "scaling.png", width=9, height=3.8) as figure:
@@ -197,7 +197,7 @@ def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Pict
 
 
 def _by(results: Results, name: str, key: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Values of a column, ascending, and the median seconds of each."""
+    """Return the values of a column, ascending, and the median seconds of each."""
     table = results[name]["times"]
     values = np.unique(table[key])
     return values, np.array([np.median(table["seconds"][table[key] == v]) for v in values])

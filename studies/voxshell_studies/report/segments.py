@@ -1,4 +1,4 @@
-"""What the segmented traverse says."""
+"""Report of the segmented traverse."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ PUBLISHED_TIMES = {
     "coarse": (102.2, 102.1, 104.2, 102.3, 102.8),
     "fine": (1387.9, 1477.5, 1407.4, 1449.6, 1494.3),
 }
-"""Microseconds at levels 1 to 5 (section 5.3)."""
+"""Published times at levels 1 to 5, microseconds (section 5.3)."""
 
 REPRODUCED_FLATNESS = {"coarse": 1.05, "fine": 1.10}
 FLATNESS = 1.05
 SPEED_UP = 30.0
-"""Times as fast as published, at least."""
+"""Required speedup over the published times."""
 
 
 def describe(settings: SegmentsSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"The bunny falls {settings.height:g} m onto a block of voxels at {settings.rate:g} Hz in "
         f"{settings.orientations} orientations, with {settings.coarse_points} and "
@@ -52,7 +52,7 @@ def describe(settings: SegmentsSettings) -> str:
 
 
 def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     for shell in ("coarse", "fine"):
         who = "low" if shell == "coarse" else "high"
@@ -114,7 +114,7 @@ def reduce(settings: SegmentsSettings, results: Results) -> list[Row]:
 
 
 def _tell_growth(settings: SegmentsSettings, results: Results, shell: str, table: str) -> str:
-    """How much longer each stage takes at the highest level than at the lowest."""
+    """Return the ratio of each stage's time at the highest level to that at the lowest."""
     growth = {
         stage: 1e6 * float(means[-1] - means[0])
         for stage in STAGES
@@ -128,7 +128,7 @@ def _tell_growth(settings: SegmentsSettings, results: Results, shell: str, table
 
 
 def draw(settings: SegmentsSettings, results: Results, folder: Path) -> list[Picture]:
-    """Mean times over levels, beside the published ones."""
+    """Draw mean times over levels, beside the published ones."""
     with open_figure(folder / "levels.png", width=9, height=4.4) as figure:
         axes = figure.subplots()
         for shell, color in (("coarse", OURS_COARSE), ("fine", OURS)):
@@ -188,7 +188,7 @@ def _save_replay(settings: SegmentsSettings, results: Results, path: Path) -> No
 def _means(
     settings: SegmentsSettings, results: Results, shell: str, table: str, figure: str
 ) -> NDArray[np.float64]:
-    """By level: over the steps that count and all orientations."""
+    """Return means by level over the steps that count and all orientations."""
     values = []
     for orientation in range(settings.orientations):
         columns = results[f"orientation-{orientation}-{shell}"][table]

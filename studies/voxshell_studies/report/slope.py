@@ -1,4 +1,4 @@
-"""What the slope says."""
+"""Report of the slope."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from voxshell_studies.experiment import Results
 
 MOST_OFF = 2.0
-"""Per cent of the angle."""
+"""Accepted error, percent of the angle."""
 
 LABELS = {
     "regular": "regular contacts",
@@ -27,7 +27,7 @@ LABELS = {
 
 
 def describe(settings: SlopeSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     size = " x ".join(f"{2e2 * half:g}" for half in settings.half_extents)
     return (
         f"A model of a box of {size} cm lies on a plane, and gravity is inclined. Bisection finds the "
@@ -38,7 +38,7 @@ def describe(settings: SlopeSettings) -> str:
 
 
 def reduce(settings: SlopeSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     del settings
     rows = []
     for kind in slope.KINDS:
@@ -68,7 +68,7 @@ def reduce(settings: SlopeSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: SlopeSettings, results: Results, folder: Path) -> list[Picture]:
-    """Angles over friction."""
+    """Draw angles over friction."""
     del settings
     with open_figure(folder / "angles.png", width=6, height=4) as figure:
         axes = figure.subplots()

@@ -1,4 +1,4 @@
-"""What the stack of spheres says."""
+"""Report of the stack of spheres."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def describe(settings: StackSettings) -> str:
-    """The setup as text."""
+    """Return the setup as text."""
     return (
         f"{settings.count} spheres of radius {settings.radius:g} m and {settings.mass:g} kg stand on an "
         f"analytic plane, one exactly above the other. Each is rotated at random ({settings.seeds} "
@@ -46,7 +46,7 @@ def describe(settings: StackSettings) -> str:
 
 
 def reduce(settings: StackSettings, results: Results) -> list[Row]:
-    """The verdicts."""
+    """Return the verdicts."""
     rows = []
     for rule in stack.RULES:
         medians = [_median(results, f"{rule}-{points}") for points in settings.resolutions]
@@ -113,7 +113,7 @@ def reduce(settings: StackSettings, results: Results) -> list[Row]:
 
 
 def draw(settings: StackSettings, results: Results, folder: Path) -> list[Picture]:
-    """Time to collapse over points, height of the top over time, a replay."""
+    """Draw time to collapse over points, height of the top over time, and a replay."""
     with open_figure(folder / "collapse.png", width=11, height=4) as figure:
         left, right = figure.subplots(1, 2)
         for rule, color in (("published", "#43aa8b"), ("voxshell", OURS)):

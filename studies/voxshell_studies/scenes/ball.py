@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.body_shapes import Shape
 
 GROUND_HALF_EXTENTS = (0.4, 0.4, 0.1)
-"""Of the block under the ball, metres: it meets the ball's lowest part only."""
+"""Of the block under the ball, meters: it meets the ball's lowest part only."""
 
 _SUBDIVISIONS = 6
 """Of the icosahedron: 81,920 triangles, within 0.1 mm of a sphere of 0.5 m."""
@@ -34,7 +34,7 @@ Rule = Literal["published", "voxshell"]
 """Which points are contacts: the one that penetrates deepest, or those of this package's rule."""
 
 Landing = Literal["pole", "beside"]
-"""Where the shell's lowest point is at the start: straight below the centre; or, with the ball turned as
+"""Where the shell's lowest point is at the start: straight below the center; or, with the ball turned as
 its mesh is, beside that, by 42 mm with 275 points."""
 
 PUBLISHED_RULE = {
@@ -51,18 +51,18 @@ class BallSettings:
     """Settings of the bouncing ball.
 
     Attributes:
-        radius: Metres.
+        radius: Meters.
         mass: Kilograms.
-        height: Of the ball's centre at the start, metres.
-        gravity: m/s2, downwards.
+        height: Of the ball's center at the start, meters.
+        gravity: m/s2, downward.
         rate: Steps a second.
         steps: How many.
         restitutions: Of the ball; the ground's is 1.
         phase_restitutions: The same, where many start heights are tried.
         low_points, high_points: Of the two shells.
-        voxel_size: Of ball and ground, metres.
+        voxel_size: Of ball and ground, meters.
         phases: How many start heights are tried,
-        phase_reach: within this of ``height``, metres.
+        phase_reach: within this of ``height``, meters.
 
     Raises:
         SettingsError: A number is out of range.
@@ -103,7 +103,7 @@ class BallSettings:
 
     @property
     def way_a_step(self) -> float:
-        """How far the ball moves in the step in which it arrives, metres."""
+        """How far the ball moves in the step in which it arrives, meters."""
         return math.sqrt(2.0 * self.gravity * (self.height - self.radius)) / self.rate
 
 
@@ -140,7 +140,7 @@ def build_world(
         ground: The block as a model, an endless plane, or Bullet's box.
         rule: Which points are contacts.
         restitution: Of the ball.
-        height: Of its centre, metres.
+        height: Of its center, meters.
         landing: Where the shell's lowest point is.
     """
     # The reported rebounds are of bodies that are followed from a voxel a step on.
@@ -178,7 +178,7 @@ def build_world(
 
 
 def turn_pole_down(ball: Model) -> NDArray[np.float64]:
-    """A turn that brings the lowest of a ball's points straight below its centre.
+    """A turn that brings the lowest of a ball's points straight below its center.
 
     Returns:
         (3, 3) ``world_from_body``.

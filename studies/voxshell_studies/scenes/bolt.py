@@ -1,6 +1,6 @@
 """A bolt and the nut that fits it: what a convex decomposition cannot tell apart from a solid.
 
-Made with manifold3d, in any resolution and with an exact clearance. Metres; the axis is z.
+Made with manifold3d, in any resolution and with an exact clearance. Meters; the axis is z.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ class BoltSettings:
     """Settings of bolt and nut.
 
     Attributes:
-        radius: Of the thread, outer, metres.
-        depth: Of the thread, metres.
-        pitch: Metres a turn.
-        length: Of the bolt's thread, metres.
-        head: Height of the bolt's head, metres.
-        height: Of the nut, metres.
-        clearance: Between the threads along the radius, metres.
+        radius: Of the thread, outer, meters.
+        depth: Of the thread, meters.
+        pitch: Meters a turn.
+        length: Of the bolt's thread, meters.
+        head: Height of the bolt's head, meters.
+        height: Of the nut, meters.
+        clearance: Between the threads along the radius, meters.
         segments: Edges of a turn.
         sections: Cuts a pitch. Edges join the same corner of one and the next, which has turned: with 64 they
             go 0.01 mm deeper than the thread; with 12, 0.34 mm, which takes most of its clearance.
-        voxel_size: Metres.
+        voxel_size: Meters.
         rate: Steps a second.
         friction: Of each of the two.
         seconds: Of the nut at rest, and of its way down.
@@ -85,7 +85,7 @@ class BoltSettings:
         return _build_models(self)[1]
 
     def compute_clearance(self) -> float:
-        """Between the flanks in the middle of the nut's play, metres: less than along the radius."""
+        """Between the flanks in the middle of the nut's play, meters: less than along the radius."""
         # A cut's radius rises by the thread's depth over a quarter of a turn, which is as much of a pitch.
         along_axis = 4.0 * self.depth / self.pitch
         around = 2.0 * self.depth / (np.pi * (self.radius - 0.5 * self.depth))
@@ -114,10 +114,10 @@ def make_rod(
     differ by c are c apart along the radius everywhere: each cut is the other one's moved out by c.
 
     Args:
-        radius: Outer, metres.
-        depth: Of the thread, metres.
-        pitch: Metres a turn.
-        length: Metres.
+        radius: Outer, meters.
+        depth: Of the thread, meters.
+        pitch: Meters a turn.
+        length: Meters.
         segments: Edges of a turn.
         sections: Cuts a pitch.
 
@@ -149,7 +149,7 @@ def make_bolt(
     segments: int,
     sections: int,
 ) -> Any:
-    """A rod from z = 0 up on a hexagonal head below, whose height is ``head``, metres."""
+    """A rod from z = 0 up on a hexagonal head below, whose height is ``head``, meters."""
     solids = import_manifold()
     below = solids.Manifold.cylinder(1.02 * head, 1.7 * radius, circular_segments=6)
     rod = make_rod(radius, depth, pitch, length, segments, sections)

@@ -36,7 +36,7 @@ def find_bunny() -> Path:
     return _DEBIAN_PATH
 
 
-# Drawn uniformly (numpy's default_rng(53), normalised Gaussians) and rounded; the first is upright.
+# Drawn uniformly (numpy's default_rng(53), normalized Gaussians) and rounded; the first is upright.
 ORIENTATIONS_WXYZ: tuple[tuple[float, float, float, float], ...] = (
     (0.7071068, 0.7071068, 0.0, 0.0),
     (0.0687, -0.5296, 0.5857, -0.6097),
@@ -107,8 +107,8 @@ class BunnySettings:
     """What experiments with the bunny share.
 
     Attributes:
-        size: Its longest side, metres.
-        voxel_size: Metres.
+        size: Its longest side, meters.
+        voxel_size: Meters.
         fine_points, coarse_points: Of the two shells.
         mass: Kilograms; the inertia is that of the surface, as in the thesis.
         orientations: How many of :data:`ORIENTATIONS_WXYZ`.
@@ -132,7 +132,7 @@ class BunnySettings:
         as_integer(self.orientations, "orientations", 1, len(ORIENTATIONS_WXYZ))
 
     def build_model(self, shell: Literal["fine", "coarse"] = "fine") -> Model:
-        """The bunny's model, its origin at the surface's centre of mass."""
+        """The bunny's model, its origin at the surface's center of mass."""
         points = {"fine": self.fine_points, "coarse": self.coarse_points}[shell]
         return _build_model(self.size, self.voxel_size, points)
 
@@ -175,7 +175,7 @@ def compute_pose(mesh: Mesh, orientation: int, height: float) -> NDArray[np.floa
     Args:
         mesh: Of the body.
         orientation: Row of :data:`ORIENTATIONS_WXYZ`.
-        height: Of the lowest vertex over z = 0, metres; the body's origin is above the world's.
+        height: Of the lowest vertex over z = 0, meters; the body's origin is above the world's.
     """
     from trimesh.transformations import quaternion_matrix
 
@@ -185,5 +185,5 @@ def compute_pose(mesh: Mesh, orientation: int, height: float) -> NDArray[np.floa
 
 
 def find_lowest(mesh: Mesh, pose: NDArray[np.float64]) -> float:
-    """Height of the mesh's lowest vertex, metres: the truth about how deep a body sinks."""
+    """Height of the mesh's lowest vertex, meters: the truth about how deep a body sinks."""
     return float((mesh.vertices @ pose[2, :3]).min() + pose[2, 3])

@@ -31,7 +31,7 @@ Ground = Literal["voxels", "box", "plane"]
 """The block as a model, as Bullet's box, or an endless plane in its place."""
 
 GROUND_HALF_EXTENTS = (0.3, 0.3, 0.05)
-"""Of the block, metres: thicker than the way of a step at the speed of the drop, 16 mm."""
+"""Of the block, meters: thicker than the way of a step at the speed of the drop, 16 mm."""
 
 BULLET_SOLVER: dict[str, Any] = {"split_impulse_threshold": -0.04, "friction_directions": 1}
 """Bullet's defaults, as arguments of World, which its own shapes are simulated with."""
@@ -46,7 +46,7 @@ def choose_bullet_solver(method: str) -> dict[str, Any]:
 
 
 BULLET_MARGIN = 0.005
-"""Collision margin of Bullet's own shapes, metres: the least of 1, 5, 10 and 20 mm with which all of
+"""Collision margin of Bullet's own shapes, meters: the least of 1, 5, 10 and 20 mm with which all of
 them stay on the block. They float by it."""
 
 
@@ -55,13 +55,13 @@ class DropSettings:
     """Settings of the drop.
 
     Attributes:
-        size: The mesh is scaled so that its longest side is this, metres.
+        size: The mesh is scaled so that its longest side is this, meters.
         up: The mesh's axis that points up, "x", "y" or "z".
-        height: Between the ground and the body's lowest point at the start, metres.
+        height: Between the ground and the body's lowest point at the start, meters.
         rate: Steps a second.
         fine_points: Points of the fine shell.
         coarse_points: Points of the coarse shell.
-        voxel_size: Of the fields of body and ground, metres.
+        voxel_size: Of the fields of body and ground, meters.
         mass: Kilograms; the inertia is that of the surface, as in the thesis.
 
     Raises:
@@ -249,7 +249,7 @@ def build_world(
         method: Which way the body and the ground collide.
         settings: Of the drop.
         rotation: (4, 4) ``world_from_body`` without a place; upright by default.
-        gravity: m/s2, downwards.
+        gravity: m/s2, downward.
     """
     world = World(
         shell="fewest",
@@ -281,7 +281,7 @@ def compute_start_pose(
     Args:
         mesh: The scaled body.
         settings: Of the drop.
-        rotation: (4, 4); by default the one that turns the mesh's ``settings.up`` upwards.
+        rotation: (4, 4); by default the one that turns the mesh's ``settings.up`` upward.
     """
     pose = np.eye(4)
     if rotation is not None:

@@ -1,4 +1,4 @@
-"""Spur gears with involute teeth and an exact backlash, made with manifold3d. Metres; the axis is z."""
+"""Spur gears with involute teeth and an exact backlash, made with manifold3d. Meters; the axis is z."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def make_gear(
 
     Args:
         teeth: How many.
-        module: Metres.
-        width: Metres.
-        bore: Radius of the hole, metres.
-        backlash: Metres along the pitch circle.
+        module: Meters.
+        width: Meters.
+        bore: Radius of the hole, meters.
+        backlash: Meters along the pitch circle.
         samples: Vertices along a flank.
 
     Raises:

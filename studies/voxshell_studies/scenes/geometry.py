@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 MM = 1e-3
 LEAST_BAR = 0.1 * MM
-"""Metres: no contact of resting bodies has to be nearer to the truth than this."""
+"""Meters: no contact of resting bodies has to be nearer to the truth than this."""
 
 SHARE_OF_OBJECT = 0.005
 """Nor nearer than this fraction of the smaller body."""
 
 EDGE_BAR = 0.2 * MM
-"""Metres, for contacts of edges, corners and tips."""
+"""Meters, for contacts of edges, corners and tips."""
 
 Group = Literal["rest", "edges", "thin", "inside"]
 """Bodies at rest on others; edges and tips; thin parts edgewise; bodies within or about others."""
@@ -39,20 +39,20 @@ class GeometryScene:
         a: The body that moves, a key of :data:`voxshell_studies.scenes.geometry_bodies.BODIES`.
         b: The other one; it stays at the origin.
         turn: Euler angles of a before it is turned on, degrees: about x, then y, then z of the world.
-        at: Where a's origin is, metres. The approach begins here with ``start="here"``, and infinitely far
+        at: Where a's origin is, meters. The approach begins here with ``start="here"``, and infinitely far
             behind it with ``start="far"``.
-        spread: Poses differ by up to this much along each axis, metres; along the approach it is without
+        spread: Poses differ by up to this much along each axis, meters; along the approach it is without
             effect where that begins far away.
         spin: How poses differ in orientation: not at all, about the approach by up to ``spin_degrees``, or
             in any way.
         spin_degrees: Degrees, to either side.
         approach: Direction in which a moves, (3,); need not be unit length.
         start: Where the approach begins.
-        bar: How far off the true first touch the first contact may be, metres; 0 for that of resting
+        bar: How far off the true first touch the first contact may be, meters; 0 for that of resting
             bodies, which follows from the smaller body's size.
-        depths: How deep beyond the first touch contacts are looked at, metres. Empty: a quarter, one and
+        depths: How deep beyond the first touch contacts are looked at, meters. Empty: a quarter, one and
             four times the bar.
-        deepest: How deep an overlap that is not seen is looked for, metres; 0 for the smaller body's
+        deepest: How deep an overlap that is not seen is looked for, meters; 0 for the smaller body's
             thinnest side.
         judge_normals: Whether normals are judged by the bar as well; they are reported of all.
         held_out: Whether nothing may be tuned by it.
@@ -103,24 +103,24 @@ class GeometryScene:
 
     @property
     def size(self) -> float:
-        """The longest side of the smaller body, metres."""
+        """The longest side of the smaller body, meters."""
         return float(min(_extents(self.a).max(), _extents(self.b).max()))
 
     @property
     def onset_bar(self) -> float:
-        """How far off the true first touch the first contact may be, metres."""
+        """How far off the true first touch the first contact may be, meters."""
         return self.bar or max(LEAST_BAR, SHARE_OF_OBJECT * self.size)
 
     @property
     def looked_at(self) -> tuple[float, ...]:
-        """The depths at which contacts are looked at, metres; none is beyond the middle of a thin body."""
+        """The depths at which contacts are looked at, meters; none is beyond the middle of a thin body."""
         if self.depths:
             return self.depths
         return tuple(min(share * self.onset_bar, 0.4 * self.reach) for share in (0.25, 1.0, 4.0))
 
     @property
     def reach(self) -> float:
-        """How deep an overlap that is not seen is looked for, metres."""
+        """How deep an overlap that is not seen is looked for, meters."""
         return self.deepest or float(min(_extents(self.a).min(), _extents(self.b).min()))
 
 

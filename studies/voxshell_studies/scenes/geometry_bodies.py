@@ -1,4 +1,4 @@
-"""Bodies of the study of geometry: closed meshes from 3 mm to 5 m, made on demand. Metres; z is up."""
+"""Bodies of the study of geometry: closed meshes from 3 mm to 5 m, made on demand. Meters; z is up."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ROUND = 64
 
 @cache
 def make_body(name: str) -> Mesh:
-    """The mesh of a body, closed and oriented outwards.
+    """The mesh of a body, closed and oriented outward.
 
     Args:
         name: A key of :data:`BODIES`.
@@ -305,7 +305,7 @@ def _ring() -> Any:
 
 
 def _comb() -> Any:
-    """Fins of 1 mm, 2 mm apart, upwards from a back, 40 mm long along y."""
+    """Fins of 1 mm, 2 mm apart, upward from a back, 40 mm long along y."""
     back = _box(0.04, 0.04, 0.004).translate((0.0, 0.0, -0.002))
     fins = [_box(0.001, 0.04, 0.02).translate((0.003 * i, 0.0, 0.01)) for i in range(-6, 7)]
     return _union([back, *fins])

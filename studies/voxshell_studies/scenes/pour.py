@@ -41,10 +41,10 @@ class PourSettings:
     Attributes:
         mesh: Path of another mesh; the bunny by default.
         count: Bodies.
-        size: Of the body's longest side, metres.
-        voxel_size: Of the body, metres,
+        size: Of the body's longest side, meters.
+        voxel_size: Of the body, meters,
         bin_voxel_size: and of the bin.
-        bin_size: Inside, metres.
+        bin_size: Inside, meters.
         mass: Of each body, kilograms.
         rate: Steps a second.
         seconds: How long is simulated.

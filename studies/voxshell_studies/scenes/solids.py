@@ -31,7 +31,7 @@ def as_mesh(solid: Any) -> Mesh:
 
 
 def simplify(mesh: Mesh, error: float) -> Mesh:
-    """A mesh with fewer triangles, at most ``error`` metres off; itself where it encloses no solid."""
+    """A mesh with fewer triangles, at most ``error`` meters off; itself where it encloses no solid."""
     solids = import_manifold()
     # It takes no arrays that cannot be written to, as those of models are.
     solid = solids.Manifold(

@@ -24,10 +24,10 @@ BUNNY_PLACES: tuple[tuple[float, ...], ...] = (
     (0.00592, 0.014, 0.37735, 0.15659, 0.00076, -0.04031, 0.98684),
     (0.01811, -0.02308, 0.47058, 0.33404, -0.9167, -0.21052, -0.06126),
 )
-"""Of five bunnies that touch: place, metres, and quaternion (w, x, y, z), world_from_body."""
+"""Of five bunnies that touch: place, meters, and quaternion (w, x, y, z), world_from_body."""
 
 BUNNY_SHAKE = 0.0005
-"""Bunnies start so far over each other, and up to so far aside, metres."""
+"""Bunnies start so far over each other, and up to so far aside, meters."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class StackSettings:
 
     Attributes:
         count: Spheres.
-        radius: Metres.
+        radius: Meters.
         mass: Of each, kilograms.
         rate: Steps a second.
         seconds: How long it has to stand.
         resolutions: Points of the shells that are tried, ascending.
         seeds: How many stacks of each, their spheres turned at random.
-        voxel_size: Of the spheres, metres.
+        voxel_size: Of the spheres, meters.
         bunny_seeds: How many stacks of five bunnies, each shaken at random at the start.
 
     Raises:

@@ -22,7 +22,7 @@ def test_what_cannot_be_read_is_named(tmp_path: Path):
         (tmp_path / "none", "scene file does not exist: "),
         (tmp_path, "cannot read scene file .* it is a folder"),
         (pipe, "not a regular file"),
-        (large, "has 4 bytes, and at most 3 are read"),
+        (large, "has 4 bytes; at most 3 are read"),
     ):
         with pytest.raises(vx.SettingsError, match=told) as caught:
             read_small_file(path, 3, "scene file")

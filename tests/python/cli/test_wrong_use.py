@@ -64,7 +64,7 @@ COMMANDS = [
     ("query cone.vxs cone.vxs --pose 2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "rotation is off"),
     ("query cone.vxs cone.vxs --pose 0 0 0 --poses poses.csv", "either pose or poses"),
     ("query cone.vxs cone.vxs --poses missing.csv", "file of poses does not exist: missing.csv"),
-    ("query cone.vxs cone.vxs --poses poses.csv", "poses.csv:3: not all of it is numbers"),
+    ("query cone.vxs cone.vxs --poses poses.csv", "poses.csv:3: not all entries are numbers"),
     ("query cone.vxs cone.vxs --poses short.csv", "short.csv:2 must be 3"),
     ("query cone.vxs cone.vxs --poses none.csv", "none.csv holds no poses"),
     ("query cone.vxs cone.vxs --poses flat.npy", "flat.npy must hold an array of numbers"),
@@ -94,7 +94,7 @@ COMMANDS = [
         "nan.obj: 2 of 4 vertices of the mesh are not finite (first:",
     ),
     ("info nan.obj", "nan.obj: 2 of 4 vertices of the mesh are not finite (first:"),
-    ("info beyond.ply", "beyond.ply: 1 of 36 face indices are not of the 8 vertices"),
+    ("info beyond.ply", "beyond.ply: 1 of 36 face indices are out of range for 8 vertices"),
     (
         "build cone.stl -o x.vxs --voxel-size 100",
         "cone.stl: mesh has a longest side of 60 m, below the",
@@ -131,8 +131,8 @@ DOOR = '[bodies.door]\nshape = "sphere"\nradius = 1\n'
 SCENES = [
     ("[scene\n", 1, "no TOML"),
     ("[scene]\nrate = 100\nrate = 200\n", 3, "no TOML"),
-    ("", 1, "bodies must hold a body"),
-    ("[world]\n", 1, "world: unknown table; tables of a scene: scene, outputs"),
+    ("", 1, "bodies must contain at least one body"),
+    ("[world]\n", 1, "world: unknown table; valid tables: scene, outputs"),
     ("bodies = 3\n", 1, "bodies must be a table"),
     ("[bodies]\nball = 3\n", 2, "bodies.ball must be a table"),
     ('[bodies."my ball"]\nshape = "plane"\n', 1, "names of letters, digits"),
@@ -162,7 +162,7 @@ SCENES = [
     (
         '[bodies.ball]\nshape = "sphere"\nradius = 1\noffset = 1\n',
         4,
-        "bodies.ball.offset is nothing that a sphere has",
+        "bodies.ball.offset is not a setting of a sphere",
     ),
     (
         '[bodies.ball]\nshape = "sphere"\nradius = 1\nmass = -1\n',
@@ -200,12 +200,12 @@ SCENES = [
     (
         f'{DOOR}[joints.j]\nchild = "door"\nparent = "door"\nkind = "fixed"\n',
         6,
-        "joints.j.parent is the child itself",
+        "joints.j.parent must not be the child itself",
     ),
     (
         f'{DOOR}[joints.j]\nchild = "door"\nkind = "point"\nlimits = [0, 1]\n',
         7,
-        "joints.j.limits is nothing that a point joint has",
+        "joints.j.limits is not a setting of a point joint",
     ),
     (
         f'{DOOR}[joints.j]\nchild = "door"\nkind = "hinge"\nlimits = [1, 0]\n',

@@ -97,7 +97,7 @@ def test_what_is_not_a_mesh_is_refused(mesh, message: str):
         (np.where(VERTICES == 1, np.nan, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
         (np.where(VERTICES == 1, np.inf, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
         (np.zeros((4, 3)), "no triangle with an area above zero, of 4; export it again"),
-        (np.empty((0, 3)), "of the 0 vertices"),
+        (np.empty((0, 3)), "for 0 vertices"),
     ],
 )
 def test_wrong_vertices_are_refused(vertices, message: str):
@@ -119,7 +119,7 @@ def test_wrong_vertices_are_refused(vertices, message: str):
         (FACES + 0.5, "fractions or NaN"),
         (np.where(FACES == 3, np.nan, FACES), "fractions or NaN"),
         (np.where(FACES == 3, np.inf, FACES), "3 of 12 face indices .* 4 vertices .*inf in face 1"),
-        (FACES - 1, "3 of 12 face indices are not of the 4 vertices .first: -1 in face 0"),
+        (FACES - 1, "3 of 12 face indices are out of range for 4 vertices .first: -1 in face 0"),
         (FACES + 1, "3 of 12 face indices .* 4 in face 1, both counted from 0.; remove those"),
         (np.where(FACES == 3, 2**32 + 3, FACES), "4294967299 in face 1"),
         (np.where(FACES == 3, 2**64 - 1, FACES.astype(np.uint64)), "18446744073709551615"),
@@ -277,10 +277,13 @@ def test_bad_files_are_refused_by_name(tmp_path: Path, name: str):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("beyond.obj", "a face has the vertex 8, counted from 0, of 3; .* export it again"),
-        ("words.off", "it is damaged, or no OFF file .*four.*; export it again"),
-        ("mesh.xyz123", "ending .* can be read here .*obj, off, ply, stl.*; convert it"),
-        ("mesh", "ending .* can be read here .*obj, off, ply, stl.*; convert it"),
+        (
+            "beyond.obj",
+            "a face refers to vertex 8, counted from 0, but there are 3; .* export it again",
+        ),
+        ("words.off", "it is damaged or not in OFF format .*four.*; export it again"),
+        ("mesh.xyz123", "suffix .* no supported format .*obj, off, ply, stl.*; convert it"),
+        ("mesh", "suffix .* no supported format .*obj, off, ply, stl.*; convert it"),
         ("huge.obj", "1 of 3 vertices"),
         ("none.stl", "no triangles.*; export it again"),
     ],
@@ -297,7 +300,7 @@ def test_a_bad_file_is_refused_in_words_and_with_what_to_do(
 @pytest.mark.parametrize("name", ["part.vxs", "PART.VXS"])
 def test_a_model_is_no_mesh_and_is_sent_to_where_it_is_read(tmp_path: Path, name: str):
     build((VERTICES, FACES)).save(tmp_path / name)
-    with pytest.raises(vx.MeshError, match=r"a model already: .*Model.load, or give the mesh"):
+    with pytest.raises(vx.MeshError, match=r"a model already: .*Model.load, or pass the mesh"):
         build(tmp_path / name)
 
 
@@ -315,7 +318,7 @@ def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: 
     ("error", "words"),
     [
         (PermissionError(13, "Permission denied"), "part.stl: Permission denied"),
-        (ImportError("no module named collada"), "its reader is not there: no module"),
+        (ImportError("no module named collada"), "its reader is not installed: no module"),
     ],
 )
 def test_what_is_no_fault_of_the_file_is_not_called_damage(tmp_path, monkeypatch, error, words):

@@ -13,7 +13,7 @@ from voxshell.recording import ContactTrack
     [
         ({"offsets": [0, 3]}, "offsets must run from 0 to 2, got 0 to 3"),
         ({"offsets": [1, 2]}, "got 1 to 2"),
-        ({"offsets": [0, 2, 1, 2]}, "fall from 2 to 1 at frame 1"),
+        ({"offsets": [0, 2, 1, 2]}, "decrease from 2 to 1 at frame 1"),
         ({"offsets": [0]}, r"shape \(frames \+ 1,\), got \(1,\)"),
         ({"offsets": [0.0, 2.0]}, "must be integers"),
         ({"points": np.zeros((3, 3))}, "3 points, 2 normals and 2 depths"),

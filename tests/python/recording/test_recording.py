@@ -24,7 +24,7 @@ def body(frames: int = 2, name: str = "flag") -> BodyTrack:
         ({"time_step": 0.0}, "time_step must be positive seconds, got 0.0"),
         ({"time_step": float("nan")}, "got nan"),
         ({"bodies": ()}, "at least one body"),
-        ({"bodies": (body(), body())}, r"1 body name\(s\) used more than once: \['flag'\]"),
+        ({"bodies": (body(), body())}, r"1 body name\(s\) are not unique: \['flag'\]"),
         ({"bodies": (body(), body(3, "pole"))}, "'pole' has 3 frames, body 'flag' has 2"),
         ({"contacts": ContactTrack.empty(5)}, "contacts have 5 frames, the bodies have 2"),
     ],

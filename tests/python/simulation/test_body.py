@@ -316,7 +316,7 @@ def test_wrong_uses_of_bodies_are_refused(brick):
         (lambda: world.set_collision(body, body, False), "both 'body 2'"),
         (lambda: world.add(brick, motion="flying"), "'dynamic', 'static', 'kinematic'"),
         (lambda: world.add(brick, mass=0, motion="dynamic"), "mass must be above 0"),
-        (lambda: world.add(vx.Plane(), motion="kinematic"), "a plane has no end"),
+        (lambda: world.add(vx.Plane(), motion="kinematic"), "a plane is unbounded"),
         (lambda: vx.World().remove(body), "another world"),
     ]:
         with pytest.raises(vx.SettingsError, match=part):

@@ -114,7 +114,7 @@ def test_a_server_that_cannot_be_guarded_is_stopped(monkeypatch):
             stopped.append(self)
 
     monkeypatch.setattr(viser, "ViserServer", Other)
-    refused = pytest.raises(MissingExtraError, match="cannot be kept from pages of others")
+    refused = pytest.raises(MissingExtraError, match="cannot be protected from other pages")
     with refused, server.silent_server():
         pass
     assert len(stopped) == 1

@@ -140,7 +140,7 @@ class TestLanes:
             arrange_lanes({})
         with pytest.raises(RecordingError, match="columns must be at least 1, got 0"):
             arrange_lanes({"a": fall()}, columns=0)
-        with pytest.raises(RecordingError, match="gap must be metres"):
+        with pytest.raises(RecordingError, match="gap must be meters"):
             arrange_lanes({"a": fall()}, gap=-1.0)
         with pytest.raises(RecordingError, match="up must be"):
             arrange_lanes({"a": fall()}, up="z")

@@ -39,7 +39,7 @@ def test_usd_reads_what_was_recorded(tmp_path: Path, suffix: str):
 
 
 def test_usd_knows_two_axes(tmp_path: Path):
-    with pytest.raises(vx.SettingsError, match=r"up is '\+z' or '\+y', not '\+x'"):
+    with pytest.raises(vx.SettingsError, match=r"up must be '\+z' or '\+y' in USD, not '\+x'"):
         turn_and_fall().save_usd(tmp_path / "fall.usda", up="+x")
 
 

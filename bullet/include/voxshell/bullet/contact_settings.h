@@ -5,8 +5,8 @@
 namespace voxshell::bullet {
 
 enum class ContactMode {
-  /// The calmest rest: segmented, with up to four points per segment if there are few segments. In
-  /// steps with CCD, one point per segment.
+  /// Segmented, for the calmest rest, with up to four points per segment if there are few segments.
+  /// In steps with CCD, one point per segment.
   kAutomatic,
   /// One manifold of at most four points: the deepest, then area. Segmented in steps with CCD (see
   /// ContactSettings::ccd_motion_threshold).

@@ -1,1 +1,1 @@
-"""Files of meshes: opened, and measured against budgets before any library reads them."""
+"""Mesh files: opening them, and checking what they require before a library reads them."""

@@ -1,4 +1,4 @@
-"""How much a mesh file may ask for, so that a small file cannot take minutes or all memory."""
+"""Limits for mesh files, so that a small file cannot take minutes or all memory."""
 
 from __future__ import annotations
 
@@ -10,55 +10,55 @@ if TYPE_CHECKING:
     from collections.abc import Hashable, Mapping, Sequence
 
 MOST_BYTES = 4_000_000_000
-"""Of a file, and of one that it refers to. A binary STL file of 80 million triangles has as many;
-reading takes several times that in memory."""
+"""Limit for a file and for each file that it refers to, bytes. A binary STL file of 80 million
+triangles has this size; reading it takes several times as much memory."""
 
 MOST_TIMES_LARGER = 100
-"""How much more than it holds a file may expand to. Meshes compress 3 to 20 times; zeros a thousand."""
+"""Limit for the expansion of a file. Meshes compress 3 to 20 times, zeros a thousand times."""
 
 ALWAYS_FREE = 50_000_000
-"""Bytes that any file may expand to; they are read within a second."""
+"""Size to which any file may expand, bytes; reading it takes less than a second."""
 
 MOST_CORNERS = 1000
-"""Of one face. Building a model takes time that grows as their square: 1.5 s for 1000, 100 s for
-16,000. Faces of more corners are outlines of CAD programs, whose fans of triangles overlap, too."""
+"""Corners of a face. The time to build a model grows with their square: 1.5 s for 1000, 100 s for
+16,000. Faces with more corners are outlines from CAD programs, and their triangle fans overlap."""
 
 MOST_PLACED = 20_000
 """Nodes and surfaces that a scene may place; trimesh takes 0.1 ms for each."""
 
 MOST_PLACED_BYTES = 200_000_000
-"""That parts may take together, each counted as often as a scene places it."""
+"""Limit for the total size of parts; each counts as often as the scene places it."""
 
 MOST_CHAIN_WORK = 20_000_000
-"""Sum, over the places of parts, of the cube of the number of transforms above: what trimesh takes to
-choose an order in which to multiply them, 0.06 us each."""
+"""Limit for the sum, over all placed parts, of the cube of the number of transforms above them.
+trimesh takes 0.06 us for each unit, to choose the order of multiplication."""
 
 
 def check_size(size: int) -> None:
-    """Refuses a file that is too large to read.
+    """Refuse a file that is too large to read.
 
     Raises:
-        MeshError: It is.
+        MeshError: The file is too large.
     """
     if size > MOST_BYTES:
         raise MeshError(
-            f"it has {_in_words(size)}, and at most {_in_words(MOST_BYTES)} are read; simplify the mesh"
+            f"it has {_in_words(size)}; at most {_in_words(MOST_BYTES)} are read; simplify the mesh"
         )
 
 
 def check_expansion(expanded: int, stored: int) -> None:
-    """Refuses a file that would expand to far more than it holds.
+    """Refuse a file that would expand to far more than it holds.
 
     Args:
         expanded: Bytes that a library would allocate.
-        stored: Bytes that there are.
+        stored: Bytes in the file.
 
     Raises:
-        MeshError: It would.
+        MeshError: It would expand too much.
     """
     if expanded > max(ALWAYS_FREE, MOST_TIMES_LARGER * stored):
         raise MeshError(
-            f"it holds {_in_words(stored)} and expands to {_in_words(expanded)}, over "
+            f"it holds {_in_words(stored)} and expands to {_in_words(expanded)}, more than "
             f"{MOST_TIMES_LARGER} times as much; it is damaged, or made to exhaust memory: export the "
             "mesh again"
         )
@@ -66,28 +66,26 @@ def check_expansion(expanded: int, stored: int) -> None:
 
 
 def check_corners(corners: int) -> None:
-    """Refuses a face of very many corners.
+    """Refuse a face of too many corners.
 
     Raises:
-        MeshError: It has.
+        MeshError: It has too many.
     """
     if corners > MOST_CORNERS:
         raise MeshError(
-            f"a face has {corners} corners, and at most {MOST_CORNERS} are read; triangulate it and "
+            f"a face has {corners} corners; at most {MOST_CORNERS} are read; triangulate it and "
             "export the mesh again"
         )
 
 
 def check_parts(count: int, most: int) -> None:
-    """Refuses a file of very many parts, which are made one by one, placed or not.
+    """Refuse a file of too many parts: trimesh makes them one by one, even if they are not placed.
 
     Raises:
-        MeshError: It has more.
+        MeshError: It has too many.
     """
     if count > most:
-        raise MeshError(
-            f"it has {count} parts, and at most {most} are read; merge them into one mesh"
-        )
+        raise MeshError(f"it has {count} parts; at most {most} are read; merge them into one mesh")
 
 
 def check_placed(
@@ -96,13 +94,13 @@ def check_placed(
     sizes: Mapping[Hashable, int],
     most: int = MOST_PLACED,
 ) -> None:
-    """Refuses a scene that places its parts too often, or through too many other parts.
+    """Refuse a scene that places its parts too often, or that nests them too deeply.
 
     Args:
-        children: What each part places, as often as it does.
-        roots: What the scene places itself.
-        sizes: Bytes of the parts that have a surface of their own.
-        most: Parts that may be placed.
+        children: The parts that each part places; repeated parts occur repeatedly.
+        roots: The parts that the scene places directly.
+        sizes: Bytes of the parts that have their own surface.
+        most: Largest number of placed parts.
 
     Raises:
         MeshError: It does, or a part contains itself.
@@ -119,7 +117,7 @@ def check_placed(
         if part in sizes:
             size += count * sizes[part]
             work += count * depths[part] ** 3
-        # Beyond the budget only the fact counts: numbers of any length would take long themselves.
+        # Stop at the budget: arithmetic on huge integers would be slow.
         if placed > most:
             raise MeshError(
                 f"its scene places more than {most} parts, each as often as another one contains it; "
@@ -143,7 +141,7 @@ def check_placed(
 def _sort(
     children: Mapping[Hashable, Sequence[Hashable]], roots: Sequence[Hashable]
 ) -> list[Hashable]:
-    """What can be reached, each part before its children."""
+    """Return the reachable parts, each before its children."""
     waiting: dict[Hashable, int] = {}
     reached = list(dict.fromkeys(roots))
     known = set(reached)

@@ -1,4 +1,4 @@
-"""What glTF files ask for: numbers, nodes and the files that they refer to."""
+"""Checks of glTF files: their numbers, nodes and the files that they refer to."""
 
 from __future__ import annotations
 
@@ -33,36 +33,36 @@ _HARMLESS = (
     "EXT_texture_",
     "MSFT_texture",
 )
-"""Extensions whose names begin so do not change the surface."""
+"""Prefixes of extensions that do not change the surface."""
 
 _DRACO = "KHR_draco_mesh_compression"
 
 
 def check_glb(data: bytes, neighbors: Neighbors) -> None:
-    """Checks the JSON in a binary file, as :func:`check_gltf` does.
+    """Check the JSON of a binary file like :func:`check_gltf`.
 
     Raises:
-        MeshError: It asks for too much.
+        MeshError: The file exceeds a limit.
     """
     stated, length = struct.unpack_from("<II", data, 8)
     if stated > len(data):
         raise MeshError(
-            f"it is cut: {len(data)} bytes of {stated}; copy it again, or export the mesh again"
+            f"it is truncated: {len(data)} bytes of {stated}; copy it again, or export the mesh again"
         )
     check_gltf(data[20 : 20 + length], neighbors, stored=len(data))
 
 
 def check_gltf(text: bytes, neighbors: Neighbors, stored: int | None = None) -> None:
-    """Checks sizes of accessors and views, and how often and how deeply nodes place meshes.
+    """Check the sizes of accessors and views, and how often and how deeply nodes place meshes.
 
     Args:
         text: JSON.
-        neighbors: Files beside it, of which buffers are read.
-        stored: Bytes of the file, if it holds more than the text.
+        neighbors: The files in its folder; buffers are read from there.
+        stored: Size of the file in bytes, if it contains more than the text.
 
     Raises:
-        MeshError: It asks for too much, refers to what cannot be read, or has what trimesh would
-            take for something else.
+        MeshError: The file exceeds a limit, refers to something unreadable, or uses something that
+            trimesh would misread.
     """
     tree = json.loads(text)
     for buffer in tree.get("buffers", ()):
@@ -99,15 +99,17 @@ def _measure(accessor: dict[str, Any]) -> int:
 
 
 def _check_features(tree: dict[str, Any]) -> None:
-    """Refuses what trimesh passes over, or takes for something else.
+    """Refuse what trimesh ignores or misreads.
 
     Raises:
-        MeshError: The file is of another version, needs an extension that is not read, or has sparse
-            or normalized corners, indices below 0, or turns of length 0.
+        MeshError: The file has another version, needs an unsupported extension, or has sparse or
+            normalized corners, negative indices, or rotations of length 0.
     """
     version = str(tree.get("asset", {}).get("version", "2.0"))
     if version.partition(".")[0] != "2":
-        raise MeshError(f"it is of glTF {version[:20]}, and 2.0 is read; export the mesh again")
+        raise MeshError(
+            f"it has glTF version {version[:20]}; only 2.0 is read; export the mesh again"
+        )
     required = tree.get("extensionsRequired", ())
     for extension in required if isinstance(required, list) else ():
         if extension == _DRACO and find_spec("DracoPy") is not None:
@@ -126,15 +128,13 @@ def _check_features(tree: dict[str, Any]) -> None:
                 raise MeshError("it has corners of normalized integers; export the mesh as floats")
     for node in tree.get("nodes", ()):
         if "rotation" in node and not np.any(np.asarray(node["rotation"], dtype=np.float64)):
-            raise MeshError("a node has the rotation [0, 0, 0, 0], which is none; export again")
+            raise MeshError("a node has the invalid rotation [0, 0, 0, 0]; export the mesh again")
     if _has_negative(tree):
-        raise MeshError(
-            "it refers to something by a number below 0; it is damaged: export it again"
-        )
+        raise MeshError("it has a negative index; it is damaged: export it again")
 
 
 def _has_negative(tree: dict[str, Any]) -> bool:
-    """Whether an index is below 0; Python would count from the end."""
+    """Return whether an index is negative; Python would count it from the end."""
     nodes, scenes = tree.get("nodes", ()), tree.get("scenes", ())
     indices = [tree.get("scene", 0)]
     indices += [each.get("bufferView", 0) for each in tree.get("accessors", ())]

@@ -1,4 +1,4 @@
-"""Faces of very many corners, parts without number, and rows that are cut, in OBJ, OFF, PLY and STL."""
+"""Checks of OBJ, OFF, PLY and STL files: corners of faces, numbers of parts, truncated rows."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _LONG_LINE = re.compile(rb"[^\n]{%d,}" % (2 * MOST_CORNERS))
-"""That may hold more than the most corners: each takes a digit and a blank."""
+"""Length of a row that may exceed the limit of corners: each corner takes a digit and a blank."""
 
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-"""Bytes, of binary files."""
+"""Size of the number types of binary files, bytes."""
 
 _PLY_SIZES = {
     **dict.fromkeys(("char", "int8", "uchar", "uint8"), 1),
@@ -31,41 +31,41 @@ _PLY_COUNTS |= {"char": "b", "int8": "b", "short": "h", "int16": "h", "int": "i"
 
 
 def merge_materials(data: bytes) -> bytes:
-    """An OBJ file without materials: the parts of many would be read one by one, slowly.
+    """Return an OBJ file without its materials: trimesh reads parts of different materials slowly.
 
     Raises:
         MeshError: A face has too many corners.
     """
     if b"\\" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\\\n", b"")  # lines that go on
+        data = data.replace(b"\r\n", b"\n").replace(b"\\\n", b"")  # continued lines
     for line in _LONG_LINE.finditer(data):
         if line[0].lstrip().startswith(b"f"):
             check_corners(len(line[0].split()) - 1)
     if zero := re.search(rb"(?m)^[ \t]*f[ \t](?:[^\n]*[ \t])?[+-]?0+(?=[/\s]|$)", data):
         line = data.count(b"\n", 0, zero.start()) + 1
-        raise MeshError(f"line {line} has a face with the vertex 0; they are counted from 1")
+        raise MeshError(f"line {line} has a face with vertex 0, but OBJ files count from 1")
     return re.sub(rb"(?m)^[ \t]*usemtl[^\n]*", b"", data)
 
 
 def check_off(data: bytes) -> None:
-    """Of text alone; trimesh reads no others.
+    """Check an OFF file in text format; trimesh does not read binary ones.
 
     Raises:
-        MeshError: A face has too many corners, or rows are missing or no numbers.
+        MeshError: A face has too many corners, or rows are missing or not numeric.
     """
     _check_long_rows(data)
     text = _decode(data)
     lines = [line for row in text.splitlines() if (line := row.partition("#")[0].strip())]
     head, found, counts = lines[0].partition("OFF") if lines else ("", "", "")
     if not found or head not in ("", "C"):
-        raise MeshError("it does not begin with OFF or COFF; it is damaged, or of another format")
+        raise MeshError("it does not begin with OFF or COFF; it is damaged or has another format")
     rows = [counts.strip(), *lines[1:]] if counts.strip() else lines[1:]
     vertices, faces = (int(word) for word in rows[0].split()[:2])
     _check_rows(rows[1:], [(vertices, None), (faces, 0)])
 
 
 def _decode(data: bytes) -> str:
-    """As a text: trimesh reads other encodings, too, where there is a mark."""
+    """Return the data as text; like trimesh, respect byte order marks."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return data.decode("utf-16")
     return data.decode("utf-8-sig", errors="replace")
@@ -78,20 +78,20 @@ def _check_long_rows(data: bytes) -> None:
 
 
 def _check_rows(rows: Sequence[str], elements: Sequence[tuple[int, int | None]]) -> None:
-    """Refuses rows that are missing, too short or no numbers, which trimesh would take for others.
+    """Refuse rows that are missing, too short or not numeric: trimesh would misread them.
 
     Args:
-        rows: Of text.
-        elements: How many rows each element has, and the column of the length of its list, if it has
-            one and is followed by as many integers.
+        rows: Rows of text.
+        elements: For each element the number of rows, and the column that holds the length of its
+            list. As many integers follow it. None if it has no list.
 
     Raises:
-        MeshError: There are.
+        MeshError: There are such rows.
     """
     wanted = sum(count for count, _ in elements)
     if min((count for count, _ in elements), default=0) < 0 or wanted > len(rows):
         raise MeshError(
-            f"it has {len(rows)} rows of the {wanted} that its header counts; it is cut or damaged: "
+            f"it has {len(rows)} rows, but its header announces {wanted}; it is truncated or damaged: "
             "export it again"
         )
     begin = 0
@@ -112,7 +112,7 @@ def _check_rows(rows: Sequence[str], elements: Sequence[tuple[int, int | None]])
 
 
 def merge_solids(data: bytes) -> bytes:
-    """An STL file whose text has one solid: of many, each would become a mesh, slowly.
+    """Return an STL file whose text has one solid: trimesh would read many solids slowly.
 
     Raises:
         MeshError: The text ends within a facet.
@@ -125,21 +125,22 @@ def merge_solids(data: bytes) -> bytes:
     begun, ended = words.count(b"outer"), words.count(b"endloop")
     if begun != ended:
         raise MeshError(
-            f"it begins {begun} facets and ends {ended}; it is cut or damaged: export it again"
+            f"it begins {begun} facets but ends {ended}; it is truncated or damaged: export it again"
         )
     return b"solid\n" + facets + b"\nendsolid\n"
 
 
 def _count_triangles(data: bytes) -> int:
-    """As a binary STL file says."""
+    """Return the number of triangles that a binary STL file states."""
     return struct.unpack_from("<I", data, 80)[0] if len(data) >= _STL_HEADER else 0
 
 
 def check_ply(data: bytes) -> None:
-    """Of text, or of numbers, whose faces all have as many corners as the first.
+    """Check a PLY file in text or binary format.
 
     Raises:
-        MeshError: A face has too many corners, or rows are missing or no numbers.
+        MeshError: A face has too many corners, rows are missing or not numeric, or the faces of a
+            binary file have different numbers of corners.
     """
     ended = data.find(b"end_header")
     header = data if ended < 0 else data[:ended]
@@ -160,21 +161,21 @@ def check_ply(data: bytes) -> None:
         if count == 0:
             continue
         if any(len(each) == 2 for each in properties):
-            # What follows lists cannot be found so; a second list is no face's.
+            # The position of elements after lists is unknown; a second list never belongs to faces.
             _check_ply_list(data, start, count, properties, order)
             return
         start += count * sum(_PLY_SIZES[each[0]] for each in properties)
 
 
 def _list_elements(lines: list[list[str]]) -> list[tuple[int, list[tuple[str, ...]]]]:
-    """The count of each element, and the types of its properties; of lists two."""
+    """Return each element's count and the types of its properties; a list has two types."""
     elements: list[tuple[int, list[tuple[str, ...]]]] = []
     for line in lines:
         if len(line) == 3 and line[0] == "element":
             elements.append((int(line[2]), []))
         elif line[:2] == ["property", "list"] and len(line) == 5 and elements:
             if line[4] in ("vertex_index", "vertex_indices") and line[3] not in _PLY_COUNTS:
-                raise MeshError(f"its faces have indices of type {line[3][:20]!r}, no integers")
+                raise MeshError(f"its faces have indices of type {line[3][:20]!r}, not integers")
             elements[-1][1].append((line[2], line[3]))
         elif line[:1] == ["property"] and len(line) == 3 and elements:
             elements[-1][1].append((line[1],))
@@ -202,7 +203,7 @@ def _check_ply_text(body: bytes, elements: list[tuple[int, list[tuple[str, ...]]
 def _check_ply_list(
     data: bytes, start: int, count: int, properties: list[tuple[str, ...]], order: str
 ) -> None:
-    """Of an element with a list: the length of the first, and that all have it where there is no other."""
+    """Check an element that is a list: all lists must be as long as the first."""
     at = next(i for i, each in enumerate(properties) if len(each) == 2)
     before = sum(_PLY_SIZES[each[0]] for each in properties[:at])
     form = order + _PLY_COUNTS[properties[at][0]]
@@ -214,12 +215,12 @@ def _check_ply_list(
     stride += length * _PLY_SIZES[properties[at][1]]
     rows = np.frombuffer(data, np.uint8, offset=start)
     if stride <= 0 or count * stride > len(rows):
-        return  # of other lengths, which trimesh reads one by one, or finds missing
+        return  # lists have other lengths; trimesh reads them one by one, or reports missing data
     size = struct.calcsize(form)
     lengths = rows[: count * stride].reshape(count, stride)[:, before : before + size]
     lengths = np.ascontiguousarray(lengths).view(form)
     if (lengths != length).any():
         raise MeshError(
-            "its faces have different numbers of corners, which is not read in binary files; "
+            "its faces have different numbers of corners, which is not supported in binary files; "
             "triangulate them and export the mesh again"
         )

@@ -1,4 +1,4 @@
-"""A mesh file, opened and checked: what a library may read of it."""
+"""Opening of mesh files, with checks before a library reads them."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from voxshell.model.mesh_files import gltf, polygons, xml_scenes
 from voxshell.model.mesh_files.regular import Neighbors, read_regular
 
 KINDS = ("3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl")
-"""Endings of the files that are read."""
+"""Suffixes of the supported formats."""
 
 
 class MeshFile(NamedTuple):
-    """What a library may read.
+    """A checked file that a library may read.
 
     Attributes:
         kind: One of :data:`KINDS`.
-        data: What the file holds.
+        data: The file's content.
         neighbors: The files that it may refer to.
     """
 
@@ -28,19 +28,19 @@ class MeshFile(NamedTuple):
 
 
 def open_mesh_file(path: str) -> MeshFile:
-    """Reads a file and checks what it asks for, without making a mesh of it.
+    """Read a file and check its content, without making a mesh of it.
 
     Raises:
-        MeshError: It is no regular file, its kind is not read, or it, or what it refers to, asks for
-            too much.
-        OSError: The system does not let it be read.
-        Exception: Of any kind, where the file is damaged.
+        MeshError: It is not a regular file, its format is not supported, or it or a file that it
+            refers to exceeds a limit.
+        OSError: The system refuses to read it.
+        Exception: Any other error, if the file is damaged.
     """
     kind = os.path.splitext(path)[1][1:].lower()
     if kind not in KINDS and os.path.isfile(path):
         raise MeshError(
-            f"its ending is none of a format that can be read here ({', '.join(KINDS)}); convert it "
-            "to one, or read it with trimesh and pass the mesh"
+            f"its suffix belongs to no supported format ({', '.join(KINDS)}); convert it "
+            "to one of them, or read it with trimesh and pass the mesh"
         )
     data = read_regular(path)
     neighbors = Neighbors(path)

@@ -1,4 +1,4 @@
-"""Regular files alone: pipes and devices would keep a reader waiting, or never end."""
+"""Reading of regular files only: pipes and devices could block the reader, or never end."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from voxshell.model.mesh_files.budget import check_expansion, check_size
 
 
 def read_regular(path: str) -> bytes:
-    """What a file holds.
+    """Read a file.
 
     Raises:
-        MeshError: It is a folder, a pipe or a device, or there is nothing; or it is too large.
-        OSError: The system does not let it be read.
+        MeshError: It is a folder, a pipe or a device, it does not exist, or it is too large.
+        OSError: The system refuses to read it.
     """
-    # A pipe without a writer would keep open() waiting.
+    # open() would block on a pipe that nobody writes to.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
@@ -30,7 +30,7 @@ def read_regular(path: str) -> bytes:
             raise MeshError("it is a pipe or a device; copy the mesh to a regular file")
         check_size(status.st_size)
         if hasattr(status, "st_blocks"):
-            check_expansion(status.st_size, 512 * status.st_blocks)  # files with holes
+            check_expansion(status.st_size, 512 * status.st_blocks)  # sparse files
         with open(descriptor, "rb", closefd=False) as file:
             return file.read(status.st_size)
     finally:
@@ -38,10 +38,10 @@ def read_regular(path: str) -> bytes:
 
 
 class Neighbors:
-    """The files that a mesh file refers to: regular ones in its folder or below.
+    """The files that a mesh file may refer to: regular files in its folder or below.
 
     Args:
-        path: Of the mesh file.
+        path: Path of the mesh file.
     """
 
     def __init__(self, path: str) -> None:
@@ -49,10 +49,10 @@ class Neighbors:
         self._read: dict[str, bytes] = {}
 
     def get(self, name: str) -> bytes:
-        """What a file holds; it is read once.
+        """Return a file's content; each file is read once.
 
         Raises:
-            MeshError: It cannot be read; the message names it.
+            MeshError: The file cannot be read; the message names it.
         """
         path = os.path.realpath(os.path.join(self._folder, name.strip()))
         if os.path.commonpath([path, self._folder]) != self._folder:
@@ -71,5 +71,5 @@ class Neighbors:
 
     @property
     def size(self) -> int:
-        """Bytes of all that was read."""
+        """Total size of all files read so far, bytes."""
         return sum(map(len, self._read.values()))

@@ -1,4 +1,4 @@
-"""What 3MF and COLLADA files ask for: sizes in archives, faces, and parts that place others."""
+"""Checks of 3MF and COLLADA files: sizes in archives, faces, and how often parts are placed."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ if TYPE_CHECKING:
     from collections.abc import Hashable
 
 _MOST_LEVELS = 200
-"""Of elements in each other; readers follow them by recursion."""
+"""Depth of nested elements; readers follow them by recursion."""
 
 _NO_INDEX = re.compile(r"-|\d{10}")
-"""Below 0 or beyond 32 bits: pycollada would count from the end, or cut it off."""
+"""Indices that are negative or exceed 32 bits: pycollada would wrap or truncate them."""
 
 _MOST_PLACED_3MF = 3500
-"""Objects; trimesh takes time that grows as their square: 1.5 s."""
+"""Objects. trimesh takes 1.5 s for these; its time grows with their square."""
 
 _MOST_PLACED_DAE = 12_000
-"""Nodes and geometries; trimesh takes 1.5 s."""
+"""Nodes and geometries. trimesh takes 1.5 s for these."""
 
 
 def check_3mf(data: bytes) -> None:
-    """Checks what the archive expands to, and how often and deeply objects are placed.
+    """Check the expanded size of the archive, and how often and how deeply objects are placed.
 
     Raises:
-        MeshError: It asks for too much.
+        MeshError: The file exceeds a limit.
     """
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         members = archive.infolist()
-        # No reader goes beyond the sizes that an archive declares.
+        # No reader reads more than the sizes that the archive declares.
         check_expansion(sum(member.file_size for member in members), len(data))
         objects = _Objects()
         for member in members:
@@ -48,19 +48,19 @@ def check_3mf(data: bytes) -> None:
 
 
 def check_dae(data: bytes) -> None:
-    """Checks corners of faces, and how often nodes place geometries.
+    """Check the corners of faces, and how often nodes place geometries.
 
     Raises:
-        MeshError: It asks for too much.
+        MeshError: The file exceeds a limit.
     """
     nodes = _Nodes()
     nodes.scan(data)
-    # COLLADA's transforms are multiplied one by one, which takes no time to speak of.
+    # COLLADA's transforms are multiplied one by one, in negligible time.
     check_placed(nodes.children, nodes.roots, nodes.sizes, _MOST_PLACED_DAE)
 
 
 class _Scan:
-    """Goes through the elements of an XML text, of which nothing is kept."""
+    """Scans the elements of an XML text without keeping them."""
 
     def __init__(self) -> None:
         self.children: dict[Hashable, list[Hashable]] = defaultdict(list)
@@ -69,11 +69,11 @@ class _Scan:
         self._levels = 0
 
     def scan(self, text: bytes) -> None:
-        """Adds what a text places.
+        """Add what a text places.
 
         Raises:
-            MeshError: It asks for too much.
-            ExpatError: It is no XML.
+            MeshError: The text exceeds a limit.
+            ExpatError: It is not valid XML.
         """
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.buffer_text = True
@@ -91,7 +91,9 @@ class _Scan:
             self.end(name.rpartition(" ")[2], parser.CurrentByteIndex)
 
         def refuse_entity(*_: object) -> None:
-            raise MeshError("it declares XML entities, which no mesh needs; export the mesh again")
+            raise MeshError(
+                "it declares XML entities, which meshes do not need; export the mesh again"
+            )
 
         parser.StartElementHandler = start
         parser.EndElementHandler = end
@@ -191,10 +193,10 @@ class _Nodes(_Scan):
     def text(self, text: str) -> None:
         inside = self._inside[-1] if self._inside else ""
         if inside == "p":
-            # Texts come in parts, which may end within a number.
+            # The parser delivers text in pieces, which may end within a number.
             if _NO_INDEX.search(self._text_before + text):
                 raise MeshError(
-                    "a face has an index below 0 or of ten digits; export the mesh again"
+                    "a face has a negative index or one of ten digits; export the mesh again"
                 )
             self._text_before = text[-9:]
         if inside in ("vcount", "matrix") or (inside == "p" and "polygons" in self._inside):

@@ -1,4 +1,4 @@
-"""The bodies of a model as links and joints."""
+"""Conversion of a model's bodies to links and joints."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ WORLD = "world"
 
 @dataclass(frozen=True, eq=False)
 class _Scope:
-    """What elements refer to: their model, and the default class of what they lie in."""
+    """The model of an element, and the default class of its surroundings."""
 
     part: Part
     child_class: str
 
     def inside(self, element: Element) -> _Scope:
-        """That of the elements in a body or frame.
+        """Return the scope of the elements in a body or frame.
 
         Raises:
-            RobotError: It names a class that is not there.
+            RobotError: The element names an unknown class.
         """
         name = element.attributes.get("childclass", self.child_class)
         self.part.defaults.check(element, name)
@@ -52,15 +52,15 @@ class _Scope:
 
 @dataclass(eq=False)
 class _Body:
-    """A body while it is being read, with the elements that lie in it and in its frames.
+    """A body that is being read, with the elements in it and in its frames.
 
     Attributes:
-        name: Its own, or made of its number.
-        above: Name of the body that it lies in.
+        name: Its name, or one made from its number.
+        above: Name of the body that contains it.
         above_from_body: (4, 4).
-        file_from_body: (4, 4), where no joint has moved.
-        is_static: Whether it and all above it have no joints.
-        part: The model that it is of.
+        file_from_body: (4, 4), before joints move.
+        is_static: True if neither it nor the bodies above it have joints.
+        part: The model that it belongs to.
     """
 
     name: str
@@ -81,9 +81,9 @@ class BodyReader:
 
     Args:
         part: The model.
-        robot: Gets the links and joints.
-        filters: Gets what collides with what.
-        left_out: Gets what is not simulated.
+        robot: Receives the links and joints.
+        filters: Receives what collides with what.
+        left_out: Receives what is not simulated.
 
     Attributes:
         carriers: The body of each link between joints, by name.
@@ -116,7 +116,9 @@ class BodyReader:
         self._level += 1
         for element, frame, scope in body.bodies:
             if self._level > MOST_LEVELS:
-                element.refuse(f"lies in more than {MOST_LEVELS} other bodies; take some apart")
+                element.refuse(
+                    f"is nested in more than {MOST_LEVELS} bodies; make the tree flatter"
+                )
             self._read_body(element, body, frame, scope)
         self._level -= 1
 
@@ -125,12 +127,12 @@ class BodyReader:
     ) -> None:
         self._count += 1
         if self._count >= MOST_LINKS:
-            element.refuse(f"is one of more than {MOST_LINKS} bodies, and no more are read")
+            element.refuse(f"is beyond the limit of {MOST_LINKS} bodies")
         part = scope.part
         name = element.attributes.get("name")
         name = f"body {self._count}" if name is None else part.prefix + name
         if name in self._robot.links:
-            element.refuse("is the second body of that name; rename one")
+            element.refuse("is the second body with that name; rename one")
         place = frame @ part.compiler.read_pose(element)
         body = _Body(
             name,
@@ -159,7 +161,7 @@ class BodyReader:
     def _collect(
         self, children: list[Element], body: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> None:
-        """What lies in a body, or in a frame of it."""
+        """Return the elements in a body, or in a frame of it."""
         part = scope.part
         for child in children:
             match child.tag:
@@ -182,12 +184,14 @@ class BodyReader:
                     self._note_part(attached)
                     self._level += 1
                     if self._level > MOST_LEVELS:
-                        child.refuse(f"lies in more than {MOST_LEVELS} others; take some apart")
+                        child.refuse(
+                            f"is nested in more than {MOST_LEVELS} frames; make the tree flatter"
+                        )
                     self._collect(elements, body, frame, _Scope(attached, MAIN))
                     self._level -= 1
                 case "replicate":
                     child.refuse(
-                        "has a <replicate>, which is not read; save the compiled model with "
+                        "has a <replicate>, which is not supported; save the compiled model with "
                         "mujoco.mj_saveLastXML, and load that"
                     )
                 case "composite" | "flexcomp":
@@ -211,7 +215,7 @@ class BodyReader:
         return geom
 
     def _add_body(self, body: _Body, element: Element) -> None:
-        """Adds its links and joints: one link for each joint, the last one with its surface."""
+        """Add its links and joints: one link for each joint; the last one has the surface."""
         compiler = body.part.compiler
         inertial, frame = body.inertial or (None, np.eye(4))
         matter = None
@@ -227,7 +231,7 @@ class BodyReader:
         types = [type_of(joint) for joint, _ in body.joints]
         if "floating" in types and (len(types) > 1 or not self._is_top(body)):
             element.refuse(
-                "has a free joint beside others, or lies in another body; only a body of its own in "
+                "has a free joint beside others, or is in another body; only a body directly in "
                 "<worldbody> can be free"
             )
         parent, place = body.above, body.above_from_body
@@ -251,9 +255,9 @@ class BodyReader:
             parent, place = child, np.eye(4)
 
     def _add_carrier(self, joint: Element, name: str, body: str) -> None:
-        """Adds a link between two joints of a body."""
+        """Add a link between two joints of a body."""
         if name in self._robot.links:
-            joint.refuse(f"makes a link {name!r}, and there is one of that name; rename the joint")
+            joint.refuse(f"makes a link {name!r}, but that name exists already; rename the joint")
         self._robot.links[name] = LinkDescription(name, joint.where, (), None, None)
         self.carriers[name] = body
 
@@ -273,13 +277,13 @@ class BodyReader:
         self._filters.add(name, [geom.bits for geom in meeting if geom.type != "plane"])
 
     def _add_plane(self, body: _Body, geom: Geom) -> None:
-        """Adds a link of its own: a plane cannot be a part of a body."""
+        """Add a separate link: a plane cannot be a part of a body."""
         if not body.is_static:
-            geom.element.refuse("is a plane of a body that moves; make it a box")
+            geom.element.refuse("is a plane of a moving body; make it a box")
         assert geom.surface is not None
         name = f"{body.name}/{geom.element.attributes.get('name') or f'plane {len(self._robot.links)}'}"
         if name in self._robot.links:
-            geom.element.refuse(f"makes a link {name!r}, and there is one of that name; rename it")
+            geom.element.refuse(f"makes a link {name!r}, but that name exists already; rename it")
         surface = Collision(geom.surface.geometry, np.eye(4))
         self._robot.links[name] = LinkDescription(
             name, geom.element.where, (surface,), None, geom.color, geom.friction
@@ -290,7 +294,7 @@ class BodyReader:
 
 
 def _weld(body: _Body) -> JointDescription:
-    """What holds a body without joints to the one that it lies in."""
+    """Return a fixed joint between a body without joints and the body that contains it."""
     return JointDescription(
         f"{body.name}/weld",
         body.where,

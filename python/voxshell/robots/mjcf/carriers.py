@@ -1,4 +1,4 @@
-"""Links between the joints of a body that has several."""
+"""Carriers: links between the joints of a body that has several."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ if TYPE_CHECKING:
     from voxshell.robots.matter import Matter
 
 _SHARE = 0.1
-"""Of a body's matter that a carrier gets. The whole keeps its mass, center and inertia as long as it turns as
-one. Far less would make Bullet's solver converge slowly, far more would change how the last joints move."""
+"""Fraction of a body's mass that a carrier gets. Mass, center and inertia of the whole are
+unchanged while it turns as one. A far smaller one would make Bullet's solver converge slowly; a far
+larger one would change how the last joints move."""
 
 
 def share_matter(matter: Matter, carriers: Mapping[str, str], lump_of: Mapping[str, Lump]) -> None:
-    """Gives carriers a share of the matter of their bodies.
+    """Give carriers a fraction of the mass of their bodies.
 
     Args:
-        matter: Of all but the carriers, which it gets.
-        carriers: The body of each, by name.
-        lump_of: By the names of links.
+        matter: Mass properties of all other lumps; those of the carriers are added.
+        carriers: The body of each carrier, by name.
+        lump_of: Lumps by the names of links.
     """
     counts = Counter(carriers.values())
     for body, count in counts.items():

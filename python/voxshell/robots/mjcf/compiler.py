@@ -1,4 +1,4 @@
-"""The settings of a model's ``<compiler>``, and the poses that depend on them."""
+"""Settings in a model's ``<compiler>``, and the poses that depend on them."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 _SWITCH = ("false", "true")
 ROTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
-"""Attributes that give a rotation; an element has one of them."""
+"""Attributes that define a rotation; an element has at most one of them."""
 
 _LEAST_LENGTH = 1e-10
-"""Of a direction, below which it has none; as in MuJoCo."""
+"""Length below which a vector has no direction, as in MuJoCo."""
 
 
 @dataclass(frozen=True)
@@ -30,17 +30,19 @@ class Compiler:
     """Settings of all ``<compiler>`` elements of a model; later ones replace earlier ones.
 
     Attributes:
-        unit: Radians of the unit of angles.
-        euler_sequence: Axes of euler angles; small letters turn with the frame, capitals do not.
-        limits_by_range: Whether a joint with a range is limited if it does not say so.
-        inertia_from_geoms: Where the matter of bodies comes from; "auto": geoms, if there is no inertial.
-        balances_inertia: Whether an inertia that no body has becomes a ball's.
-        least_mass: Of bodies that move, kilograms.
-        least_inertia: The same for principal moments, kg m2.
-        total_mass: To which all masses are scaled, kilograms; None if they are not.
+        unit: The unit of angles in radians.
+        euler_sequence: Axes of Euler angles; lower-case axes turn with the frame, upper-case ones
+            do not.
+        limits_by_range: True if a joint with a range is limited by default.
+        inertia_from_geoms: Source of the mass properties; "auto": geoms, if there is no inertial.
+        balances_inertia: True if an impossible inertia is replaced by a ball's.
+        least_mass: Smallest mass of moving bodies, kilograms.
+        least_inertia: Smallest principal moment of moving bodies, kg m2.
+        total_mass: Sum to which all masses are scaled, kilograms; None for no scaling.
         groups: First and last group of the geoms that have a mass.
-        mesh_folder: Relative to the model's.
-        strips_paths: Whether folders in names of files are left out.
+        mesh_folder: Folder of meshes, relative to the model's.
+        strips_paths: True if folders in file names are ignored.
+        fits_boxes: True if shapes are fitted to the bounds of a mesh, not to its inertia.
         fits_boxes: Whether shapes are fitted to the bounds of a mesh, instead of to its inertia.
     """
 
@@ -58,10 +60,10 @@ class Compiler:
     fits_boxes: bool = False
 
     def read_pose(self, element: Element) -> NDArray[np.float64]:
-        """Of an element's ``pos`` and its rotation in any form, (4, 4) float64.
+        """Return the pose of an element, from ``pos`` and any kind of rotation, (4, 4) float64.
 
         Raises:
-            RobotError: A number is wrong, or a direction is zero.
+            RobotError: A number is invalid, or a direction is zero.
         """
         position = element.numbers("pos", (3,)) or (0.0, 0.0, 0.0)
         made = make_pose(position)
@@ -75,7 +77,7 @@ class Compiler:
         numbers = element.numbers(kind, (counts[kind],)) or []
         match kind:
             case "quat":
-                if not any(numbers):  # as in MuJoCo, which has a model or two of them
+                if not any(numbers):  # accepted as in MuJoCo; some models contain it
                     return np.eye(3)
                 wxyz = normalize(element, kind, numbers)
                 return make_pose(wxyz=wxyz)[:3, :3]
@@ -103,10 +105,10 @@ class Compiler:
 def normalize(
     element: Element, attribute: str, vector: Sequence[float] | NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """A vector of length 1.
+    """Return a vector scaled to length 1.
 
     Raises:
-        RobotError: It has no length.
+        RobotError: Its length is zero.
     """
     largest = float(np.max(np.abs(vector)))
     if largest < _LEAST_LENGTH:
@@ -119,7 +121,7 @@ def normalize(
 
 
 def turn_z_to(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The smallest rotation that turns z into a unit vector, (3, 3)."""
+    """Return the smallest rotation that turns z into a unit vector, (3, 3)."""
     axis = np.cross((0.0, 0.0, 1.0), direction)
     sine = float(np.linalg.norm(axis))
     if sine < _LEAST_LENGTH:
@@ -128,10 +130,10 @@ def turn_z_to(direction: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def read_compiler(elements: list[Element]) -> Compiler:
-    """The settings of all elements together.
+    """Return the settings of all elements together.
 
     Raises:
-        RobotError: One is not valid, or the coordinates are global.
+        RobotError: A setting is invalid, or coordinates are global.
     """
     settings = Compiler()
     given: dict[str, object] = {}
@@ -139,8 +141,8 @@ def read_compiler(elements: list[Element]) -> Compiler:
         known = it.attributes
         if it.word("coordinate", ("local", "global"), "local") == "global":
             it.refuse(
-                'has <compiler coordinate="global">, which MuJoCo gave up, too; save the model with an older '
-                "MuJoCo, which writes local ones"
+                'has <compiler coordinate="global">, which MuJoCo no longer supports, either; save the model '
+                "with an older MuJoCo, which writes local coordinates"
             )
         if "angle" in known:
             is_degree = it.word("angle", ("degree", "radian"), "degree") == "degree"
@@ -177,5 +179,5 @@ def read_compiler(elements: list[Element]) -> Compiler:
 def _read_sequence(element: Element) -> str:
     letters = element.text("eulerseq")
     if len(letters) != 3 or not set(letters.lower()) <= set("xyz"):
-        element.refuse(f"has eulerseq={letters[:60]!r}; give three of x, y, z, X, Y, Z")
+        element.refuse(f"has eulerseq={letters[:60]!r}; use three of x, y, z, X, Y, Z")
     return letters

@@ -1,4 +1,4 @@
-"""Default classes: attributes that elements have where they do not give them."""
+"""Default classes: default values of elements' attributes."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Defaults:
             self._read(child, child.text("class"), own)
 
     def complete(self, element: Element, child_class: str) -> Element:
-        """An element with the attributes of its class, or of the class that its body gives.
+        """Return an element with the attributes of its class, or of the class of its body.
 
-        Its own rotation, in whatever form, replaces that of the class.
+        A rotation of the element replaces that of the class, whatever their kinds.
 
         Raises:
             RobotError: There is no such class.
@@ -56,12 +56,12 @@ class Defaults:
         return replace(element, attributes={**given, **element.attributes})
 
     def check(self, element: Element, name: str) -> None:
-        """Refuses a class that is not there.
+        """Refuse an unknown class.
 
         Raises:
-            RobotError: It is not.
+            RobotError: The class is unknown.
         """
         if name not in self._classes:
             element.refuse(
-                f"is of the default class {name[:60]!r}, and there is no such class; correct the name"
+                f"has the default class {name[:60]!r}, but there is no such class; correct the name"
             )

@@ -1,4 +1,4 @@
-"""What of a model collides with what, by the rules of MuJoCo."""
+"""MuJoCo's rules for which bodies of a model collide."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class Filters:
-    """The bits of links, who lies in whom, and pairs that are excluded or collide whatever their bits.
+    """Collision bits of links, their places in the tree, and excluded or explicit pairs.
 
     Args:
-        root: The model, whose flags hold for all.
+        root: The model, whose flags apply to all parts.
 
     Raises:
-        RobotError: A flag is no word that it may be.
+        RobotError: A flag has an invalid value.
     """
 
     def __init__(self, root: Element) -> None:
@@ -34,7 +34,7 @@ class Filters:
         self._parents_collide = _disables(root, "filterparent")
 
     def read_pairs(self, root: Element, prefix: str) -> None:
-        """Reads the pairs of a model, before its geoms.
+        """Read the pairs of a model, before its geoms.
 
         Raises:
             RobotError: A pair lacks a name.
@@ -48,17 +48,17 @@ class Filters:
                 self._paired.update(pair)
 
     def is_paired(self, geom: str, body: str) -> bool:
-        """Notes a geom's body; returns whether a ``<pair>`` names the geom."""
+        """Store a geom's body; return whether a ``<pair>`` names the geom."""
         self._body_of[geom] = body
         return geom in self._paired
 
     def place(self, link: str, above: str, is_top: bool) -> None:
-        """Notes the body that a link lies in."""
+        """Store the body that contains a link."""
         self._above[link] = above
         self._tops[link] = link if is_top else self._tops[above]
 
     def add(self, link: str, bits: list[tuple[int, int]]) -> None:
-        """Notes contype and conaffinity of the geoms of a link."""
+        """Store contype and conaffinity of the geoms of a link."""
         self._bits[link] = (
             reduce(or_, (it[0] for it in bits), 0),
             reduce(or_, (it[1] for it in bits), 0),
@@ -67,12 +67,12 @@ class Filters:
     def sort_pairs(
         self, lump_of: dict[str, Lump], static: set[Lump], lumps: list[Lump]
     ) -> tuple[list[tuple[Lump, Lump]], list[tuple[Lump, Lump]]]:
-        """The pairs of lumps that do not collide, and those of one tree that may.
+        """Return the pairs of lumps that do not collide, and those of one tree that may.
 
         Args:
-            lump_of: By the names of links.
-            static: Those that do not move.
-            lumps: From which pairs are made.
+            lump_of: Lumps by the names of links.
+            static: Lumps that do not move.
+            lumps: Lumps from which pairs are made.
         """
         apart, own = [], []
         excluded = {
@@ -104,7 +104,7 @@ class Filters:
         return apart, own
 
     def _join_bits(self, lump: Lump) -> tuple[int, int]:
-        """Of all geoms: two lumps meet if any two of their geoms do."""
+        """Combine the bits of all geoms: two lumps collide if any two of their geoms do."""
         own = [self._bits.get(name, (0, 0)) for name in lump.links]
         return reduce(or_, (it[0] for it in own), 0), reduce(or_, (it[1] for it in own), 0)
 

@@ -1,4 +1,4 @@
-"""Geoms: what they are made of, and where."""
+"""Geoms: their shapes and places."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ class Geom:
 
     Attributes:
         element: As in the file, with the attributes of its class.
-        part: The model that it is of.
-        type: One of MuJoCo's.
-        surface: In the body's frame; None for types that are not read.
+        part: The model that it belongs to.
+        type: One of MuJoCo's types.
+        surface: Shape in the body's frame; None for unsupported types.
         bits: Its contype and conaffinity.
-        collides: Whether it meets anything; others are only seen, and may have a mass.
-        friction: Coulomb coefficient.
-        color: None where the file gives none.
-        weighs: Whether it counts where a body's mass is computed.
+        collides: True if it collides; other geoms are only visible, and may have a mass.
+        friction: Coulomb's coefficient.
+        color: None if the file states none.
+        weighs: True if it counts in the computation of a body's mass.
     """
 
     element: Element
@@ -55,7 +55,7 @@ class Geom:
     weighs: bool
 
     def weigh(self) -> MassProperties | None:
-        """Its matter, in its own frame; None if it has no mass.
+        """Return its mass properties in its own frame; None if it has no mass.
 
         Raises:
             RobotError: A mesh cannot be read, or the mass is below 0.
@@ -85,16 +85,16 @@ def read_geom(
     part: Part,
     is_paired: bool,
 ) -> Geom:
-    """Reads a geom.
+    """Read a geom.
 
     Args:
-        element: With the attributes of its class.
-        frame: ``body_from_frame`` of the frame that it lies in.
-        part: The model that it is of.
-        is_paired: Whether a ``<pair>`` lets it collide, whatever its bits.
+        element: The element with the attributes of its class.
+        frame: ``body_from_frame`` of the frame that contains it.
+        part: The model that it belongs to.
+        is_paired: True if a ``<pair>`` makes it collide, whatever its bits.
 
     Raises:
-        RobotError: A number is wrong, or there is no such mesh.
+        RobotError: A number is invalid, or there is no such mesh.
     """
     kind = element.word("type", _TYPES, "sphere")
     bits = _read_bits(element, "contype"), _read_bits(element, "conaffinity")
@@ -131,7 +131,7 @@ def _read_bits(element: Element, attribute: str) -> int:
 
 
 def _read_color(element: Element, materials: dict[str, Element]) -> Color | None:
-    """That of the geom or of its material; what is wrong with a color does not matter."""
+    """Return the color of the geom or of its material; ignore invalid colors."""
     material = materials.get(element.attributes.get("material", ""))
     for it in (element, material):
         if it is not None and "rgba" in it.attributes:
@@ -162,7 +162,7 @@ def _read_surface(element: Element, kind: str, part: Part) -> tuple[Geometry, ND
 def _read_ends(
     element: Element, kind: str, ends: list[float], sizes: list[float]
 ) -> tuple[list[float], NDArray[np.float64]]:
-    """Half sizes, and the place between two ends, z along them."""
+    """Return half sizes, and the pose between two ends with z along the line."""
     start, end = np.array(ends[:3]), np.array(ends[3:])
     length = float(np.linalg.norm(start - end))
     if length < 1e-9 or not math.isfinite(length):
@@ -180,7 +180,7 @@ def _make(element: Element, kind: str, sizes: list[float]) -> Primitive:
     sizes = sizes[:needed]
     if len(sizes) < needed or not 0.0 < min(sizes) <= max(sizes) <= FARTHEST:
         element.refuse(
-            f"has a {kind} of size {sizes}; give {needed} numbers above 0, and at most {FARTHEST:g}"
+            f"has a {kind} of size {sizes}; use {needed} numbers above 0, and at most {FARTHEST:g}"
         )
     match kind:
         case "box":
@@ -201,10 +201,10 @@ def _fit(
     place: NDArray[np.float64],
     part: Part,
 ) -> tuple[Primitive, NDArray[np.float64]]:
-    """A shape as large as a mesh: by the box of its inertia, or by its bounds."""
+    """Return a shape fitted to a mesh: by its inertia, or by its bounds."""
     matter = part.meshes.weigh(element)
     if not matter.mass > 0.0:
-        element.refuse(f"fits a {kind} to a mesh that encloses nothing; give it a size")
+        element.refuse(f"fits a {kind} to a mesh without volume; give it a size")
     moments, axes = np.linalg.eigh(matter.inertia)
     axes = axes[:, ::-1]  # the longest last
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])

@@ -1,4 +1,4 @@
-"""Masses and inertias of bodies, as MuJoCo compiles them."""
+"""Masses and inertias of bodies by MuJoCo's rules."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class BodyMatter:
-    """What the matter of a body is computed from."""
+    """The elements that determine the mass properties of a body."""
 
     element: Element
     inertial: Element | None
@@ -29,10 +29,10 @@ class BodyMatter:
     geoms: list[Geom]
 
     def compute(self, compiler: Compiler) -> MassProperties | None:
-        """In the body's frame; None if it has none.
+        """Return the mass properties in the body's frame; None if it has none.
 
         Raises:
-            RobotError: A number is wrong, or a mesh cannot be read.
+            RobotError: A number is invalid, or a mesh cannot be read.
         """
         matter = None
         from_geoms = compiler.inertia_from_geoms
@@ -46,7 +46,7 @@ class BodyMatter:
                     parts.append((solid, geom.surface.link_from_geometry))
             matter = add_up(parts) if parts else None
         if matter is not None and not (np.isfinite(matter.inertia).all() and matter.mass < np.inf):
-            self.element.refuse("has a mass or inertia beyond all numbers; correct it")
+            self.element.refuse("has a mass or inertia that overflows; correct it")
         return None if matter is None else _bound(matter, compiler)
 
     def _read(self, element: Element, compiler: Compiler) -> MassProperties:
@@ -66,7 +66,7 @@ class BodyMatter:
 
 
 def _bound(matter: MassProperties, compiler: Compiler) -> MassProperties:
-    """With the least mass and inertia, and that of a ball where no body has such moments."""
+    """Apply minimum mass and inertia, and use a ball's inertia if the moments are impossible."""
     moments, axes = np.linalg.eigh(matter.inertia)
     moments = np.maximum(moments, compiler.least_inertia)
     if compiler.balances_inertia and moments[0] + moments[1] < moments[2]:
@@ -76,7 +76,7 @@ def _bound(matter: MassProperties, compiler: Compiler) -> MassProperties:
 
 
 def as_inertial(matter: MassProperties | None) -> Inertial | None:
-    """What a link has of a body's matter; None without a mass."""
+    """Return a link's mass properties from those of its body; None without a mass."""
     if matter is None or not matter.mass > 0.0:
         return None
     inertia = matter.inertia if is_sound(matter.inertia) else None

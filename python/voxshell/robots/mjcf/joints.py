@@ -1,4 +1,4 @@
-"""Joints of bodies."""
+"""Conversion of joints."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _TYPES: dict[str, JointType] = {
 }
 _SWITCH = ("false", "true", "auto")
 _POLYNOMIAL = range(1, 10)
-"""Numbers of a stiffness or damping; those behind the first are of higher order."""
+"""Numbers in a stiffness or damping; those after the first are of higher order."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointPlace:
-    """Where a joint is: the links that it holds together, as the file has them."""
+    """The place of a joint: the links that it joins, as in the file."""
 
     name: str
     parent: str
@@ -39,10 +39,10 @@ class JointPlace:
 
 
 def type_of(element: Element) -> JointType:
-    """Of a ``<joint>`` or ``<freejoint>``.
+    """Return the type of a ``<joint>`` or ``<freejoint>``.
 
     Raises:
-        RobotError: It is of none of MuJoCo's types.
+        RobotError: It is not one of MuJoCo's types.
     """
     if element.tag == "freejoint":
         return "floating"
@@ -56,17 +56,17 @@ def read_joint(
     compiler: Compiler,
     left_out: LeftOut,
 ) -> JointDescription:
-    """Reads a joint.
+    """Read a joint.
 
     Args:
-        element: With the attributes of its class.
-        frame: ``body_from_frame`` of the frame that it lies in.
-        place: Where it is.
+        element: The element with the attributes of its class.
+        frame: ``body_from_frame`` of the frame that contains it.
+        place: The links that it joins.
         compiler: The model's settings.
-        left_out: Notes what of it is not simulated.
+        left_out: Receives what is not simulated.
 
     Raises:
-        RobotError: A number is wrong.
+        RobotError: A number is invalid.
     """
     kind = type_of(element)
     unit = compiler.unit if kind == "revolute" else 1.0
@@ -90,7 +90,7 @@ def read_joint(
         start = min(max(position, limits[0]), limits[1])
         if start != position:
             left_out.note(
-                "positions beyond the limits: these joints begin at the nearest one", place.name
+                "positions beyond the limits: these joints begin at the nearest limit", place.name
             )
     force = element.numbers("actuatorfrcrange", (2,)) or [0.0]
     return JointDescription(
@@ -118,7 +118,7 @@ def _read_first(element: Element, attribute: str) -> float:
 
 
 def _read_limits(element: Element, compiler: Compiler) -> tuple[float, float] | None:
-    """In the file's units; None where it moves without an end."""
+    """Return the limits in the file's units; None without limits."""
     lower, upper = element.numbers("range", (2,)) or (0.0, 0.0)
     limited = element.word("limited", _SWITCH, "auto")
     if limited == "false" or (
@@ -126,9 +126,7 @@ def _read_limits(element: Element, compiler: Compiler) -> tuple[float, float] | 
     ):
         return None
     if lower > upper or (lower == upper == 0.0):
-        element.refuse(
-            f'has <joint range="{lower:g} {upper:g}">; give a range, the lower limit first'
-        )
+        element.refuse(f'has <joint range="{lower:g} {upper:g}">; put the lower limit first')
     return lower, upper
 
 

@@ -1,4 +1,4 @@
-"""What a model holds and a world does not simulate."""
+"""Contents of a model that are not simulated."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ _FLUID = ("density", "viscosity", "wind")
 
 
 class LeftOut:
-    """Notes what is left out, by kind and name."""
+    """Collects what is not simulated, by kind and name."""
 
     def __init__(self) -> None:
         self._noted: dict[str, list[str]] = {}
         self._counts: dict[str, Counter[str]] = {}
 
     def note(self, kind: str, name: str) -> None:
-        """Notes something."""
+        """Record something."""
         self._noted.setdefault(kind, []).append(name)
 
     def note_sections(self, root: Element) -> None:
-        """Notes whole sections of a model."""
+        """Note whole sections of a model."""
         for name in _SECTIONS:
             kinds = Counter(child.tag for section in root.all(name) for child in section.children)
             if kinds:
                 self._counts.setdefault(name, Counter()).update(kinds)
 
     def note_option(self, root: Element, gravity: Iterable[float]) -> None:
-        """Notes what ``<option>`` says of air, and of another gravity than the world's.
+        """Note what ``<option>`` says about air, and a gravity that differs from the world's.
 
         Raises:
-            RobotError: An option is no number.
+            RobotError: An option is not a number.
         """
         for option in root.all("option"):
             for name in _FLUID:
@@ -48,10 +48,10 @@ class LeftOut:
             if wanted is not None and any(
                 abs(a - b) > 1e-6 for a, b in zip(wanted, gravity, strict=True)
             ):
-                self.note("<option>", f"gravity {wanted}; give it to the World")
+                self.note("<option>", f"gravity {wanted}; pass it to the World")
 
     def list(self) -> list[str]:
-        """A phrase for each kind."""
+        """Return a phrase for each kind."""
         return [
             *(
                 f"<{name}> ({', '.join(f'{count} {kind[:60]}' for kind, count in kinds.most_common(10))})"

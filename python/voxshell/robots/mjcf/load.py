@@ -33,52 +33,57 @@ def load_mjcf(
     friction: float | None = None,
     self_collision: bool = True,
 ) -> Robot:
-    """Adds the bodies of an MJCF file, the XML of MuJoCo, to a world.
+    """Add the bodies of an MJCF file, the XML format of MuJoCo, to a world.
 
-    The result is one robot, also where the file has several root bodies, such as a table with objects: MuJoCo
-    compiles a file to one model, whose names are unique. Every body is a link of its name, and the link
-    "world" is what the file has in ``<worldbody>`` itself. Its planes, and bodies without joints there, are
-    static bodies; bodies without joints in others are one body with them. A body with several joints is a
-    chain of links: "torso/hip_x" is what the joint "hip_x" moves, and "torso" what the last one moves. The
-    links between get a tenth of the body's matter each, so that masses, centers and inertias are MuJoCo's.
+    The result is one robot, even if the file has several root bodies, such as a table with objects:
+    MuJoCo also compiles a file to one model, with unique names. Every body becomes a link of the
+    same name. The link "world" is the content of ``<worldbody>`` itself: its planes, and bodies
+    without joints in it, are static bodies. Elsewhere, a body without joints becomes part of the
+    body that contains it. A body with several joints becomes a chain of links: joint "hip_x" moves
+    "torso/hip_x", and the last joint moves "torso". Each link in between gets a tenth of the body's
+    mass, such that masses, centers and inertias are MuJoCo's.
 
-    Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``; those whose ``ref`` is beyond
-    their limits begin at the nearest limit, with a :class:`RobotWarning`. Bodies have the largest friction of
-    their geoms; note that Bullet multiplies the frictions of two bodies, and MuJoCo takes the larger.
-    Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
-    Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
-    Actuators, tendons, equalities, springs and armatures are not simulated; a :class:`RobotWarning` lists what the
-    file has of them. Gravity and time step are the world's.
+    Positions of joints are MuJoCo's ``qpos``, and joints start as in ``qpos0``. A joint whose
+    ``ref`` is beyond its limits starts at the nearest limit, with a :class:`RobotWarning`. Bodies
+    have the largest friction of their geoms. Note that Bullet multiplies the frictions of two
+    bodies, while MuJoCo takes the larger one. Bodies of one tree that overlap at the start by over
+    2 % of the smaller one do not collide. Geoms whose ``contype`` and ``conaffinity`` are 0 are
+    only visible, but have a mass as in MuJoCo. Actuators, tendons, equalities, springs and
+    armatures are not simulated; a :class:`RobotWarning` lists those in the file. Gravity and time
+    step are the world's.
 
     Args:
-        world: Where to.
-        path: Of the file. Meshes and included files are looked for from its folder, and from that of the
-            file that names them.
+        world: The world.
+        path: The file's path. Meshes and included files are searched relative to its folder, and to
+            that of the file that names them.
         pose: (4, 4) ``world_from_file``; the identity by default.
-        voxel_size: Of the models, metres; of smaller geoms their longest side.
-        resolution: Instead: voxels along the longest side of each model. Without either, 100.
-        mesh_as: "model", any mesh as it is, or "hull", its convex hull, as MuJoCo collides it.
-        friction: Coulomb coefficient of all bodies, instead of the file's.
-        self_collision: Whether the bodies of one tree may collide with each other, as the file says;
-            those of different trees always may.
+        voxel_size: Voxel size of the models, meters; at most a geom's longest side.
+        resolution: Alternative to ``voxel_size``: voxels along the longest side of each model. The
+            default is 100.
+        mesh_as: "model" for any mesh as it is, or "hull" for its convex hull, which MuJoCo uses.
+        friction: Coulomb's coefficient of all bodies, instead of the file's.
+        self_collision: Let the bodies of one tree collide with each other, as the file specifies.
+            Those of different trees can always collide.
 
     Returns:
         The robot.
 
     Raises:
         FileAccessError: The file cannot be read.
-        MissingExtraError: An inertia must be computed from a convex hull and scipy is not installed.
-        RobotError: The file does not describe what can be simulated; the message names the file, the line,
-            the body or geom, and what to do.
+        MissingExtraError: An inertia must be computed from a convex hull and scipy is not
+            installed.
+        RobotError: The file cannot be simulated; the message names the file, the line, the body or
+            geom, and a remedy.
         SettingsError: A setting is out of range.
         PoseError: ``pose`` is not a rigid transform.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is no world, or ``path`` no path.
+        InputTypeError: ``world`` is not a world, or ``path`` is not a path.
 
     Warns:
-        RobotWarning: The file holds what is not simulated, or leaves out a mass. The message lists it.
+        RobotWarning: The file contains something that is not simulated, or lacks a mass. The
+            message lists it.
 
-    Where it raises, the world has none of the file's bodies.
+    After an exception, the world has none of the file's bodies.
 
     Example:
         >>> import pathlib, tempfile
@@ -140,12 +145,12 @@ def load_mjcf(
         pairs = ((bodies[a], bodies[b]) for a, b in own)
         try:
             found = keep_overlaps_apart(world, ((a, b) for a, b in pairs if a and b))
-        except BaseException:  # an interrupt, since a large model takes its time
+        except BaseException:  # also an interrupt: large models take long
             made.remove()
             raise
         if found:
             robot.left_out.append(
-                f"collisions of links that overlap from the beginning ({shorten_names(found)})"
+                f"collisions of links that overlap at the start ({shorten_names(found)})"
             )
     assembly.warn()
     return made

@@ -1,4 +1,4 @@
-"""Matter of meshes as MuJoCo computes it."""
+"""Mass properties of meshes by MuJoCo's rules."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ if TYPE_CHECKING:
 
 
 def weigh_mesh(mesh: Mesh, kind: str) -> MassProperties:
-    """Of density 1; the mass is 0 where the mesh encloses nothing.
+    """Return mass properties at density 1; the mass is 0 if the mesh encloses nothing.
 
     Args:
         mesh: The surface.
-        kind: "legacy" adds up the pyramids from the mean of the faces as if all were outside of each other, so
-            that a surface may be open; "exact" and "convex" count their signs; "shell" is a skin of 1 kg/m2.
+        kind: "legacy" adds up the pyramids from the mean of the faces as if none overlapped, so a
+            surface may be open; "exact" and "convex" use signed volumes; "shell" is a skin of 1
+            kg/m2.
     """
     corners = mesh.vertices[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
@@ -42,7 +43,7 @@ def weigh_mesh(mesh: Mesh, kind: str) -> MassProperties:
     mass = float(weights.sum())
     arms = corners - center
     sums = arms.sum(axis=1)
-    # Integral of x x^T over a triangle, or over the pyramid on it whose apex is the origin.
+    # Integral of x x^T over a triangle, or over the pyramid on it with its apex at the origin.
     share = 1.0 / 12.0 if kind == "shell" else 1.0 / 20.0
     spread = np.einsum("f,fki,fkj->ij", weights, arms, arms)
     spread += np.einsum("f,fi,fj->ij", weights, sums, sums)

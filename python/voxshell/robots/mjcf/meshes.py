@@ -1,4 +1,4 @@
-"""The meshes of a model's ``<asset>``."""
+"""The meshes in a model's ``<asset>``."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _INERTIAS = ("convex", "exact", "legacy", "shell")
 
 
 class Meshes:
-    """Meshes by name. Files are looked for when a geom collides with them or has their mass."""
+    """Meshes by name. Files are located when a geom needs them for collisions or for its mass."""
 
     def __init__(self, file: ModelFile, compiler: Compiler, defaults: Defaults) -> None:
         self._file = file
@@ -52,20 +52,20 @@ class Meshes:
                 self._elements.setdefault(name, complete)
 
     def find(self, geom: Element) -> MeshFile | MeshArrays:
-        """The mesh of a geom.
+        """Return the mesh of a geom.
 
         Raises:
-            RobotError: There is none of that name, or its file is not to be found.
+            RobotError: There is no mesh of that name, or its file is missing.
         """
         name = geom.text("mesh")
         if name not in self._elements:
-            geom.refuse(f"has a mesh {name[:60]!r}, and <asset> has no such mesh; correct the name")
+            geom.refuse(f"has a mesh {name[:60]!r}, but <asset> has no such mesh; correct the name")
         if name not in self._geometries:
             self._geometries[name] = self._make(name, self._elements[name])
         return self._geometries[name]
 
     def weigh(self, geom: Element) -> MassProperties:
-        """The matter of a geom's mesh at a density of 1, as MuJoCo computes it; mass 0 if it has none.
+        """Return the matter of a geom's mesh at density 1, by MuJoCo's rules; 0 without volume.
 
         Raises:
             RobotError: The mesh cannot be read.
@@ -83,7 +83,7 @@ class Meshes:
         return self._matters[name]
 
     def read(self, geom: Element) -> Mesh:
-        """The triangles of a geom's mesh.
+        """Return the triangles of a geom's mesh.
 
         Raises:
             RobotError: The mesh cannot be read.
@@ -108,8 +108,8 @@ class Meshes:
         path = self._file.find(self._compiler.mesh_folder, file_name, element)
         if path is None:
             element.refuse(
-                f"has a file {file_name[:200]!r} that is not to be found; put it where meshdir points, seen "
-                "from the model's folder"
+                f"has a file {file_name[:200]!r} that is missing; put it where meshdir points, relative to "
+                "the model's folder"
             )
         if path.lower().endswith(".msh"):
             try:
@@ -123,7 +123,9 @@ class Meshes:
     ) -> MeshArrays:
         faces = element.numbers("face", _ANY_COUNT)
         if len(vertices) % 3 or len(faces or ()) % 3:
-            element.refuse("has a vertex or face whose numbers are no multiple of 3; correct them")
+            element.refuse(
+                "has a number of vertex or face entries that is not a multiple of 3; correct it"
+            )
         points = np.reshape(vertices, (-1, 3))
         path = f"vertices of mesh {name!r}"
         made = MeshArrays(path, Mesh(points, np.zeros((0, 3), np.uint32)))
@@ -138,7 +140,7 @@ class Meshes:
 
     @staticmethod
     def _read_affine(element: Element) -> Affine:
-        """MuJoCo subtracts refpos, then turns by the inverse of refquat, then scales."""
+        """Return the transform: subtract refpos, rotate by the inverse of refquat, then scale."""
         scale = element.numbers("scale", (3,)) or [1.0, 1.0, 1.0]
         if not all(scale):
             element.refuse(f"has a scale of {scale}; it must not be 0")
@@ -151,7 +153,7 @@ class Meshes:
 
 
 def _enclose(points: NDArray[np.float64]) -> Mesh:
-    """The convex hull of points, whose corners Bullet rounds.
+    """Return the convex hull of points, whose corners Bullet rounds.
 
     Raises:
         MeshError: They do not enclose a volume.

@@ -1,4 +1,4 @@
-"""MJCF files with what they include, as one tree of elements."""
+"""MJCF files with their included files, as one tree of elements."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from voxshell.errors import FileAccessError
 from voxshell.robots.xml_elements import Dialect, Element, read_elements
 
 MOST_LEVELS = 100
-"""Of elements in each other, those of other files counted; hands have 20."""
+"""Depth of nested elements, across files; models of hands have 20."""
 
 _MOST_FILES = 100
-"""That a model may consist of, each counted as often as it is included or attached."""
+"""Number of files in a model; each counts as often as it is included or attached."""
 
 _MOST_ELEMENTS = 200_000
-"""Of all of them, counted likewise."""
+"""Number of elements in all files, counted likewise."""
 
 _NAMED = ("body", "mesh", "joint", "geom")
 
 
 class ModelFile:
-    """A file with what it includes, and the files that both name.
+    """A file with its included files, and with the files that all of them name.
 
     Attributes:
-        path: Of the file.
-        root: Its root, whose sections contain those of the included files.
+        path: The file's path.
+        root: Its root, whose sections include those of the included files.
     """
 
     def __init__(self, path: str, library: _Library) -> None:
@@ -37,16 +37,16 @@ class ModelFile:
         self.root: Element = replace(root, children=children)
 
     def sections(self, tag: str) -> list[Element]:
-        """The sections of that name."""
+        """Return the sections with a name."""
         return list(self.root.all(tag))
 
     def find(self, folder: str, name: str, near: Element) -> str | None:
-        """The path of a file that an element names, or None.
+        """Return the path of a file that an element names, or None.
 
         Args:
-            folder: Where the model keeps files of the kind, relative to the model's.
-            name: As the element gives it.
-            near: The element; what it names may lie beside its own file.
+            folder: The model's folder for files of this kind, relative to the model's.
+            name: The name in the element.
+            near: The element; the file may also be in the folder of the element's file.
         """
         name = os.path.join(folder, name.strip()).replace("\\", "/")
         folders = (os.path.dirname(os.path.abspath(own)) for own in (self.path, near.path))
@@ -54,7 +54,7 @@ class ModelFile:
         return next(filter(os.path.isfile, candidates), None)
 
     def attach(self, element: Element) -> ModelFile:
-        """Another model, by the element that names its file.
+        """Return another model, whose file an element names.
 
         Raises:
             RobotError: It cannot be read.
@@ -66,17 +66,19 @@ class ModelFile:
         path = self.find("", name, element)
         if path is None:
             element.refuse(
-                f"names the file {name[:200]!r}, and there is none; put it where the path points, seen from "
-                "the model's folder"
+                f"names the file {name[:200]!r}, which does not exist; put it where the path points, relative "
+                "to the model's folder"
             )
         if self._library.is_full:
-            element.refuse(f"names the last of more than {_MOST_FILES} files; join some of them")
+            element.refuse(
+                f"names a file beyond the limit of {_MOST_FILES} files; join some of them"
+            )
         return path
 
     def _expand(self, element: Element, level: int, within: tuple[str, ...]) -> list[Element]:
-        """The children of an element, each include replaced by what its file holds."""
+        """Return the children of an element, with the contents of included files."""
         if level > MOST_LEVELS:
-            element.refuse(f"lies in more than {MOST_LEVELS} other elements; take some apart")
+            element.refuse(f"is nested in more than {MOST_LEVELS} elements; make the tree flatter")
         self._library.count(element)
         children: list[Element] = []
         for child in element.children:
@@ -89,14 +91,14 @@ class ModelFile:
                 continue
             path = self._find_model(child)
             if os.path.realpath(path) in within:
-                child.refuse(f"includes {child.text('file')[:200]!r} in itself; leave it out")
+                child.refuse(f"includes {child.text('file')[:200]!r} in itself; remove that")
             included = self._library.read(path)
             children += self._expand(included, level, (*within, os.path.realpath(path)))
         return children
 
 
 class _Library:
-    """The files of a model, each read once, and how much they hold."""
+    """The files of a model, each of which is read once, and their total size."""
 
     def __init__(self) -> None:
         self._read: dict[str, Element] = {}
@@ -117,17 +119,15 @@ class _Library:
     def count(self, element: Element) -> None:
         self._elements += len(element.children)
         if self._elements > _MOST_ELEMENTS:
-            element.refuse(
-                f"is the last of more than {_MOST_ELEMENTS} elements; make several models"
-            )
+            element.refuse(f"is beyond the limit of {_MOST_ELEMENTS} elements; split the model")
 
 
 def read_model(path: str | os.PathLike[str]) -> ModelFile:
-    """Reads a file and what it includes.
+    """Read a file and the files that it includes.
 
     Raises:
         FileAccessError: The file cannot be read.
-        RobotError: A file is not MJCF, or includes itself, one that is missing, or too many.
+        RobotError: A file is not MJCF, or includes itself, a missing file, or too many files.
     """
     name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):

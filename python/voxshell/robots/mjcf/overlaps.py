@@ -1,4 +1,4 @@
-"""Bodies of one tree that overlap where the file has them."""
+"""Bodies of one tree that overlap at the start."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
 
 _SHARE = 0.02
-"""Of the smaller body's longest side: deeper overlaps are meant, or do not matter to MuJoCo's soft contacts.
-Bullet would push the bodies apart, and joints that cannot give way would throw them about."""
+"""Largest accepted overlap, as a fraction of the smaller body's longest side. Deeper overlaps are
+intended, or do not matter with MuJoCo's soft contacts. Bullet would push the bodies apart, and
+stiff joints would make them jump."""
 
 
 def keep_overlaps_apart(world: World, pairs: Iterable[tuple[Body, Body]]) -> list[str]:
-    """Lets bodies that overlap not collide with each other.
+    """Turn off collisions between bodies that overlap.
 
     Args:
-        world: Of the bodies.
+        world: The world of the bodies.
         pairs: Bodies that may collide.
 
     Returns:

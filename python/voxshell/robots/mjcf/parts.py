@@ -1,4 +1,4 @@
-"""A model, or one that is attached to it: what its elements refer to."""
+"""Parts: a model, or one attached to it, with everything that its elements refer to."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A model by itself.
+    """A model on its own.
 
     Attributes:
         file: Its elements.
-        prefix: In front of its names.
+        prefix: The prefix of its names.
         compiler: Its settings.
         defaults: Its default classes.
         meshes: Its meshes.
@@ -35,7 +35,7 @@ class Part:
     materials: dict[str, Element]
 
     def attach(self, element: Element) -> tuple[Part, list[Element]]:
-        """The model that an ``<attach>`` names, and the elements that it puts in its place.
+        """Return the model that an ``<attach>`` names, and the elements that replace it.
 
         Raises:
             RobotError: There is no such model or body, or its file cannot be read.
@@ -48,7 +48,7 @@ class Part:
             if model.attributes.get("name") == name
         ]
         if not named:
-            element.refuse(f"attaches the model {name[:60]!r}, and <asset> has no such model")
+            element.refuse(f"attaches the model {name[:60]!r}, but <asset> has no such model")
         part = open_part(
             self.file.attach(named[0]), self.prefix + element.attributes.get("prefix", "")
         )
@@ -61,14 +61,14 @@ class Part:
             if it.tag == "body" and it.attributes.get("name") == body:
                 return part, [it]
             waiting += it.children
-        return element.refuse(f"attaches the body {body[:60]!r}, and the model has no such body")
+        return element.refuse(f"attaches the body {body[:60]!r}, but the model has no such body")
 
 
 def open_part(file: ModelFile, prefix: str) -> Part:
-    """What the elements of a file refer to.
+    """Return a file as a part.
 
     Raises:
-        RobotError: A setting or a class is not valid.
+        RobotError: A setting or a class is invalid.
     """
     compiler = read_compiler(file.sections("compiler"))
     defaults = Defaults(file.sections("default"))

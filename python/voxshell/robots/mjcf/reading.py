@@ -1,4 +1,4 @@
-"""MJCF files read and checked."""
+"""Reading and checking MJCF files."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What a file says.
+    """The content of a file.
 
     Attributes:
         robot: Links and joints.
-        filters: What collides with what.
+        filters: Rules for which bodies collide.
         carriers: The body of each link between joints, by name.
     """
 
@@ -34,16 +34,16 @@ class Model:
 
 
 def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
-    """Reads and checks a file.
+    """Read and check a file.
 
     Args:
-        path: Of the file.
-        gravity: Of the world, m/s2; another one in the file is noted as left out.
+        path: The file's path.
+        gravity: The world's gravity, m/s2; if the file's differs, it is noted as not simulated.
 
     Raises:
         FileAccessError: The file cannot be read.
-        RobotError: The file does not describe what can be simulated; the message names the file, the
-            line, the body or geom, and what to do.
+        RobotError: The file cannot be simulated; the message names the file, the line, the body or
+            geom, and a remedy.
     """
     try:
         return _read(path, gravity)
@@ -51,7 +51,7 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
         name = os.fsdecode(path)
         if name in str(error):
             raise
-        raise RobotError(f"{error} (read for {name})") from None
+        raise RobotError(f"{error} (while reading {name})") from None
 
 
 def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
@@ -61,7 +61,7 @@ def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     robot = RobotDescription(file.path, name or stem, {}, {})
     if not file.sections("worldbody"):
         robot.refuse(
-            "it has no <worldbody>: it is empty, or a part that models <include>; load one of these"
+            "it has no <worldbody>: it is empty, or meant for <include>; load a model that includes it"
         )
     filters = Filters(file.root)
     left_out = LeftOut()

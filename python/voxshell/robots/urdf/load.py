@@ -32,47 +32,48 @@ def load_urdf(
     friction: float = 0.5,
     self_collision: bool = False,
 ) -> Robot:
-    """Adds the robot of a URDF file to a world, all joints at position 0.
+    """Add the robot of a URDF file to a world, with all joints at position 0.
 
-    Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules stay
-    what they are. Links that fixed joints hold together become one body, so that frames without a mass, such as a
-    tool's, are welcome. A mass or inertia that the file leaves out is computed from the collision
-    geometry, with a :class:`RobotWarning` that names the links. Joints have their limits, friction and damping; they move freely until they are
-    driven, but for those that mimic others, which follow them. Grippers of light fingers that hold on
-    firmly want short steps: ``World(time_step=1 / 1000)``.
+    Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules
+    become analytic shapes. Links that fixed joints hold together become one body, so frames without
+    a mass, such as a tool's, are valid. If the file lacks a mass or inertia, it is computed from
+    the collision geometry, and a :class:`RobotWarning` names the links. Joints have their limits,
+    friction and damping. They move freely until they are driven, except those that mimic others,
+    which follow them. Grippers with light fingers and a firm grip need short steps:
+    ``World(time_step=1 / 1000)``.
 
     Args:
-        world: Where to.
-        path: Of the file. Meshes are looked for from its folder upwards, those of ``package://`` with and
-            without the name of the package, and in the folders of ``ROS_PACKAGE_PATH``.
+        world: The world.
+        path: The file's path. Meshes are searched from its folder upward, those of ``package://``
+            with and without the name of the package, and in the folders of ``ROS_PACKAGE_PATH``.
         pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
-        fixed_base: Whether the root is fixed to the world; it then needs no mass.
-        voxel_size: Of the models, metres; of smaller links their longest side.
-        resolution: Instead: voxels along the longest side of each model. Without either, models
-            are built to the default tolerance of :meth:`Model.from_mesh`.
-        mesh_as: "model", any mesh as it is, or "hull", its convex hull.
-        friction: Coulomb coefficient of all links.
-        self_collision: Whether links that no joint connects collide with each other.
+        fixed_base: Fix the root to the world; then it needs no mass.
+        voxel_size: Voxel size of the models, meters; at most a link's longest side.
+        resolution: Alternative to ``voxel_size``: voxels along the longest side of each model.
+            Without either, models are built to the default tolerance of :meth:`Model.from_mesh`.
+        mesh_as: "model" for any mesh as it is, or "hull" for its convex hull.
+        friction: Coulomb's coefficient of all links.
+        self_collision: Let links that no joint connects collide with each other.
 
     Returns:
         The robot.
 
     Raises:
         FileAccessError: The file cannot be read.
-        MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia must be
-            computed from a mesh and scipy is not installed.
-        RobotError: The file does not describe a robot that can be simulated; the message names the
-            file, the line, the link or joint, and what to do.
+        MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia
+            must be computed from a mesh and scipy is not installed.
+        RobotError: The file cannot be simulated; the message names the file, the line, the link or
+            joint, and a remedy.
         SettingsError: A setting is out of range.
         PoseError: ``pose`` is not a rigid transform.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is no world, or ``path`` no path.
+        InputTypeError: ``world`` is not a world, or ``path`` is not a path.
 
     Warns:
-        RobotWarning: The file leaves out what a simulation needs: masses, inertias, limits, or the effort
-            of a joint that mimics another. The message says what was taken instead.
+        RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, or the
+            effort of a joint that mimics another. The message says what was used instead.
 
-    Where it raises, the world has none of the robot's bodies.
+    After an exception, the world has none of the robot's bodies.
 
     Example:
         >>> import pathlib, tempfile

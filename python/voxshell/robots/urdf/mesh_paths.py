@@ -1,4 +1,4 @@
-"""Where the mesh files are that a URDF file names."""
+"""Search for the mesh files that a URDF file names."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ _PACKAGE_SCHEMES = ("package://", "model://")
 
 
 def find_mesh(robot_path: str, name: str) -> str | None:
-    """The path of a mesh file, or None if there is no such file.
+    """Return the path of a mesh file, or None if there is no such file.
 
-    A name is looked for from the folder of the robot's file and from each folder above it. One with
-    ``package://`` or ``model://`` is looked for there with and without the name of the package, and in the
-    folders of the environment variable ``ROS_PACKAGE_PATH``. Backslashes part folders, as on Windows.
+    A name is searched in the folder of the robot's file and in each folder above it. A name with
+    ``package://`` or ``model://`` is searched there with and without the name of the package, and
+    in the folders of the environment variable ``ROS_PACKAGE_PATH``. Backslashes separate folders,
+    as on Windows.
 
     Args:
-        robot_path: Of the robot's file.
-        name: As the robot's file gives it.
+        robot_path: The path of the robot's file.
+        name: The name in the robot's file.
     """
     candidates = _list_candidates(robot_path, name.strip().replace("\\", "/"))
     return next(filter(os.path.isfile, candidates), None)
@@ -57,7 +58,7 @@ def _list_candidates(robot_path: str, name: str) -> Iterator[str]:
 
 
 def _list_parents(folder: str) -> Iterator[str]:
-    """The folder itself, then each one above it."""
+    """Yield a folder, then each folder above it."""
     while True:
         yield folder
         above = os.path.dirname(folder)

@@ -1,4 +1,4 @@
-"""URDF files read and checked."""
+"""Reading and checking URDF files."""
 
 from __future__ import annotations
 
@@ -42,18 +42,18 @@ _JOINT_TYPES: dict[str, JointType] = {
     "spherical": "spherical",
     "ball": "spherical",
 }
-"""Those of URDF, and what simulators add to them."""
+"""URDF's shapes, and those that simulators add."""
 
 _WITH_AXIS = ("revolute", "continuous", "prismatic")
 
 
 def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
-    """Reads and checks a file.
+    """Read and check a file.
 
     Raises:
         FileAccessError: The file cannot be read.
-        RobotError: The file does not describe a robot that can be simulated; the message names the
-            file, the line, the link or joint, and what to do.
+        RobotError: The file cannot be simulated; the message names the file, the line, the link or
+            joint, and a remedy.
     """
     name = os.fsdecode(as_path(path, "path"))
     if not os.path.isfile(name):
@@ -74,7 +74,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
     if not found:
         robot.refuse("it has no <link>")
     if len(found) > MOST_LINKS:
-        robot.refuse(f"it has {len(found)} links, and at most {MOST_LINKS} are read")
+        robot.refuse(f"it has {len(found)} links; at most {MOST_LINKS} are read")
     colors = {
         material.attributes.get("name", ""): color
         for material in element.all("material")
@@ -85,7 +85,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         link = _describe_link(each, colors)
         if link.name in links:
             each.refuse(
-                f"is the second of two links of that name, the first in line "
+                f"is the second link of that name; the first is in line "
                 f"{links[link.name].where.rpartition(':')[2]}; rename one"
             )
         links[link.name] = link
@@ -94,7 +94,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         joint = _describe_joint(robot, each, links)
         if joint.name in joints:
             each.refuse(
-                f"is the second of two joints of that name, the first in line "
+                f"is the second joint of that name; the first is in line "
                 f"{joints[joint.name].where.rpartition(':')[2]}; rename one"
             )
         joints[joint.name] = joint
@@ -103,7 +103,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         if joint.child in parents:
             robot.refuse(
                 f"link {joint.child!r} is the child of two joints, {parents[joint.child]!r} and "
-                f"{joint.name!r}: URDF has trees only; leave one out and add it with World.add_joint",
+                f"{joint.name!r}, but URDF supports only trees; remove one and add it with World.add_joint",
                 joint,
             )
         parents[joint.child] = joint.name
@@ -111,7 +111,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
             leader = joints.get(joint.mimic[0])
             if leader is None or leader.type not in _WITH_AXIS or leader is joint:
                 robot.refuse(
-                    f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is no joint that moves; "
+                    f"joint {joint.name!r} mimics {joint.mimic[0]!r}, which is not a moving joint; "
                     "correct the name",
                     joint,
                 )
@@ -119,9 +119,9 @@ def _describe(path: str, element: Element) -> RobotDescription:
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
         robot.refuse(
-            f"it must have one link that is no joint's child, not {len(roots)} "
-            f"({shorten_names(roots) or 'its joints go round in a circle'}); connect them with joints, or "
-            "make a file of each"
+            f"it must have exactly one link that is not a joint's child, but has {len(roots)} "
+            f"({shorten_names(roots) or 'its joints form a loop'}); connect them with joints, or "
+            "split the file"
         )
     children: dict[str, list[JointDescription]] = {name: [] for name in links}
     for joint in joints.values():
@@ -134,7 +134,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
             reached.append(joint.child)
     if len(reached) != len(links):
         lost = sorted(set(links) - set(reached))
-        robot.refuse(f"links {shorten_names(lost)} hang on each other in a circle")
+        robot.refuse(f"links {shorten_names(lost)} form a loop")
     return RobotDescription(
         path, robot.name, {roots[0]: np.eye(4)}, links, ordered, robot.without_limits
     )
@@ -147,7 +147,7 @@ def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) 
         at = name
         while at not in checked and (mimic := joints[at].mimic) is not None:
             if at in followed:
-                robot.refuse(f"joints mimic each other in a circle, {at!r} among them", joints[at])
+                robot.refuse(f"joints mimic each other in a loop, including {at!r}", joints[at])
             followed[at] = None
             at = mimic[0]
         checked.update(followed)
@@ -169,7 +169,7 @@ def _describe_link(element: Element, colors: dict[str, Color]) -> LinkDescriptio
 
 
 def _find_color(link: Element, named: dict[str, Color]) -> Color | None:
-    """The first that a visual has, by itself or by the name of a material."""
+    """Return the first color of a visual, given directly or by the name of a material."""
     for visual in link.all("visual"):
         material = visual.first("material")
         if material is None:
@@ -183,7 +183,7 @@ def _find_color(link: Element, named: dict[str, Color]) -> Color | None:
 
 
 def _read_color(material: Element) -> Color | None:
-    """Colors do not matter to the simulation: one that is wrong is none."""
+    """Return a color; None if it is invalid, because colors do not affect the simulation."""
     color = material.first("color")
     try:
         numbers = None if color is None else color.numbers("rgba", (3, 4))
@@ -218,7 +218,7 @@ def _describe_inertial(element: Element | None) -> Inertial | None:
 
 
 def _describe_collision(element: Element) -> Collision | None:
-    """None where it has no geometry, as some exporters write it."""
+    """Return a collision; None without geometry, which some exporters write."""
     geometry = element.first("geometry")
     if geometry is None or not geometry.children:
         return None
@@ -235,7 +235,7 @@ def _describe_collision(element: Element) -> Collision | None:
             sizes = _read_sizes(shape, "radius", "length")
         case _:
             shape.refuse(
-                f"has a <{shape.tag[:60]}>, which is no shape; use a box, sphere, cylinder, capsule or "
+                f"has a <{shape.tag[:60]}>, which is not a shape; use a box, sphere, cylinder, capsule or "
                 "mesh"
             )
     if sizes is None:
@@ -259,8 +259,8 @@ def _read_mesh_name(mesh: Element) -> MeshFile:
     path = find_mesh(mesh.path, name)
     if path is None:
         mesh.refuse(
-            f"has a mesh {name[:200]!r} that is not to be found; put it where the path points, seen from "
-            "the file's folder or one above it, or name the folder of its package in ROS_PACKAGE_PATH"
+            f"has a mesh {name[:200]!r} that is missing; put it where the path points, relative to the "
+            "file's folder or one above it, or name the folder of its package in ROS_PACKAGE_PATH"
         )
     scales = mesh.numbers("scale", (1, 3)) or [1.0]
     x, y, z = scales if len(scales) == 3 else scales * 3
@@ -275,8 +275,8 @@ def _describe_joint(
     kind = _JOINT_TYPES.get(element.text("type"))
     if kind is None:
         element.refuse(
-            f"is of type {element.text('type')[:60]!r}; types are {', '.join(_JOINT_TYPES)}: make a "
-            "planar one of two prismatic ones and a continuous one"
+            f"has the type {element.text('type')[:60]!r}; types are {', '.join(_JOINT_TYPES)}: replace a "
+            "planar joint by two prismatic ones and a continuous one"
         )
     ends = {}
     for end in ("parent", "child"):
@@ -285,7 +285,7 @@ def _describe_joint(
             element.refuse(f"has no <{end}>; add it")
         ends[end] = link.text("link")
         if ends[end] not in links:
-            link.refuse(f"has a {end} {ends[end][:60]!r}, and there is no such link")
+            link.refuse(f"has a {end} {ends[end][:60]!r}, but there is no such link")
     axis = _read_axis(element) if kind in _WITH_AXIS else (1.0, 0.0, 0.0)
     limit, dynamics, mimic = (element.first(tag) for tag in ("limit", "dynamics", "mimic"))
     limits = _read_limits(limit) if kind in ("revolute", "prismatic") else None
@@ -319,7 +319,7 @@ def _describe_joint(
 
 
 def _read_axis(joint: Element) -> tuple[float, float, float]:
-    """Along x by default, as URDF has it."""
+    """Return the axis; x by default, as URDF specifies."""
     axis = joint.first("axis")
     numbers = None if axis is None else axis.numbers("xyz", (3,))
     x, y, z = numbers or (1.0, 0.0, 0.0)
@@ -329,7 +329,7 @@ def _read_axis(joint: Element) -> tuple[float, float, float]:
 
 
 def _read_limits(limit: Element | None) -> tuple[float, float] | None:
-    """None where neither end is given, both are infinite, or the lower is above the upper, as in Bullet."""
+    """Return the limits; None if both are missing or infinite, or if lower exceeds upper."""
     if limit is None:
         return None
     lower, upper = (limit.number(end, finite=False) for end in ("lower", "upper"))
@@ -355,7 +355,7 @@ def _read_mimic(mimic: Element) -> tuple[str, float, float]:
 
 
 def _read_bound(limit: Element | None, name: str) -> float | None:
-    """None where there is no bound."""
+    """Return a bound, or None if there is none."""
     value = None if limit is None else limit.number(name, finite=False)
     return value if value is not None and 0.0 < value < math.inf else None
 

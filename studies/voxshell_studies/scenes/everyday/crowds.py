@@ -31,7 +31,7 @@ CROWD = "Galton board and carton"
 _BALLS = 40
 _NARROW = (8, 0.03, 0.003, 0.02)
 _WIDE = (8, 0.05, 0.004, 0.02)
-"""Rows of pegs, their pitch and radius, and the distance of the panes, metres."""
+"""Rows of pegs, their pitch and radius, and the distance of the panes, meters."""
 
 
 def _galton(
@@ -114,7 +114,7 @@ def _all_balls(_: Track) -> float:
 
 
 _CARTON = (0.3, 0.2, 0.2, 0.002)
-"""Inside, metres, and its wall."""
+"""Inside, meters, and its wall."""
 
 
 def _carton(placement: int) -> Stage:
@@ -147,7 +147,7 @@ def _carton(placement: int) -> Stage:
 
 
 def _in_carton(track: Track) -> tuple[float, float]:
-    """How many objects are inside at the end, and how deep a vertex is in a wall at most, metres."""
+    """How many objects are inside at the end, and how deep a vertex is in a wall at most, meters."""
     inside = 0.5 * np.array(_CARTON[:3])
     path = track.item("carton").path
     assert path is not None

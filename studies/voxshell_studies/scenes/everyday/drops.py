@@ -110,7 +110,7 @@ def _lands(
     engines: tuple[Engine, ...] = ("voxshell", "bullet", "mujoco"),
     shown: bool = False,
 ) -> EverydayScene:
-    """``bar``: the larger of 0.1 mm and 0.5 % of the object, on a terrain its tolerance, metres."""
+    """``bar``: the larger of 0.1 mm and 0.5 % of the object, on a terrain its tolerance, meters."""
 
     def lowest(track: Track) -> float:
         pose = track.poses["body"][-1]

@@ -27,7 +27,7 @@ PLANE = Form("plane", None)
 
 @cache
 def box(x: float, y: float, z: float) -> Form:
-    """A box with these sides about the origin, metres.
+    """A box with these sides about the origin, meters.
 
     Example:
         >>> box(0.1, 0.2, 0.3).vertices.max(axis=0)
@@ -52,7 +52,7 @@ def boxes(name: str, parts: tuple[tuple[Vector, Vector], ...]) -> Form:
 
     Args:
         name: Unique.
-        parts: Middle and sides of each, metres.
+        parts: Middle and sides of each, meters.
     """
     solids = import_manifold()
     all_of_them = [solids.Manifold.cube(sides, True).translate(at) for at, sides in parts]
@@ -114,7 +114,7 @@ def named(name: str) -> Form:
 
 @cache
 def solid(name: str, points: tuple[Vector, ...]) -> Form:
-    """The convex hull of points, metres, body frame."""
+    """The convex hull of points, meters, body frame."""
     body = import_manifold().Manifold.hull_points(np.array(points))
     mesh = as_mesh(body)
     return Form(name, mesh, (hull_of(mesh),))
@@ -188,9 +188,9 @@ def galton(rows: int, pitch: float, peg: float, depth: float) -> Form:
 
     Args:
         rows: Of pegs, the first one at z = 0 and each next one ``pitch`` times 0.9 lower.
-        pitch: Between pegs of a row, metres.
-        peg: Radius of a peg, metres.
-        depth: Between the panes, metres.
+        pitch: Between pegs of a row, meters.
+        peg: Radius of a peg, meters.
+        depth: Between the panes, meters.
     """
     width = pitch * (rows + 5)
     drop = 0.9 * pitch * rows
@@ -232,7 +232,7 @@ def dented_ball(radius: float) -> Form:
 
 @cache
 def spinning_top() -> Form:
-    """A disk of 50 mm radius, 20 mm thick, 40 mm over a tip of 3 mm radius; the tip's centre is the origin."""
+    """A disk of 50 mm radius, 20 mm thick, 40 mm over a tip of 3 mm radius; the tip's center is the origin."""
     solids = import_manifold()
     disk = solids.Manifold.cylinder(0.02, 0.05, 0.05, 96, True).translate((0.0, 0.0, 0.04))
     stem = solids.Manifold.cylinder(0.04, 0.003, 0.003, 48)
@@ -335,7 +335,7 @@ def _margin(points: NDArray[np.float64], center: NDArray[np.float64]) -> float:
 
 @cache
 def center_of(form: Form) -> NDArray[np.float64]:
-    """Of mass of the uniform solid, (3,), metres, body frame.
+    """Of mass of the uniform solid, (3,), meters, body frame.
 
     Example:
         >>> round(float(center_of(slab(1.0, 0.1))[2]), 6)
@@ -351,6 +351,6 @@ def matter(form: Form, mass: float) -> MassProperties:
 
 
 def spheroid_points(half_axes: tuple[float, ...]) -> NDArray[np.float64]:
-    """Of an ellipsoid, for engines without one: 1,986 points of its surface, (n, 3), metres."""
+    """Of an ellipsoid, for engines without one: 1,986 points of its surface, (n, 3), meters."""
     sphere = import_manifold().Manifold.sphere(1.0, 64)
     return as_mesh(sphere).vertices * half_axes

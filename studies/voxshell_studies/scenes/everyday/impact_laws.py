@@ -10,7 +10,7 @@ from voxshell_studies.scenes.everyday import laws
 def prism_way(
     slope: float, sides: int, radius: float, inertia_share: float, seconds: float
 ) -> float:
-    """How far a regular prism rolls down a slope from rest, metres, which begins on an edge.
+    """How far a regular prism rolls down a slope from rest, meters, which begins on an edge.
 
     It turns about the edge that it stands on, and loses spin when the next edge lands: the new spin is
     (k + cos(2 pi / n)) / (k + 1) of the old one, k = I / (m r2) (the rimless wheel; McGeer, Passive
@@ -19,7 +19,7 @@ def prism_way(
     Args:
         slope: Radians, above pi / sides.
         sides: n.
-        radius: r, of the edges, metres.
+        radius: r, of the edges, meters.
         inertia_share: k.
         seconds: How long.
 
@@ -60,7 +60,7 @@ def rough_bounce(
         along: Speed along the ground, m/s.
         into: Speed into the ground, m/s.
         spin: About the axis across, in the sense of rolling forward, rad/s.
-        radius: Metres.
+        radius: Meters.
         inertia_share: I / (m r2).
         friction: mu.
         restitution: e.
@@ -90,7 +90,7 @@ def rod_impact(
         speed: Of the ball, m/s; the rod stands.
         ball: m, kilograms.
         rod: M, kilograms.
-        arm: d, from the rod's center to the ball's path, metres.
+        arm: d, from the rod's center to the ball's path, meters.
         inertia: I, of the rod, across it, kg m2.
         restitution: e.
 
@@ -113,8 +113,8 @@ def trip_speed(side: float, curb: float) -> float:
     v2 = 2 g (s2 / 6 + d2) (d - a) / a2, without a curb's height 8 (sqrt 2 - 1) g s / 3.
 
     Args:
-        side: s, metres.
-        curb: c, its height, metres.
+        side: s, meters.
+        curb: c, its height, meters.
 
     Example:
         >>> round(trip_speed(0.1, 0.0), 3), round(trip_speed(0.1, 0.002), 3)

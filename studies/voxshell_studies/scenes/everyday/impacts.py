@@ -140,7 +140,7 @@ def _last(track: Track, name: str) -> float:
 
 
 def _cradle(placement: int) -> Stage:
-    """Five balls in a row, a millimetre apart, and one that comes at 1 m/s; weightless and elastic."""
+    """Five balls in a row, a millimeter apart, and one that comes at 1 m/s; weightless and elastic."""
     ball = forms.ball(0.03)
     way = turn(Z, heading(placement)) @ turn(Y, 1.0 * scatter(placement))
     spun = turn(X, 2.0 * scatter(placement, 2))
@@ -187,7 +187,7 @@ def _dice(placement: int) -> Stage:
 
 
 def _dice_height(track: Track) -> float:
-    """The height of a die's center that differs most from half its side, metres; NaN if one is lost."""
+    """The height of a die's center that differs most from half its side, meters; NaN if one is lost."""
     heights = np.array([poses[-1][2, 3] for poses in track.poses.values()])
     return float(heights[np.argmax(np.abs(heights - 0.008))])
 

@@ -36,7 +36,7 @@ def roll_acceleration(slope: float, inertia_share: float) -> float:
 
 
 def way(speed: float, acceleration: float, seconds: float, time_step: float) -> float:
-    """Covered with a constant acceleration, metres: n v h + a h2 n (n + 1) / 2 after n steps h.
+    """Covered with a constant acceleration, meters: n v h + a h2 n (n + 1) / 2 after n steps h.
 
     Example:
         >>> round(way(0.0, 2.0, 1.0, 1e-4), 4), round(way(0.0, 2.0, 1.0, 0.1), 4)
@@ -47,7 +47,7 @@ def way(speed: float, acceleration: float, seconds: float, time_step: float) -> 
 
 
 def way_to_stop(speed: float, deceleration: float, time_step: float) -> float:
-    """Until friction has stopped a body, metres: h times the sum of the speeds after each step.
+    """Until friction has stopped a body, meters: h times the sum of the speeds after each step.
 
     Without steps it is v2 / (2 a).
 
@@ -100,8 +100,8 @@ def oblique_impact(
 
     Args:
         speed: Of the first, m/s.
-        offset: Between its path and the other's center, metres.
-        radius: Of both, metres.
+        offset: Between its path and the other's center, meters.
+        radius: Of both, meters.
         restitution: e.
 
     Returns:
@@ -121,7 +121,7 @@ def pendulum_period(length: float, amplitude: float) -> float:
     """Of a pendulum with any amplitude, seconds: 2 pi sqrt(l / g) / agm(1, cos(A / 2)) (Gauss).
 
     Args:
-        length: Of the mathematical pendulum, I / (m d), metres.
+        length: Of the mathematical pendulum, I / (m d), meters.
         amplitude: Radians.
 
     Example:
@@ -148,7 +148,7 @@ def precession(spin: float, axial: float, lateral: float, moment: float, tilt: f
         spin: w, angular velocity along the top's axis, rad/s.
         axial: I3, about the axis, kg m2.
         lateral: I1, about the fixed point across the axis, kg m2.
-        moment: M = m g l, newton metres.
+        moment: M = m g l, newton meters.
         tilt: t, of the axis from the vertical, radians.
     """
     a, b = lateral * math.cos(tilt), axial * spin
@@ -221,7 +221,7 @@ def groove_acceleration(slope: float, friction: float, half_angle: float) -> flo
 def spinning_ring_way(
     speed: float, spin: float, friction: float, outer: float, inner: float, time_step: float
 ) -> float:
-    """Until a flat ring that slides and spins at once stands still, metres.
+    """Until a flat ring that slides and spins at once stands still, meters.
 
     Each part of the ring feels friction against its own velocity, so a spin makes the friction against
     the slide smaller (Farkas et al., Phys. Rev. Lett. 90, 248302, 2003). Uniform pressure; integrated
@@ -285,8 +285,8 @@ def rocking_period(radius: float, depth: float, gyration: float, amplitude: floa
     2 pi sqrt((k2 + (r - d)2) / (g d)).
 
     Args:
-        radius: r, of the belly, metres.
-        depth: d, of the center of mass below the belly's center, metres.
+        radius: r, of the belly, meters.
+        depth: d, of the center of mass below the belly's center, meters.
         gyration: k2, moment of inertia about the center of mass over the mass, m2.
         amplitude: Radians.
 

@@ -48,7 +48,7 @@ def _chain(placement: int, load: float) -> Stage:
 
 
 def _chain_length(track: Track) -> float:
-    """From the center of the first to that of the last link at the end, metres."""
+    """From the center of the first to that of the last link at the end, meters."""
     return float(np.linalg.norm(track.poses[f"link {_LINKS}"][-1][:3, 3]))
 
 
@@ -180,7 +180,7 @@ def _gripper(placement: int, force: float, form: Form) -> Stage:
 
 
 def _slip(track: Track) -> float:
-    """How far the body has sunk at the end, metres."""
+    """How far the body has sunk at the end, meters."""
     return float(-track.path("body")[-1, 2])
 
 

@@ -45,7 +45,7 @@ def _half_tori(placement: int) -> Stage:
 
 
 def _tori_apart(track: Track) -> float:
-    """The distance of the centers at the end, metres."""
+    """The distance of the centers at the end, meters."""
     left, right = (track.poses[name][-1][:3, 3] for name in ("left", "right"))
     return float(np.linalg.norm(left - right))
 

@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 
 ROLL, LEVEL, CURVE = "Rolling down", "Rolling on the level", "Bowl, loop and mug"
 BALL = 0.05
-"""Radius, metres."""
+"""Radius, meters."""
 
 ROLLS = "Rolling without sliding: a = g sin a / (1 + I / (m r2)), summed over Euler steps"
 
 
 def rolled_way(track: Track) -> float:
-    """How far a rolling body should get, metres."""
+    """How far a rolling body should get, meters."""
     pull = laws.roll_acceleration(track.fact("slope"), track.fact("share"))
     return laws.way(track.fact("speed"), pull, track.seconds, track.time_step)
 
@@ -292,7 +292,7 @@ def _mug_on_side(placement: int) -> Stage:
 
 
 def lowest_vertex(track: Track) -> float:
-    """Over z = 0 after the last step, metres."""
+    """Over z = 0 after the last step, meters."""
     return track.lowest("body")
 
 

@@ -1,6 +1,6 @@
 """What an everyday scene is made of: bodies, their start, and what is measured against which truth.
 
-Metres, kilograms, seconds, radians; z is up in the world frame. A stage says nothing about an engine:
+Meters, kilograms, seconds, radians; z is up in the world frame. A stage says nothing about an engine:
 voxshell, Bullet's own shapes and MuJoCo are given the same bodies, masses, inertias and starts.
 """
 
@@ -33,9 +33,9 @@ class Piece:
     Attributes:
         kind: What it is.
         size: "box" and "ellipsoid": three half extents; "sphere": its radius; "capsule" and "cylinder":
-            radius and length along z, a capsule's without its caps. Metres.
+            radius and length along z, a capsule's without its caps. Meters.
         pose: (4, 4) ``body_from_piece``.
-        points: (n, 3) of a "hull", metres, piece frame.
+        points: (n, 3) of a "hull", meters, piece frame.
     """
 
     kind: PieceKind
@@ -65,7 +65,7 @@ class Form:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3), metres, body frame; empty of the half-space."""
+        """(n, 3), meters, body frame; empty of the half-space."""
         return np.zeros((0, 3)) if self.mesh is None else self.mesh.vertices
 
 
@@ -75,7 +75,7 @@ class Joint:
 
     Attributes:
         kind: "hinge" and "slider" leave an axis free, "point" every rotation.
-        at: (3,), metres, world frame.
+        at: (3,), meters, world frame.
         axis: (3,), unit, world frame; ignored by "point".
     """
 
@@ -93,7 +93,7 @@ class Item:
         form: Its surface.
         pose: (4, 4) ``world_from_body``.
         mass: Kilograms; 0 makes it static. Its inertia is that of the uniform solid of its mesh.
-        velocity: Of the centre of mass, m/s, world frame.
+        velocity: Of the center of mass, m/s, world frame.
         spin: Angular velocity, rad/s, world frame.
         path: Of a kinematic body: its pose at a time, seconds.
         force: Constant, at the origin of the body, newtons, world frame.
@@ -147,7 +147,7 @@ class Track:
         stage: What stood where.
         time_step: Seconds.
         poses: Of each body that forces move, (steps + 1, 4, 4) ``world_from_body``; the first is the start.
-        velocities: (steps + 1, 3) of the centre of mass, m/s, world frame.
+        velocities: (steps + 1, 3) of the center of mass, m/s, world frame.
         spins: (steps + 1, 3), rad/s, world frame.
     """
 
@@ -180,7 +180,7 @@ class Track:
         return min(round(seconds / self.time_step), self.steps)
 
     def path(self, name: str) -> NDArray[np.float64]:
-        """How far the body's origin is from its start, (steps + 1, 3), metres, ramp frame."""
+        """How far the body's origin is from its start, (steps + 1, 3), meters, ramp frame."""
         places = self.poses[name][:, :3, 3]
         return (places - places[0]) @ self.stage.world_from_ramp
 
@@ -191,7 +191,7 @@ class Track:
         return np.arccos(np.clip(0.5 * (traces - 1.0), -1.0, 1.0))
 
     def lowest(self, name: str, step: int = -1) -> float:
-        """The height of the body's lowest vertex over z = 0, metres, world frame."""
+        """The height of the body's lowest vertex over z = 0, meters, world frame."""
         pose = self.poses[name][step]
         return float((self.item(name).form.vertices @ pose[2, :3]).min() + pose[2, 3])
 
@@ -208,7 +208,7 @@ class Measure:
         bar: The largest error that is right: a fraction of the truth where ``relative``, else in the
             unit of ``value``, before ``scale``.
         relative: Whether the error is a fraction of the truth.
-        scale: Units in one metre, second, radian, ...
+        scale: Units in one meter, second, radian, ...
         signed: The error counts only where the value is above (1) or below (-1) the truth; 0: always.
     """
 
@@ -302,7 +302,7 @@ def turn(axis: Vector, angle: float) -> NDArray[np.float64]:
 
 
 def shift(x: float, y: float, z: float) -> NDArray[np.float64]:
-    """The translation, (4, 4); metres."""
+    """The translation, (4, 4); meters."""
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
     return pose

@@ -49,7 +49,7 @@ def on_ramp(
     yaw: float | None = None,
     facts: dict[str, float] | None = None,
 ) -> Stage:
-    """A body on a ramp that falls towards a heading.
+    """A body on a ramp that falls toward a heading.
 
     The placement turns the ramp's direction in the world, the ground about its own normal, and the body
     about the ramp's normal, so that neither axes nor grids favor a direction.
@@ -60,7 +60,7 @@ def on_ramp(
         slope: Of the ramp, radians.
         placement: Which one.
         friction: Of the pair.
-        at: Where the body starts, metres from the ground's middle, downhill positive.
+        at: Where the body starts, meters from the ground's middle, downhill positive.
         speed: At the start, downhill, m/s.
         settle: Whether the body stands on its most stable face instead of as it was modeled.
         mass: Kilograms.
@@ -93,18 +93,18 @@ def as_vector(values: np.ndarray) -> tuple[float, float, float]:
 
 
 def downhill(track: Track) -> float:
-    """How far the body got downhill, metres."""
+    """How far the body got downhill, meters."""
     return float(track.path("body")[-1, 0])
 
 
 def slid_way(track: Track) -> float:
-    """How far it should, metres."""
+    """How far it should, meters."""
     pull = laws.slide_acceleration(track.fact("slope"), track.fact("friction"))
     return laws.way(track.fact("speed"), pull, track.seconds, track.time_step)
 
 
 def stop_way(track: Track) -> float:
-    """How far a body that is pushed on the level should get, metres."""
+    """How far a body that is pushed on the level should get, meters."""
     loss = track.fact("friction") * laws.G
     return laws.way_to_stop(track.fact("speed"), loss, track.time_step)
 
@@ -120,7 +120,7 @@ def one(_: Track) -> float:
 
 
 def farthest(track: Track) -> float:
-    """The largest distance of the body's origin from its start, metres."""
+    """The largest distance of the body's origin from its start, meters."""
     return float(np.linalg.norm(track.path("body"), axis=1).max())
 
 

@@ -38,7 +38,7 @@ def _stack(placement: int, parts: Sequence[tuple[Form, float, float]]) -> Stage:
 
     Args:
         placement: Turns each body about z and sets it aside by up to 2 mm.
-        parts: Form, height and mass of each from below, metres and kilograms.
+        parts: Form, height and mass of each from below, meters and kilograms.
     """
     items = [Item("ground", forms.slab(1.0), turn(Z, heading(placement)), mass=0.0)]
     top = 0.0
@@ -53,7 +53,7 @@ def _stack(placement: int, parts: Sequence[tuple[Form, float, float]]) -> Stage:
 
 
 def _worst_height(track: Track) -> float:
-    """Of all bodies, the change of height that differs most from none, metres."""
+    """Of all bodies, the change of height that differs most from none, meters."""
     return max(
         (float(abs(poses[-1][2, 3] - poses[0][2, 3])) for poses in track.poses.values()),
         default=0.0,
@@ -109,7 +109,7 @@ _FORMS = {
 
 _STONES = 7
 _ARCH = (0.2, 0.28, 0.1)
-"""Inner and outer radius and depth, metres."""
+"""Inner and outer radius and depth, meters."""
 
 
 def _arch(placement: int) -> Stage:
@@ -158,7 +158,7 @@ def _cards(placement: int, friction: float) -> Stage:
 
 
 def _drop(track: Track) -> float:
-    """How far the higher card's center has come down, metres."""
+    """How far the higher card's center has come down, meters."""
     return max(float(poses[0][2, 3] - poses[-1][2, 3]) for poses in track.poses.values())
 
 

@@ -144,7 +144,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "face of many corners, OBJ": (
         "a.obj",
         lambda: make_ring("obj"),
-        "20000 corners, and at most 1000",
+        "20000 corners; at most 1000",
     ),
     "face over many lines": (
         "a.obj",
@@ -193,7 +193,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "an accessor without data": (
         "a.gltf",
         lambda: make_gltf([{"mesh": 0}], accessors=[*ACCESSORS, SPARSE]),
-        "expands to 48 GB, over 100 times as much",
+        "expands to 48 GB, more than 100 times as much",
     ),
     "views of the same bytes": (
         "a.gltf",
@@ -222,7 +222,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "an archive of zeros": (
         "a.3mf",
         lambda: make_3mf("", '<item objectid="1"/>', junk=500),
-        "expands to 500 MB, over 100 times as much; it is damaged, or made",
+        "expands to 500 MB, more than 100 times as much; it is damaged, or made",
     ),
     "nodes ten times in each other": (
         "a.dae",
@@ -256,7 +256,7 @@ def test_a_file_of_holes_is_refused_at_once(tmp_path: Path):
     path = tmp_path / "holes.stl"
     with path.open("wb") as file:
         file.truncate(3_000_000_000)
-    with pytest.raises(vx.MeshError, match=r"expands to 3 GB, over 100 times|3 GB"):
+    with pytest.raises(vx.MeshError, match=r"expands to 3 GB, more than 100 times|3 GB"):
         read_mesh(path)
 
 
@@ -264,7 +264,7 @@ def test_a_file_that_is_too_large_is_refused_at_once(tmp_path: Path):
     path = tmp_path / "large.stl"
     with path.open("wb") as file:
         file.truncate(5_000_000_000)
-    with pytest.raises(vx.MeshError, match="it has 5 GB, and at most 4 GB are read; simplify"):
+    with pytest.raises(vx.MeshError, match="it has 5 GB; at most 4 GB are read; simplify"):
         read_mesh(path)
 
 
@@ -377,5 +377,5 @@ def test_memory_that_runs_out_is_a_typed_error(tmp_path: Path, monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr(trimesh, "load", fail)
-    with pytest.raises(vx.MemoryLimitError, match=r"part.stl: the system gives no more memory"):
+    with pytest.raises(vx.MemoryLimitError, match=r"part.stl: out of memory"):
         read_mesh(path)

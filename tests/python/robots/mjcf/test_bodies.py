@@ -113,14 +113,14 @@ def test_a_fall_onto_an_ellipsoid_and_a_mesh_of_vertices(load):
 
 
 WRONG = {
-    "is the second body of that name": f"<body name='a'>{BALL}</body><body name='a'>{BALL}</body>",
+    "is the second body with that name": f"<body name='a'>{BALL}</body><body name='a'>{BALL}</body>",
     "has a second joint 'j'": f"<body><joint name='j'/><joint name='j'/>{BALL}</body>",
     "can be free": f"<body><freejoint/><joint/>{BALL}</body>",
-    "is a plane of a body that moves": "<body><joint/><geom type='plane' size='1 1 1'/></body>",
-    "has a <replicate>, which is not read": "<replicate count='2'/>",
+    "is a plane of a moving body": "<body><joint/><geom type='plane' size='1 1 1'/></body>",
+    "has a <replicate>, which is not supported": "<replicate count='2'/>",
     "there is no such class": "<body childclass='none'/>",
-    "elements lie in each other": "<body><frame>" * 60 + "</frame></body>" * 60,
-    "more than 1000 bodies": f"<body>{BALL}</body>" * 1001,
+    "elements are nested": "<body><frame>" * 60 + "</frame></body>" * 60,
+    "limit of 1000 bodies": f"<body>{BALL}</body>" * 1001,
 }
 
 
@@ -133,7 +133,7 @@ def test_wrong_bodies_are_refused_with_file_and_line(load, message):
 
 
 def test_a_moving_body_of_nothing_gets_a_little_mass(load):
-    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: 0.1 kg were taken \('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: used 0.1 kg \('a'\)"):
         load("<body name='a'><joint/></body>")
 
 

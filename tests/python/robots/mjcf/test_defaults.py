@@ -42,7 +42,7 @@ def test_an_elements_rotation_replaces_that_of_its_class(read):
 def test_an_unknown_class_is_refused(read):
     defaults = Defaults([])
     [geom] = read("<geom class='none'/>").root.children
-    with pytest.raises(vx.RobotError, match="default class 'none', and there is no such class"):
+    with pytest.raises(vx.RobotError, match="default class 'none', but there is no such class"):
         defaults.complete(geom, MAIN)
     with pytest.raises(vx.RobotError, match="<default> without class"):
         Defaults(read("<default><default/></default>").sections("default"))

@@ -24,10 +24,10 @@ def test_one_warning_lists_what_is_not_simulated(write):
         f"<body name='z' mocap='true'>{BALL}<flexcomp name='cloth'/></body></worldbody>",
     )
     message = warning_of(path)
-    assert message.startswith(f"{path} holds what is not simulated: ")
+    assert message.startswith(f"{path} contains what is not simulated: ")
     for phrase in (
         "<actuator> (2 motor, 1 position)", "<tendon> (1 fixed)", "<equality> (1 weld)",
-        "<option> ('density', 'gravity [0.0, 0.0, -1.0]; give it to the World')",
+        "<option> ('density', 'gravity [0.0, 0.0, -1.0]; pass it to the World')",
         "geoms of type hfield ('hills')", "joint stiffness ('a')", "joint armature ('a')",
         "limits of ball joints ('b')", "damping or frictionloss of ball and free joints ('b')",
         "gravcomp ('x')", "mocap bodies, which stand still ('z')", "<flexcomp> ('cloth')",

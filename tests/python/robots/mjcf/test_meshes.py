@@ -56,10 +56,10 @@ def test_vertices_in_the_model_have_their_hull_or_their_faces(find):
     [
         (
             "<mesh name='a' file='none.stl'/>",
-            "mesh 'a' has a file 'none.stl' that is not to be found",
+            "mesh 'a' has a file 'none.stl' that is missing",
         ),
         ("<mesh name='a' file='box.stl' scale='0 1 1'/>", "has a scale"),
-        ("<mesh name='a' vertex='0 0 0 1'/>", "no multiple of 3"),
+        ("<mesh name='a' vertex='0 0 0 1'/>", "not a multiple of 3"),
         ("<mesh name='a' vertex='0 0 0 1 0 0'/>", "mesh 'a': vertices of mesh 'a': "),
         ("<mesh name='b' file='box.stl'/>", "<asset> has no such mesh"),
         ("<mesh name='a'/>", "a <mesh> without file"),

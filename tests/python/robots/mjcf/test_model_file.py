@@ -33,9 +33,9 @@ def test_what_lies_in_an_element_is_named_by_its_body_or_geom(read):
     ("content", "message"),
     [
         ("<include file='model.xml'/>", "includes 'model.xml' in itself"),
-        ("<include file='none.xml'/>", "names the file 'none.xml', and there is none"),
-        ("<a>" * 200 + "</a>" * 200, "more than 100 of them"),
-        ("<robot/><include file='part.xml'/>" * 101, "more than 100 files"),
+        ("<include file='none.xml'/>", "names the file 'none.xml', which does not exist"),
+        ("<a>" * 200 + "</a>" * 200, "nested more than 100 deep"),
+        ("<robot/><include file='part.xml'/>" * 101, "limit of 100 files"),
     ],
 )
 def test_what_is_wrong_with_files_is_said_with_file_and_line(write, tmp_path, content, message):
@@ -51,7 +51,7 @@ def test_deep_elements_of_included_files_count_together(write, tmp_path):
     deep = "<a>" * 60 + "<include file='{}'/>" + "</a>" * 60
     (tmp_path / "part.xml").write_text(f"<mujoco>{deep.format('empty.xml')}</mujoco>")
     (tmp_path / "empty.xml").write_text("<mujoco/>")
-    with pytest.raises(vx.RobotError, match="lies in more than 100 other elements"):
+    with pytest.raises(vx.RobotError, match="is nested in more than 100 elements"):
         read_model(write(deep.format("part.xml")))
 
 

@@ -30,7 +30,7 @@ def test_an_arm_that_is_folded_into_itself_is_not_thrown_about(write):
     )
     tree = inner.format("a", inner.format("b", inner.format("c", inner.format("d", ""))))
     world = vx.World()
-    with pytest.warns(vx.RobotWarning, match=r"overlap from the beginning .*'a and c'.*'a and d'"):
+    with pytest.warns(vx.RobotWarning, match=r"overlap at the start .*'a and c'.*'a and d'"):
         robot = vx.load_mjcf(world, write(f"<worldbody>{tree}</worldbody>"))
     speeds = []
     world.step(100, lambda _: speeds.extend(abs(it.linear_velocity).max() for it in robot.bodies))

@@ -36,8 +36,8 @@ def test_models_are_attached_with_their_own_settings_and_a_prefix(load):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("<attach model='x'/>", "attaches the model 'x', and <asset> has no such model"),
-        ("<attach model='m' body='x'/>", "attaches the body 'x', and the model has no such body"),
+        ("<attach model='x'/>", "attaches the model 'x', but <asset> has no such model"),
+        ("<attach model='m' body='x'/>", "attaches the body 'x', but the model has no such body"),
         ("<attach/>", "has a <attach> without model"),
     ],
 )

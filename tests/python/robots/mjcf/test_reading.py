@@ -30,9 +30,9 @@ def test_errors_of_other_files_name_the_model(write, tmp_path):
     with pytest.raises(vx.RobotError) as refusal:
         read_mjcf(path, DOWN)
     assert "part.xml:1: it is a <robot>, not a <mujoco>" in str(refusal.value)
-    assert f"(read for {path})" in str(refusal.value)
+    assert f"(while reading {path})" in str(refusal.value)
 
 
 def test_parts_of_models_are_refused(write):
-    with pytest.raises(vx.RobotError, match="no <worldbody>: it is empty, or a part"):
+    with pytest.raises(vx.RobotError, match="no <worldbody>: it is empty, or meant for"):
         read_mjcf(write("<asset/>"), DOWN)

@@ -8,7 +8,7 @@ import voxshell as vx
 
 REFUSED = {
     "biped/biped2d_pybullet.urdf": "<limit lower=",
-    "kuka_iiwa/model_for_sdf.urdf": "is not to be found",
+    "kuka_iiwa/model_for_sdf.urdf": "is missing",
     "plane_implicit.urdf": "has a <plane>",
     "quadruped/microtaur/microtaur.urdf": "rpy=",
     "racecar/racecar_differential.urdf": "scale=",

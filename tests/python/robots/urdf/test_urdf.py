@@ -243,29 +243,29 @@ def test_robots_do_not_hit_themselves_unless_told(write):
 
 
 WRONG = {
-    "it is no XML": ["<link"],
+    "it is not valid XML": ["<link"],
     "it has no <link>": [],
     "link 'a' has a mass of -2 kg": [link("a", INERTIAL.replace('"2"', '"-2"'))],
     "link 'a' has a sphere of [-0.05] m": [link("a", BALL.replace("0.05", "-0.05"))],
-    "link 'a' has a mesh 'no.stl' that is not to be found": [
+    "link 'a' has a mesh 'no.stl' that is missing": [
         link("a", '<collision><geometry><mesh filename="no.stl"/></geometry></collision>'),
     ],
-    "joint 'x' is of type 'planar'": [link("a"), link("b"), joint("x", "planar", "a", "b")],
+    "joint 'x' has the type 'planar'": [link("a"), link("b"), joint("x", "planar", "a", "b")],
     "joint 'x' has an axis of [0.0, 0.0, 0.0]": [
         link("a"), link("b"), joint("x", "continuous", "a", "b", '<axis xyz="0 0 0"/>'),
     ],
-    "joint 'x' has a child 'c', and there is no such link": [
+    "joint 'x' has a child 'c', but there is no such link": [
         link("a"), joint("x", "fixed", "a", "c"),
     ],
     "link 'b' is the child of two joints, 'x' and 'y'": [
         link("a"), link("b"), joint("x", "fixed", "a", "b"), joint("y", "fixed", "a", "b"),
     ],
-    "one link that is no joint's child, not 2 ('a', 'b')": [link("a"), link("b")],
-    "links 'b', 'c' hang on each other in a circle": [
+    "one link that is not a joint's child, but has 2 ('a', 'b')": [link("a"), link("b")],
+    "links 'b', 'c' form a loop": [
         link("a"), link("b"), link("c"), joint("x", "fixed", "b", "c"), joint("y", "fixed", "c", "b"),
     ],
-    "link 'a' is the second of two links of that name, the first in line 1": [link("a"), link("a")],
-    "joint 'y' mimics 'z', which is no joint that moves": [
+    "link 'a' is the second link of that name; the first is in line 1": [link("a"), link("a")],
+    "joint 'y' mimics 'z', which is not a moving joint": [
         link("base"), link("a"), joint("y", "continuous", "base", "a", '<mimic joint="z"/>'),
     ],
 }  # fmt: skip
@@ -308,9 +308,9 @@ def test_wrong_calls_are_refused(write, tmp_path):
     with pytest.raises(vx.SettingsError, match="'model' or 'hull', not 'box'"):
         vx.load_urdf(world, path, mesh_as="box")
     robot = vx.load_urdf(world, path)
-    with pytest.raises(vx.SettingsError, match="no joint 'z' that moves; it has 'x'"):
+    with pytest.raises(vx.SettingsError, match="no moving joint 'z'; it has 'x'"):
         robot.set_targets({"z": 1.0})
-    with pytest.raises(vx.SettingsError, match="how strong joint 'x' is; pass max_force"):
+    with pytest.raises(vx.SettingsError, match="no effort for joint 'x'; pass max_force"):
         robot.set_targets({"x": 1.0})
     robot.set_targets({"x": 1.0}, max_force=1.0)
 
@@ -325,14 +325,14 @@ def test_without_pycollada_it_says_what_to_install(write, tmp_path, monkeypatch)
 
 def test_a_missing_mass_is_computed_from_the_shape(write):
     path = write(link("base", ""), link("a", BALL), joint("x", "continuous", "base", "a"))
-    with pytest.warns(vx.RobotWarning, match=r"no mass: 1000 kg/m3 .* \('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"no mass: used 1000 kg/m3 .* \('a'\)"):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.links["a"].body.mass == pytest.approx(1000 * 4 / 3 * np.pi * 0.05**3)
 
 
 def test_what_moves_without_mass_and_shape_gets_a_little_mass(write):
     path = write(link("base", ""), link("a", ""), joint("x", "continuous", "base", "a"))
-    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: 0.1 kg were taken \('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: used 0.1 kg \('a'\)"):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.links["a"].body.mass == 0.1
 

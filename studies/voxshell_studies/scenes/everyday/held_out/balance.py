@@ -53,7 +53,7 @@ def _ladder(placement: int, degrees: float) -> Stage:
 
 
 def _sunk(track: Track) -> float:
-    """How far the body's origin has come down, metres."""
+    """How far the body's origin has come down, meters."""
     return float(-track.path("body")[-1, 2])
 
 
@@ -128,7 +128,7 @@ _HARMONIC = tuple(0.9 / (2.0 * n) for n in (4, 3, 2, 1))
 
 
 def worst_way(track: Track) -> float:
-    """The largest distance of an origin from its start at the end, metres."""
+    """The largest distance of an origin from its start at the end, meters."""
     return max(
         float(np.linalg.norm(poses[-1][:3, 3] - poses[0][:3, 3])) for poses in track.poses.values()
     )

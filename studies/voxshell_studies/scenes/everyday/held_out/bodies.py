@@ -17,8 +17,8 @@ def groove(length: float, width: float) -> Form:
     """A V-groove of 90 degrees along x, its lowest line through the origin: two boards, 20 mm thick.
 
     Args:
-        length: Metres.
-        width: Of each wall, metres.
+        length: Meters.
+        width: Of each wall, meters.
     """
     thick = 0.02
     solids = import_manifold()
@@ -146,7 +146,7 @@ def square_hole(hole: float, thickness: float) -> Form:
 
 
 RACK = (20, 0.02, 0.008)
-"""Teeth of the rack, their pitch and height, metres."""
+"""Teeth of the rack, their pitch and height, meters."""
 
 
 @cache

@@ -157,7 +157,7 @@ _SIDE, _CURB = 1.0, 0.02
 
 
 def _curb(placement: int, factor: float) -> Stage:
-    """A crate of 1 m that slides into a curb of 20 mm, a millimetre away, at a multiple of its limit.
+    """A crate of 1 m that slides into a curb of 20 mm, a millimeter away, at a multiple of its limit.
 
     With friction of 1 or more it may also jam between the curb and the ground, and Coulomb's law does not
     say which of the two happens.

@@ -173,7 +173,7 @@ def _quoit(placement: int) -> Stage:
 
 
 def _from_post(track: Track) -> float:
-    """The distance of the ring's middle from the post's axis at the end, metres."""
+    """The distance of the ring's middle from the post's axis at the end, meters."""
     return float(np.linalg.norm(track.poses["body"][-1][:2, 3]))
 
 

@@ -123,7 +123,7 @@ def _sunken_book(placement: int) -> Stage:
 
 
 def _jump(track: Track) -> float:
-    """The largest height of a flat book's middle, metres."""
+    """The largest height of a flat book's middle, meters."""
     return float(track.poses["body"][:, 2, 3].max())
 
 

@@ -99,7 +99,7 @@ def _ratchet(placement: int) -> Stage:
 
 
 def _farthest_along(track: Track) -> float:
-    """The largest way of the rack in the direction that the pawl blocks, metres."""
+    """The largest way of the rack in the direction that the pawl blocks, meters."""
     return float(track.path("body")[:, 0].max())
 
 
@@ -126,7 +126,7 @@ def _cam(placement: int) -> Stage:
 
 
 def _cam_error(track: Track) -> float:
-    """The largest distance of the follower from where the cam holds it, metres."""
+    """The largest distance of the follower from where the cam holds it, meters."""
     times = track.time_step * np.arange(track.steps + 1)
     lift = _LIFT * (1.0 - np.cos(_CAM_SPIN * times))
     return float(np.abs(track.path("body")[:, 2] - lift).max())

@@ -91,7 +91,7 @@ def _true_diagonal(track: Track) -> float:
 
 
 def _direction(track: Track) -> float:
-    """Of the way, from downhill towards the force, degrees."""
+    """Of the way, from downhill toward the force, degrees."""
     x, y, _ = track.path("body")[-1]
     return math.degrees(math.atan2(y, x))
 
@@ -162,7 +162,7 @@ RIGHT_ANGLE = 0.25 * math.pi
 def in_groove(
     form: Form, lie: np.ndarray, degrees: float, placement: int, friction: float
 ) -> Stage:
-    """A body in a V-groove of 90 degrees that falls towards a heading; ``lie`` is its pose in the groove."""
+    """A body in a V-groove of 90 degrees that falls toward a heading; ``lie`` is its pose in the groove."""
     slope = math.radians(degrees)
     ramp = turn(Z, heading(placement)) @ turn(Y, slope)
     return Stage(

@@ -127,7 +127,7 @@ def _up_and_down(placement: int) -> Stage:
 
 
 def _highest(track: Track) -> float:
-    """The farthest that the ball gets uphill, metres."""
+    """The farthest that the ball gets uphill, meters."""
     return float(-track.path("body")[:, 0].min())
 
 
@@ -149,7 +149,7 @@ def _turntable(placement: int) -> Stage:
 
     ball = forms.ball(BALL)
     x = 0.2
-    # Inwards; what touches moves with the table: v - r w_y = 0 and r w_x = table's speed there.
+    # Inward; what touches moves with the table: v - r w_y = 0 and r w_x = table's speed there.
     spin = (_TABLE_SPIN * x / BALL, -_ROLL_SPEED / BALL, 0.0)
     return Stage(
         (
@@ -223,7 +223,7 @@ _EDGE_SPEED, _EDGE_DROP, _MARBLE = 1.0, 0.4, 0.02
 
 
 def _off_table(placement: int) -> Stage:
-    """A ball of 40 mm that rolls at 1 m/s towards the edge of a table, 0.2 m away."""
+    """A ball of 40 mm that rolls at 1 m/s toward the edge of a table, 0.2 m away."""
     way = turn(Z, heading(placement))
     ball = forms.ball(_MARBLE)
     pose = way @ shift(0.3, 0.1 * scatter(placement, 2), _MARBLE) @ _any_way(placement)
@@ -241,7 +241,7 @@ def _off_table(placement: int) -> Stage:
 
 
 def _throw(track: Track) -> float:
-    """How far from the edge the ball is when it has fallen by 0.4 m, metres; NaN where it never has."""
+    """How far from the edge the ball is when it has fallen by 0.4 m, meters; NaN where it never has."""
     path = track.path("body")
     below = np.nonzero(path[:, 2] < -_EDGE_DROP)[0]
     if not len(below):

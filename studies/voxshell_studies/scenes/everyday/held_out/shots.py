@@ -52,7 +52,7 @@ def _at_plate(placement: int) -> Stage:
 
 
 def _in_plate(track: Track) -> float:
-    """How deep the ball's foremost point gets into the plate, metres; more than its thickness: through."""
+    """How deep the ball's foremost point gets into the plate, meters; more than its thickness: through."""
     return float(track.path("body")[:, 0].max()) - 0.5 + _PELLET + 0.5 * _PLATE
 
 
