@@ -50,9 +50,8 @@ void KeptContacts::reduce_to(std::span<const Contact> chosen) {
   chosen_.clear();
   for (const Contact& contact : chosen) chosen_.push_back(contact.id);
   std::ranges::sort(chosen_);
-  keep_if(contacts_, [&](const Contact& contact) {
-    return std::ranges::binary_search(chosen_, contact.id);
-  });
+  keep_if(contacts_,
+          [&](const Contact& contact) { return std::ranges::binary_search(chosen_, contact.id); });
 }
 
 bool KeptContacts::hold_in(const PairStep& step) const {
@@ -84,8 +83,8 @@ void KeptContacts::carry_to(const PairStep& step, std::vector<Contact>& contacts
   for (Contact& contact : contacts) {
     const auto normal = static_cast<Vec3>(contact.normal);
     const auto on_shell = static_cast<Vec3>(contact.point);
-    const Vec3 on_field = now_from_then.transform_point(
-        on_shell + static_cast<double>(contact.depth) * normal);
+    const Vec3 on_field =
+        now_from_then.transform_point(on_shell + static_cast<double>(contact.depth) * normal);
     // The normal is that of the surface that an element of the other body touches.
     const bool is_of_second = contact.id >= kFirstOfSecond;
     const Vec3 normal_now = is_of_second ? normal : now_from_then.rotate(normal);

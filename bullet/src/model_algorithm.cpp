@@ -173,9 +173,9 @@ void ModelAlgorithm::span_patches(const PairStep& step) {
     return;
   }
   near_->is_on_few_segments = count_segments(step) <= kFewSegments;
-  near_->is_spanned = leave_outer(kPatchShrinkOfRadius * step.radius,
-                                  kFlatOfMargin * static_cast<float>(step.rest_margin),
-                                  near_->search.contacts());
+  near_->is_spanned =
+      leave_outer(kPatchShrinkOfRadius * step.radius,
+                  kFlatOfMargin * static_cast<float>(step.rest_margin), near_->search.contacts());
 }
 
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,

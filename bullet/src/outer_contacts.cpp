@@ -78,8 +78,7 @@ class PatchHull {
     const double slope_v = determinant > 0.0 ? (uu * vd - uv * ud) / determinant : 0.0;
     return std::ranges::all_of(places_, [&](const Placed& place) {
       const double plane = mean_depth + slope_u * (place.u - mean.u) + slope_v * (place.v - mean.v);
-      return is_outer[place.index] != 0 ||
-             depth_of(place) <= plane + static_cast<double>(band);
+      return is_outer[place.index] != 0 || depth_of(place) <= plane + static_cast<double>(band);
     });
   }
 

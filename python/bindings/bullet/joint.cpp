@@ -84,22 +84,18 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
     const btScalar per_velocity = damping_ / info.fps;  // impulse
     if (solves_soft_rows_) {
       // Relative to the velocity that a unit impulse changes.
-      const btScalar change =
-          (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
-          angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
-          angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
+      const btScalar change = (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
+                              angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
+                              angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
       if (change > 0) info.cfm[row] = 1 / (per_velocity * change);
       return;
     }
     // Other solvers' impulses diverge on soft rows. This one is off by what the velocity changes
     // by within the step.
-    const btScalar velocity = linear.dot(m_rbB.getVelocityInLocalPoint(
-                                             place - m_rbB.getCenterOfMassPosition()) -
-                                         m_rbA.getVelocityInLocalPoint(
-                                             place - m_rbA.getCenterOfMassPosition())) +
-                              (slides_ ? btScalar(0)
-                                       : axis.dot(m_rbB.getAngularVelocity() -
-                                                  m_rbA.getAngularVelocity()));
+    const btScalar velocity =
+        linear.dot(m_rbB.getVelocityInLocalPoint(place - m_rbB.getCenterOfMassPosition()) -
+                   m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
+        (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
     info.m_upperLimit[row] = per_velocity * btFabs(velocity);
     info.m_lowerLimit[row] = -info.m_upperLimit[row];
   }

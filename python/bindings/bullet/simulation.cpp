@@ -88,10 +88,9 @@ void Simulation::make_world() {
   broadphase_ = std::make_unique<btDbvtBroadphase>();
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
-  world_ =
-      std::make_unique<bullet::SleepyWorld<
-          bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>>(
-          dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
+  world_ = std::make_unique<
+      bullet::SleepyWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>>(
+      dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   if (settings_.effort == bullet::SolverEffort::kAsNeeded) {
@@ -188,6 +187,13 @@ void Simulation::wake_touching(std::size_t body) {
     if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();
     if (manifold.getBody1()->getUserIndex() == number) manifold.getBody0()->activate();
   }
+}
+
+/// Lets the next step find the body's contacts as if it had none.
+void Simulation::forget_contacts(std::size_t body) {
+  btBroadphaseProxy* const proxy = bodies_[body].rigid_body.getBroadphaseProxy();
+  if (proxy == nullptr) return;
+  broadphase_->getOverlappingPairCache()->cleanProxyFromPairs(proxy, dispatcher_.get());
 }
 
 btRigidBody& Simulation::body_or_world(int number) {
@@ -383,9 +389,7 @@ void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   if (!is_moved) return;
   wake_touching(body);
   if (bodies_[body].motion == Motion::kKinematic) return;
-  // Friction remembers where a body at rest was held, and would pull it back there.
-  broadphase_->getOverlappingPairCache()->cleanProxyFromPairs(rigid_body.getBroadphaseProxy(),
-                                                              dispatcher_.get());
+  forget_contacts(body);  // friction would pull a body at rest back to where it was held
 }
 
 Vec3 Simulation::linear_velocity(std::size_t body) const {
@@ -453,9 +457,15 @@ void Simulation::set_material(std::size_t number, const BodyMaterial& material) 
   body.rigid_body.setDamping(material.linear_damping, material.angular_damping);
   const bool meets_others =
       material.group != body.material.group || material.mask != body.material.mask;
+  const bool touches_otherwise = material.friction != body.material.friction ||
+                                 material.rolling_friction != body.material.rolling_friction ||
+                                 material.spinning_friction != body.material.spinning_friction ||
+                                 material.restitution != body.material.restitution;
   body.material = material;
   move_surface(body);
   wake_touching(number);
+  // Bullet's shapes keep the friction that their contacts began with.
+  if (touches_otherwise) forget_contacts(number);
   if (meets_others) update_pairs(body);
   body.rigid_body.activate();
 }

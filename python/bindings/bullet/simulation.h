@@ -218,6 +218,7 @@ class Simulation {
   void drop_world();
   void enter(Body& body);
   void wake_touching(std::size_t body);
+  void forget_contacts(std::size_t body);
   void update_pairs(const Body& body);
   void update_pair(const Body& body, const Body& other);
   void rebuild(const SimulationState& state);

@@ -152,9 +152,7 @@ def test_friction_adds_to_damping():
     """A wheel of 1 kg m2 that 2 N m drive against friction of 0.5 N m and damping of 3 N m s."""
     world = vx.World(gravity=(0, 0, 0), time_step=0.001, sleeping=False)
     body = world.add(vx.Sphere(0.5), mass=10.0)
-    joint = world.add_joint(
-        vx.HingeJoint(axis=(0, 0, 1), friction=0.5, damping=3.0), None, body
-    )
+    joint = world.add_joint(vx.HingeJoint(axis=(0, 0, 1), friction=0.5, damping=3.0), None, body)
     world.step(3000, before=lambda world: body.apply_torque((0, 0, 2.0)))
     assert joint.velocity == pytest.approx((2.0 - 0.5) / 3.0, rel=1e-3)
 
