@@ -34,7 +34,7 @@ class Film(NamedTuple):
         every: Each so many frames is a picture.
         milliseconds: From picture to picture.
         studio: Options of ``drawing.Studio``.
-        count: Pictures at most.
+        most: Pictures at most.
     """
 
     example: str
@@ -43,7 +43,7 @@ class Film(NamedTuple):
     every: int
     milliseconds: int
     studio: dict[str, Any]
-    count: int
+    most: int
 
 
 FILMS = {
@@ -58,9 +58,9 @@ FILMS = {
         48,
     ),
     "bunnies": Film(
-        *("07", ("--count", "15"), 2, 1, 40),
+        *("07", ("--count", "15"), 2, 1, 80),
         {"elevation": 52, "fill": 0.98, "frames": (-1,)},
-        80,
+        28,
     ),
     "gripper": Film(
         *("11", (), 68, 4, 60),
@@ -94,10 +94,10 @@ def film(film: Film, path: Path, *, quality: float = 0.7) -> Path:
     """Writes an animated WebP of an example."""
     recording = run_example(film.example, film.options)["recorder"].recording()
     sys.path.insert(0, str(EXAMPLES))
-    from drawing import Studio
+    from drawing import Studio  # pyright: ignore[reportMissingImports]: beside the examples
 
     studio = Studio(recording, size=SIZE, quality=quality, legend=False, **film.studio)
-    frames = range(film.first, recording.frame_count, film.every)[: film.count]
+    frames = range(film.first, recording.frame_count, film.every)[: film.most]
     pictures = [studio.picture(frame) for frame in frames]
     return save_moving(path, pictures, film.milliseconds)
 
