@@ -21,10 +21,10 @@ extensions = [
     "gallery",
     "mathml",
 ]
-exclude_patterns = ["_ext", "_static", "figures"]
+exclude_patterns = ["_ext", "_static", "figures", "pictures"]
 html_theme = "furo"
 html_title = f"voxshell {version}"
-html_static_path = ["_static"]
+html_static_path = ["_static", "pictures"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False

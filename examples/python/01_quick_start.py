@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 import voxshell as vx
 from command import parse_command, tell
-from drawing import draw, plot
+from drawing import as_recording, draw, plot
 
 options = parse_command(__doc__)
 ring = vx.Model.from_mesh(trimesh.creation.torus(0.04, 0.01), voxel_size=0.001)
@@ -38,7 +38,8 @@ tell(
         "they_touch": vx.collide(ring, ring, b_pose=hang(drop)),
     },
 )
-draw(options.out / "picture.png", [(ring, np.eye(4)), (ring, hang(drop))], elevation=25)
+touching = as_recording([(ring, np.eye(4)), (ring, hang(drop))], contacts)
+draw(options.out / "picture.png", touching, azimuth=60, elevation=25, floor=0.15)
 plot(
     options.out / "plot.png",
     1e3 * drops,

@@ -49,7 +49,7 @@ tell(
     },
 )
 model.save(options.out / "part.voxshell")
-draw(options.out / "picture.png", [(model, np.eye(4))], elevation=40)
+draw(options.out / "picture.png", [(model, np.eye(4), (92, 141, 208))], elevation=40)
 
 low, high = model.bounds
 x, z = np.linspace(1.3 * low[0], 1.3 * high[0], 300), np.linspace(1.3 * low[2], 1.3 * high[2], 300)

@@ -52,7 +52,8 @@ tell(
         "deepest_mm": 1e3 * float(contacts["depth"].max(initial=0.0)),
     },
 )
-draw(options.out / "picture.png", world.bodies)
+recording = recorder.recording()
+draw(options.out / "picture.png", recording, frames=(-1,), elevation=30)
 lines = {"model": 1e3 * heights, "pybullet's convex hull": 1e3 * hull_heights}
 plot(options.out / "plot.png", np.arange(480) / 240, lines, x_label="s", y_label="height, mm")
-recorder.save_html(options.out / "replay.html", title="A ring falls over a post")
+recording.save_html(options.out / "replay.html", title="A ring falls over a post")

@@ -59,7 +59,8 @@ tell(
         "distance_at_the_end_mm": 1e3 * gap,
     },
 )
-draw(options.out / "picture.png", [(bolt, np.eye(4)), (nut_model, nut.pose)], elevation=15)
+recording = recorder.recording()
+draw(options.out / "picture.png", recording, frame=30, cut=("nut",), azimuth=35)
 lines = {"measured": 1e3 * down, "a pitch a turn": 1e3 * thread.pitch * turns}
 plot(options.out / "plot.png", turns, lines, x_label="turns", y_label="way down, mm")
-recorder.save_html(options.out / "replay.html", title="A nut runs down its bolt")
+recording.save_html(options.out / "replay.html", title="A nut runs down its bolt")

@@ -70,8 +70,9 @@ tell(
         "seconds": len(rows) / RATE,
     },
 )
-draw(options.out / "picture.png", [(body.shape, body.pose) for body in world.bodies], elevation=50)
+recording = recorder.recording()
+draw(options.out / "picture.png", recording, frame=20, azimuth=15, elevation=48)
 off = 360.0 * (-second - first * TEETH[0] / TEETH[1])
 time = np.arange(1, len(rows) + 1) / RATE
 plot(options.out / "plot.png", time, {"lag": off}, x_label="s", y_label="large gear ahead, degrees")
-recorder.save_html(options.out / "replay.html", title="12 teeth drive 24")
+recording.save_html(options.out / "replay.html", title="12 teeth drive 24")

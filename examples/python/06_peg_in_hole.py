@@ -62,10 +62,10 @@ half = as_mesh(block.trim_by_plane((0.0, 1.0, 0.0), 0.0))
 apart = [np.eye(4), np.eye(4)]
 apart[1][0, 3] = 0.05
 pairs = [
-    (shape, side @ pose)
+    (shape, side @ pose, color)
     for side, (peg, peg_pose) in zip(apart, (bodies[1], bodies[2]), strict=True)
-    for shape, pose in ((half, np.eye(4)), (peg, peg_pose))
+    for shape, pose, color in ((half, np.eye(4), (176, 182, 190)), (peg, peg_pose, (92, 141, 208)))
 ]
-draw(options.out / "picture.png", pairs)
+draw(options.out / "picture.png", pairs, azimuth=15, elevation=15)
 time = np.arange(len(down)) / RATE
 plot(options.out / "plot.png", time, lines, x_label="s", y_label="way into the hole, mm")

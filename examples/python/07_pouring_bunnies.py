@@ -65,7 +65,8 @@ tell(
         "of_real_time": step_ms * RATE / 1e3,
     },
 )
-draw(options.out / "picture.png", [(b.shape, b.pose) for b in world.bodies], elevation=50)
+recording = recorder.recording()
+draw(options.out / "picture.png", recording, frames=(-1,), elevation=50, fill=0.9)
 lines = {"energy of motion, mJ": 1e3 * np.array(energy), "contact points": np.array(contacts)}
 plot(options.out / "plot.png", np.arange(1, steps + 1) / RATE, lines, x_label="s", y_label="")
-recorder.save_html(options.out / "replay.html", title="Pouring bunnies", max_contacts=100)
+recording.save_html(options.out / "replay.html", title="Pouring bunnies", max_contacts=100)

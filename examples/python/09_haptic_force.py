@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 import voxshell as vx
 from command import parse_command, tell
-from drawing import draw, plot
+from drawing import as_recording, draw, plot
 from replaying import replay
 
 options = parse_command(__doc__)
@@ -41,7 +41,10 @@ tell(
         "99th_percentile_microseconds": 1e6 * float(np.quantile(times, 0.99)),
     },
 )
-draw(options.out / "picture.png", [(rough, np.eye(4)), (probe, pose)], elevation=20)
+touching = as_recording(
+    [(rough, np.eye(4)), (probe, poses[-steps // 3])], vx.contacts(probe, rough, poses[-steps // 3])
+)
+draw(options.out / "picture.png", touching, elevation=20)
 lines = {axis: forces[:, number] for number, axis in enumerate("xyz")}
 milliseconds = np.arange(steps)
 plot(options.out / "plot.png", milliseconds, lines, x_label="ms", y_label="force on the probe, N")

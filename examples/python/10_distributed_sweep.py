@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 import voxshell as vx
 from command import parse_command, tell
-from drawing import draw, plot
+from drawing import as_recording, draw, plot
 from replaying import replay
 from trimesh.transformations import rotation_matrix
 
@@ -56,7 +56,9 @@ if __name__ == "__main__":
     )
     tube, peg = build(clearances[-1])
     pose = rotation_matrix(np.radians(tilts[-1]), (0, 1, 0))
-    draw(options.out / "picture.png", [(tube, np.eye(4)), (peg, pose)], elevation=40)
+    found = vx.contacts(tube, peg, b_pose=pose)
+    jammed = as_recording([(tube, np.eye(4)), (peg, pose)], found)
+    draw(options.out / "picture.png", jammed, cut=("0",), azimuth=35, elevation=30)
     lines = {"found": tilts, "for small angles": exact}
     plot(
         options.out / "plot.png",

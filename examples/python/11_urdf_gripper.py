@@ -59,7 +59,8 @@ if __name__ == "__main__":
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
-    draw(options.out / "picture.png", world.bodies, elevation=35.0)
+    view = {"frame": 230, "frames": (230,), "focus": ("gripper/wrist", "mug"), "cut": ("mug",)}
+    draw(options.out / "picture.png", recorder.recording(), azimuth=32.0, **view)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
         world.step(round(1.8 * RATE), note)

@@ -47,12 +47,10 @@ for name, shape in shapes.items():
     figures[f"narrow_phase_of_the_{name}_us"] = 1e6 * float(narrow)
     lines[name] = 1e3 * heights
 tell(options.out, figures)
-ball = trimesh.creation.icosphere(4, BALL).apply_translation((0, 0, BALL))
-table = trimesh.creation.box((0.4, 0.4, 0.02)).apply_translation((0, 0, -0.01))
-around = [(vx.Mesh(one.vertices, one.faces), np.eye(4)) for one in (table, ball)]
-draw(options.out / "picture.png", [*around, (body.shape, body.pose)], elevation=35.0)
+recording = recorder.recording()
+draw(options.out / "picture.png", recording, frames=(-1,), elevation=35.0, fill=0.62)
 time = np.arange(1, len(heights) + 1) / RATE
 shown = (time > 0.28) & (time < 0.8)  # from shortly before it lands
 lines = {name: line[shown] for name, line in lines.items()}
 plot(options.out / "plot.png", time[shown], lines, x_label="s", y_label="height of the ring, mm")
-recorder.save_html(options.out / "replay.html", title="A ring falls around a ball")
+recording.save_html(options.out / "replay.html", title="A ring falls around a ball")

@@ -1,69 +1,221 @@
-"""Pictures of bodies, and plots, with numpy and matplotlib alone."""
+"""Pictures of recordings and of bodies, in the style of the replays, and plots."""
 
+import manifold3d as m3
 import matplotlib.pyplot as plt
 import numpy as np
+import trimesh
 import voxshell as vx
-from matplotlib.colors import to_rgb
+from matplotlib import font_manager
+from PIL import Image, ImageDraw, ImageFont
+from rendering import make_surface, place_camera, render
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.viewer.arrows import find_arrows, full_force
+from voxshell.viewer.lanes import Lane
+from voxshell.viewer.page import metric
+from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FORCE_COLOR, choose_colors
+from voxshell.viewer.pins import color_depths, full_depth
+from voxshell.viewer.stage import find_slabs, nice_length, plan_stage
 
-LIGHT = np.array([0.35, -0.6, 0.72])
-COLORS = ("#5c8dd0", "#48a39a", "#8a7aca", "#c98f4e", "#b08abe", "#7aa05c")
-WIDTH, HEIGHT, FINER = 720, 500, 2  # pixels, and how many are drawn for each one along a side
+SIZE = 960, 600  # pixels
+INK, FAINT = (30, 39, 51), (91, 104, 120)
+BALL, ARROW = 0.012, 0.6  # a contact's ball and its longest arrow, in diameters of a typical body
+MOST_CONTACTS = 400
 
 
-def draw(path, bodies, *, azimuth=25.0, elevation=20.0):
-    """Writes a picture, seen from afar, of the nearest triangle in each pixel.
+class Studio:
+    """A recording in front of a camera.
+
+    Args:
+        recording: What is drawn; grounds of it become one endless ground.
+        size: Width and height, pixels.
+        azimuth: From which side, degrees about z; 0 looks along y.
+        elevation: From how far above, degrees.
+        frames: In which the camera sees bodies whole.
+        focus: Names of these bodies; all by default.
+        floor: Where there is no ground, one is drawn so far below all bodies, in their height.
+        fill: The share of the picture that the bodies fill.
+        forces: Whether to draw the arrows of forces.
+        hidden: Names of bodies that are not drawn.
+        cut: Names of bodies of which the quarter in front is not drawn.
+        quality: Less is faster: a share of the directions that light comes from.
+        legend: Whether to write what colors, arrows and lines mean.
+    """
+
+    def __init__(
+        self,
+        recording,
+        *,
+        size=SIZE,
+        azimuth=25.0,
+        elevation=20.0,
+        frames=(0, -1),
+        focus=None,
+        floor=0.0,
+        fill=0.84,
+        forces=True,
+        hidden=(),
+        cut=(),
+        quality=1.0,
+        legend=True,
+    ):
+        stage = plan_stage([Lane("", recording)], up="+z")
+        slabs = find_slabs(recording, stage, up="+z")
+        colors = choose_colors(recording)
+        self._recording, self._size, self._quality = recording, size, quality
+        self._cut, self._legend = cut, legend
+        self._bodies = [
+            (make_surface(body.vertices, body.faces, color), body)
+            for body, color in zip(recording.bodies, colors, strict=True)
+            if body.name not in slabs and body.name not in hidden
+        ]
+        places = {
+            body.name: np.concatenate(
+                [
+                    surface.dots[:3000] @ body.poses[frame, :3, :3].T + body.poses[frame, :3, 3]
+                    for frame in frames
+                ]
+            )
+            for surface, body in self._bodies
+        }
+        seen = np.concatenate([places[name] for name in focus or places])
+        self.camera = place_camera(seen, size, azimuth=azimuth, elevation=elevation, fill=fill)
+        low, high = np.min(seen, axis=0), np.max(seen, axis=0)
+        if focus:
+            low[2] = min(points[:, 2].min() for points in places.values())
+        self.ground = low[2] - floor * (high[2] - low[2])
+        if slabs:
+            self.ground = max(slab.high[2] for slab in slabs.values())
+        self.cell = nice_length(0.06 * float(np.linalg.norm(high - low)))
+        self._body_size = stage.body_size
+        self._deepest = full_depth([recording])
+        self._strongest = full_force([recording]) if forces else 0.0
+
+    def picture(self, frame=-1):
+        """The bodies and contacts of a frame, and the legend, as a PIL image."""
+        frame = frame % self._recording.frame_count
+        pixels = render(
+            [
+                (self._open(surface, body, frame), body.poses[frame])
+                for surface, body in self._bodies
+            ],
+            self.camera,
+            self._size,
+            ground=self.ground,
+            cell=self.cell,
+            marks=self._find_marks(self._recording.contacts.frame(frame)),
+            suns=max(6, round(16 * self._quality)),
+            skies=max(16, round(48 * self._quality)),
+        )
+        image = Image.fromarray(pixels)
+        if self._legend:
+            self._write_legend(image)
+        return image
+
+    def _open(self, surface, body, frame):
+        """The surface of a body, or of what is left of it after its cut."""
+        if body.name not in self._cut:
+            return surface
+        turn = body.poses[frame, :3, :3]
+        mesh = m3.Mesh64(body.vertices.copy(), body.faces.astype(np.uint64))
+        whole = m3.Manifold(mesh)
+        middle = 0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0))
+        right, back = self.camera.axes[0], np.cross(self.camera.axes[0], (0.0, 0.0, 1.0))
+        first, second = (back + right) @ turn, (back - right) @ turn
+        kept = whole.trim_by_plane((-first).tolist(), float(-first @ middle))
+        rest = whole.trim_by_plane(first.tolist(), float(first @ middle))
+        kept += rest.trim_by_plane((-second).tolist(), float(-second @ middle))
+        left = kept.to_mesh64()
+        return make_surface(left.vert_properties[:, :3], left.tri_verts, surface.color)
+
+    def _find_marks(self, contacts):
+        """A ball for each contact, in the color of its depth, and an arrow for each force."""
+        chosen = np.arange(len(contacts.points))
+        if len(chosen) > MOST_CONTACTS:
+            chosen = np.unique(np.linspace(0, len(chosen) - 1, MOST_CONTACTS).astype(int))
+        marks = []
+        if self._strongest > 0.0:
+            arrows = find_arrows(
+                contacts.points,
+                contacts.forces,
+                strongest=self._strongest,
+                longest=ARROW * self._body_size,
+                limit=MOST_CONTACTS,
+            )
+            marks += [make_arrow(a, b, 0.01 * self._body_size, FORCE_COLOR) for a, b in arrows]
+        ball = trimesh.creation.icosphere(2, BALL * self._body_size)
+        shares = contacts.depths[chosen] / self._deepest if self._deepest else 0.0 * chosen
+        for point, color in zip(contacts.points[chosen], color_depths(shares), strict=True):
+            pose = np.eye(4)
+            pose[:3, 3] = point
+            marks.append((make_surface(ball.vertices, ball.faces, tuple(color), dots=1), pose))
+        return marks
+
+    def _write_legend(self, image):
+        """What colors, arrows and lines mean, along the foot of the picture."""
+        width, height = self._size
+        pen, letter = ImageDraw.Draw(image), max(11, height // 42)
+        font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), letter)
+        middle, left = height - 1.2 * letter, 1.0 * letter
+        if self._deepest > 0.0:
+            pen.text((left, middle), "contact depth 0", INK, font, anchor="lm")
+            left += pen.textlength("contact depth 0", font) + 0.6 * letter
+            long, thick = 6 * letter, 0.3 * letter
+            colors = color_depths(np.linspace(0.0, 1.0, long)).round().astype(int)
+            for place, color in enumerate(colors.tolist()):
+                box = (left + place, middle - thick, left + place, middle + thick)
+                pen.rectangle(box, tuple(color))
+            left += long + 0.6 * letter
+            pen.text((left, middle), metric(self._deepest), INK, font, anchor="lm")
+            left += pen.textlength(metric(self._deepest), font) + 2.0 * letter
+        if self._strongest > 0.0:
+            tip = left + 2.2 * letter
+            pen.line((left, middle, tip - 5, middle), FORCE_COLOR, max(2, letter // 6))
+            head = [(tip, middle), (tip - 0.7 * letter, middle - 0.35 * letter)]
+            pen.polygon([*head, (tip - 0.7 * letter, middle + 0.35 * letter)], FORCE_COLOR)
+            text = f"normal force on the moving body, longest {self._strongest:g} N"
+            pen.text((tip + 0.5 * letter, middle), text, INK, font, anchor="lm")
+        text = f"grid {metric(self.cell)}"
+        pen.text((width - letter, middle), text, FAINT, font, anchor="rm")
+
+
+def draw(path, shown, *, frame=-1, **options):
+    """Writes a picture of a recording's frame, or of pairs of model or mesh and pose.
 
     Args:
         path: Of the PNG.
-        bodies: Of a world, or pairs of model or mesh and pose; whatever has no mesh is left out.
-        azimuth: From which side, degrees about z; 0 looks along y.
-        elevation: From how far above, degrees.
+        shown: A recording, or pairs; a third member of a pair is its color, 0 to 255, and the first one is gray.
+        frame: Of the recording.
+        options: As for :class:`Studio`.
     """
-    turn, tilt = np.radians([azimuth, elevation])
-    right = np.array([np.cos(turn), np.sin(turn), 0.0])
-    back = np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
-    axes = np.stack([right, np.cross(back, right), back])
-    triangles, shades = [], []
-    for number, body in enumerate(bodies):
-        shape, pose = body if isinstance(body, tuple) else (body.shape, body.pose)
-        mesh = shape if isinstance(shape, vx.Mesh) else getattr(shape, "mesh", None)
-        if mesh is None:
-            continue
-        corners = (mesh.vertices @ pose[:3, :3].T + pose[:3, 3])[mesh.faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-        front = normals @ back > 0.0
-        light = 0.35 + 0.65 * np.maximum(normals[front] @ LIGHT, 0.0)
-        color = np.array(to_rgb(COLORS[number % len(COLORS)]))
-        triangles.append(corners[front] @ axes.T)
-        shades.append(np.minimum(light[:, None] * color + 0.12, 1.0))
-    plt.imsave(path, _paint(np.concatenate(triangles), np.concatenate(shades)))
+    if not isinstance(shown, Recording):
+        shown = as_recording(shown)
+    Studio(shown, **options).picture(frame).save(path)
 
 
-def _paint(triangles, shades):
-    """Triangles (n, 3, 3), right, up and towards the viewer, as pixels (h, w, 3)."""
-    size = np.array([WIDTH, HEIGHT]) * FINER
-    low, high = triangles[:, :, :2].min(axis=(0, 1)), triangles[:, :, :2].max(axis=(0, 1))
-    scale = 0.94 * (size / (high - low)).min()
-    places = (triangles[:, :, :2] - 0.5 * (low + high)) * scale + 0.5 * size
-    picture, nearest = np.ones((size[1], size[0], 3)), np.full((size[1], size[0]), -np.inf)
-    first, last = np.floor(places.min(axis=1)).astype(int), np.ceil(places.max(axis=1)).astype(int)
-    for (a, b, c), depths, (x0, y0), (x1, y1), shade in zip(
-        places, triangles[:, :, 2], first, last, shades, strict=True
-    ):
-        area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        if area == 0.0:
-            continue
-        x, y = np.arange(x0, x1 + 1), np.arange(y0, y1 + 1)[:, None]
-        second = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) / area
-        third = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / area
-        depth = depths[0] + second * (depths[1] - depths[0]) + third * (depths[2] - depths[0])
-        window = np.s_[y0 : y1 + 1, x0 : x1 + 1]
-        inside = (second >= 0) & (third >= 0) & (second + third <= 1) & (depth > nearest[window])
-        nearest[window][inside] = depth[inside]
-        picture[window][inside] = shade
-    coarse = picture.reshape(HEIGHT, FINER, WIDTH, FINER, 3).mean(axis=(1, 3))
-    return np.ascontiguousarray(coarse[::-1])
+def as_recording(pairs, contacts=None):
+    """One frame of bodies that stand, from pairs as for :func:`draw` and perhaps their contacts."""
+    tracks = []
+    for number, (shape, pose, *color) in enumerate(pairs):
+        mesh = shape if isinstance(shape, vx.Mesh) else shape.mesh
+        chosen = color[0] if color else (FIXED_COLOR, *BODY_COLORS)[number % 7]
+        poses = np.asarray(pose)[None]
+        faces = np.asarray(mesh.faces, np.int64)
+        tracks.append(BodyTrack(f"{number}", mesh.vertices, faces, chosen, poses))
+    track = ContactTrack.empty(1)
+    if contacts is not None:
+        track = ContactTrack.from_frames([(contacts.points_b, contacts.normals, contacts.depths)])
+    return Recording(1.0, tuple(tracks), track)
+
+
+def make_arrow(start, end, thickness, color):
+    """A surface and its pose: an arrow between two points."""
+    length = float(np.linalg.norm(end - start))
+    head = min(6.0 * thickness, 0.6 * length)
+    profile = [(0, 0), (thickness, 0), (thickness, length - head), (2.8 * thickness, length - head)]
+    mesh = trimesh.creation.revolve([*profile, (0, length)], sections=16)
+    pose = trimesh.geometry.align_vectors((0.0, 0.0, 1.0), end - start)
+    pose[:3, 3] = start
+    return make_surface(mesh.vertices, mesh.faces, color, dots=1), pose
 
 
 def plot(path, x, lines, *, x_label, y_label):

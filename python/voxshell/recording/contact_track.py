@@ -23,6 +23,9 @@ class ContactTrack:
         points: (k, 3) float, meters, world frame.
         normals: (k, 3) float, unit length, world frame, on body b, pointing toward body a.
         depths: (k,) float, meters, positive where the bodies overlap.
+        forces: (k, 3) float, newtons, world frame: the normal force of each contact in the step
+            before the frame, on body a, or on body b if a is not dynamic. None means zeros: no
+            forces were computed.
 
     Raises:
         RecordingError: The lengths disagree, a number is not finite, or a normal is not of unit
@@ -45,6 +48,7 @@ class ContactTrack:
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
     depths: NDArray[np.float64]
+    forces: NDArray[np.float64] = None  # pyright: ignore[reportAssignmentType]: an array once it is made
 
     def __post_init__(self) -> None:
         offsets = as_integers(self.offsets, "contacts: offsets")
@@ -55,9 +59,15 @@ class ContactTrack:
             raise RecordingError(
                 f"contacts: offsets must have shape (frames + 1,), got {offsets.shape}"
             )
-        if not len(points) == len(normals) == len(depths):
+        forces = (
+            np.zeros((len(points), 3))
+            if self.forces is None
+            else as_points(self.forces, "contacts: forces")
+        )
+        if not len(points) == len(normals) == len(depths) == len(forces):
             raise RecordingError(
-                f"contacts: {len(points)} points, {len(normals)} normals and {len(depths)} depths"
+                f"contacts: {len(points)} points, {len(normals)} normals, {len(depths)} depths and "
+                f"{len(forces)} forces"
             )
         if offsets[0] != 0 or offsets[-1] != len(points):
             raise RecordingError(
@@ -84,6 +94,7 @@ class ContactTrack:
         keep(self, "points", points)
         keep(self, "normals", normals)
         keep(self, "depths", depths)
+        keep(self, "forces", forces)
 
     @classmethod
     def empty(cls, frames: int) -> ContactTrack:
@@ -97,12 +108,13 @@ class ContactTrack:
         return cls(np.zeros(frames + 1, dtype=np.int64), nothing, nothing, np.zeros(0))
 
     @classmethod
-    def from_frames(cls, frames: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]]) -> ContactTrack:
+    def from_frames(cls, frames: Sequence[tuple[ArrayLike, ...]]) -> ContactTrack:
         """Concatenate the contacts of single frames.
 
         Args:
-            frames: For each frame its points (k, 3), normals (k, 3) and depths (k,), in the units
-                and frame of the class; k may differ between frames and may be 0.
+            frames: For each frame its points (k, 3), normals (k, 3), depths (k,) and, optionally,
+                forces (k, 3), in the units and frame of the class; k may differ between frames and
+                may be 0.
 
         Raises:
             RecordingError: As for the class.
@@ -110,16 +122,20 @@ class ContactTrack:
         points = [as_points(frame[0], "contacts: points") for frame in frames]
         normals = [as_points(frame[1], "contacts: normals") for frame in frames]
         depths = [as_floats(frame[2], "contacts: depths").reshape(-1) for frame in frames]
-        for index, (p, n, d) in enumerate(zip(points, normals, depths, strict=True)):
-            if not len(p) == len(n) == len(d):
+        forces = [
+            as_points(frame[3], "contacts: forces") if len(frame) > 3 else np.zeros((len(p), 3))
+            for frame, p in zip(frames, points, strict=True)
+        ]
+        for index, (p, n, d, f) in enumerate(zip(points, normals, depths, forces, strict=True)):
+            if not len(p) == len(n) == len(d) == len(f):
                 raise RecordingError(
-                    f"contacts: frame {index} has {len(p)} points, {len(n)} normals "
-                    f"and {len(d)} depths"
+                    f"contacts: frame {index} has {len(p)} points, {len(n)} normals, "
+                    f"{len(d)} depths and {len(f)} forces"
                 )
         if not frames:
             raise RecordingError("contacts: a recording needs at least one frame, got none")
         offsets = np.concatenate([[0], np.cumsum([len(p) for p in points])])
-        return cls(offsets, np.concatenate(points), np.concatenate(normals), np.concatenate(depths))
+        return cls(offsets, *map(np.concatenate, (points, normals, depths, forces)))
 
     @property
     def frame_count(self) -> int:
@@ -142,5 +158,9 @@ class ContactTrack:
         part = slice(int(self.offsets[index]), int(self.offsets[index + 1]))
         points = self.points[part]
         return ContactTrack(
-            np.array([0, len(points)]), points, self.normals[part], self.depths[part]
+            np.array([0, len(points)]),
+            points,
+            self.normals[part],
+            self.depths[part],
+            self.forces[part],
         )

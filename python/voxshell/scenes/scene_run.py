@@ -9,7 +9,7 @@ import numpy as np
 
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_shapes import mesh_of
-from voxshell.simulation.tables import CONTACT_DTYPE
+from voxshell.simulation.tables import CONTACT_DTYPE, compute_forces
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -92,7 +92,16 @@ def make_recording(scene: Scene, world: World, run: SceneRun) -> Recording:
         assert color is None or len(color) == 3
         faces = mesh.faces.astype(np.int64)
         tracks.append(BodyTrack(body.name, mesh.vertices, faces, color, run.poses[:, index]))
-    frames = [(frame["point_b"], frame["normal"], frame["depth"]) for frame in run.contacts]
+    dynamic = [body.number for body in world.bodies if body.motion == "dynamic"]
+    frames = [
+        (
+            frame["point_b"],
+            frame["normal"],
+            frame["depth"],
+            compute_forces(frame, dynamic, world.time_step),
+        )
+        for frame in run.contacts
+    ]
     time_step = scene.outputs.every * world.time_step
     return Recording(time_step, tuple(tracks), ContactTrack.from_frames(frames))
 

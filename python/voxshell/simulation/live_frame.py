@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.errors import SettingsError
-from voxshell.simulation.tables import as_contacts
+from voxshell.simulation.tables import as_contacts, compute_forces
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,9 +68,7 @@ def take_frame(
     except SettingsError:
         return None
     contacts = as_contacts(simulation.contacts())
-    dynamic = np.array([body.number for body in present if body.motion == "dynamic"])
-    sign = np.where(np.isin(contacts["body_a"], dynamic), 1.0, -1.0)
-    forces = (sign * contacts["impulse"] / time_step)[:, None] * contacts["normal"]
+    dynamic = [body.number for body in present if body.motion == "dynamic"]
     return LiveFrame(
         simulation.step_count() * time_step,
         present,
@@ -78,7 +76,7 @@ def take_frame(
         contacts["point_b"],
         contacts["normal"],
         contacts["depth"],
-        forces,
+        compute_forces(contacts, dynamic, time_step),
         kinetic,
         potential,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_shapes import mesh_of
-from voxshell.simulation.tables import as_contacts
+from voxshell.simulation.tables import as_contacts, compute_forces
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -44,6 +44,7 @@ class Recorder:
         self._steps = 0
         self._poses: list[NDArray[np.float64]] = []
         self._contacts: list[NDArray[np.void]] = []
+        self._forces: list[NDArray[np.float64]] = []
         self._take_frame()
 
     def take(self) -> None:
@@ -71,7 +72,10 @@ class Recorder:
             color = None if colors is None else colors.get(body)
             tracks.append(BodyTrack(name, mesh.vertices, faces, color, poses[:, index]))
         contacts = ContactTrack.from_frames(
-            [(frame["point_b"], frame["normal"], frame["depth"]) for frame in self._contacts]
+            [
+                (frame["point_b"], frame["normal"], frame["depth"], forces)
+                for frame, forces in zip(self._contacts, self._forces, strict=True)
+            ]
         )
         return Recording(self._every * self._time_step, tuple(tracks), contacts)
 
@@ -96,7 +100,10 @@ class Recorder:
         self._poses.append(
             np.array([*map(self._pose_of, range(len(self._bodies)))]).reshape(-1, 4, 4)
         )
-        self._contacts.append(as_contacts(self._simulation.contacts()))
+        contacts = as_contacts(self._simulation.contacts())
+        dynamic = [body.number for body in self._bodies if body.motion == "dynamic"]
+        self._contacts.append(contacts)
+        self._forces.append(compute_forces(contacts, dynamic, self._time_step))
 
     def _pose_of(self, index: int) -> NDArray[np.float64]:
         """Return a body's pose; of a removed body the last one."""

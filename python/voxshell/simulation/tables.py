@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 CONTACT_DTYPE = np.dtype(
@@ -47,6 +49,22 @@ def as_hits(rows: NDArray[np.float64]) -> NDArray[np.void]:
 def as_timings(rows: NDArray[np.float64]) -> NDArray[np.void]:
     """Return (n,) of TIMINGS_DTYPE from (n, 5), without a copy."""
     return rows.view(TIMINGS_DTYPE)[:, 0]
+
+
+def compute_forces(
+    contacts: NDArray[np.void], dynamic: Sequence[int], time_step: float
+) -> NDArray[np.float64]:
+    """(n, 3) newtons, world frame: the normal force of each contact in the last step on the body that it moves.
+
+    That is body a, or body b where a is not dynamic.
+
+    Args:
+        contacts: (n,) of CONTACT_DTYPE.
+        dynamic: Numbers of the dynamic bodies.
+        time_step: Seconds.
+    """
+    sign = np.where(np.isin(contacts["body_a"], np.asarray(dynamic, np.int64)), 1.0, -1.0)
+    return (sign * contacts["impulse"] / time_step)[:, None] * contacts["normal"]
 
 
 def _as_table(rows: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[np.void]:

@@ -10,19 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voxshell.recording import BodyTrack
+from voxshell.viewer.arrows import ARROW_SHAFT, LONGEST_ARROW, find_arrows
 from voxshell.viewer.grid import add_grid
-from voxshell.viewer.lanes import Lane, view_axes
-from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
+from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
+from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FLOOR_COLOR, FORCE_COLOR
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
-from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.surface import split_creases
 from voxshell.viewer.timeline import Timeline
 
 if TYPE_CHECKING:
     import viser
 
-_SLAB_COLOR = (214, 218, 224)
+_SLAB_COLOR = (226, 230, 235)
 _GRID_LIFT = 0.002  # display units; enough to lie on the slab without flicker
 # Numbers are rounded to multiples of a power of two that are too small to see: they compress well.
 _POSE_GRAIN = 2.0**-16  # display units, and components of a quaternion; a tenth of a pixel
@@ -31,6 +32,7 @@ _LABEL_WIDTH = 130  # characters that fit side by side below all lanes of a row
 _SHORT_ROW = 3
 _LETTER_SHARE = 0.0205  # fraction of the picture's height; 14 of 680 pixels
 _BALL_SHARE = 0.012  # fraction of a body's diagonal
+_FLOOR = 4.5  # distance at which a floor has faded out, in sides of the stage
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,7 @@ class Script:
         up: The world axis that points up.
         lane_count: Number of lanes.
         deepest: Depth with the darkest color, meters.
+        strongest: Force of the longest arrow, newtons; 0 draws normals instead of forces.
         counted: Write the number of contacts below a lane.
         max_contacts: Largest number of pins in a lane at a time.
     """
@@ -54,6 +57,7 @@ class Script:
     up: str
     lane_count: int
     deepest: float
+    strongest: float
     counted: bool
     max_contacts: int
 
@@ -88,6 +92,10 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
     actors: list[Actor] = []
     for body in lane.recording.bodies:
         name = f"{root}/{body.name.replace('/', ' ')}"
+        if body.name in slabs and _is_endless(slabs[body.name], script):
+            top = slabs[body.name].low if script.up[0] == "-" else slabs[body.name].high
+            _add_floor(scene, name, top, script, color=body.color or FLOOR_COLOR)
+            continue
         if body.name in slabs:
             _add_slab(scene, name, slabs[body.name], body.color or _SLAB_COLOR, script)
             continue
@@ -96,19 +104,27 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
             # If each of several lanes has one body, colors distinguish lanes, otherwise bodies.
             alone = len(moving) == 1 and script.lane_count > 1
             color = BODY_COLORS[(number if alone else moving.index(body)) % len(BODY_COLORS)]
+        vertices, faces = split_creases(body.vertices, body.faces)
         node = scene.add_mesh_simple(
             name,
-            (body.vertices * scale).astype(np.float32),
-            body.faces.astype(np.uint32),
+            (vertices * scale).astype(np.float32),
+            faces.astype(np.uint32),
             color=color,
-            flat_shading=is_faceted(body.vertices, body.faces),
             side="double",
         )
         actors.append(_BodyActor(node, body, frames, scale))
     if lane.label or script.counted:
         actors.append(_CaptionActor(_add_caption(scene, root, script), lane, script))
-    contacts = _ContactActor.build(scene, f"{root}/contacts", lane, script)
-    return [*actors, contacts] if contacts else actors
+    if not slabs:  # for shadows and for scale
+        low, high = activity_bounds(lane.recording)
+        _add_floor(scene, f"{root}/floor", high if script.up[0] == "-" else low, script)
+    for found in (
+        _ContactActor.build(scene, f"{root}/contacts", lane, script),
+        _ForceActor.build(scene, f"{root}/forces", lane, script),
+    ):
+        if found is not None:
+            actors.append(found)
+    return actors
 
 
 class _BodyActor:
@@ -165,7 +181,7 @@ class _ContactActor:
         # Start with the fullest of all instants, so that the player never has to grow its buffers.
         pins = _pins(lane, int(frames[np.argmax(counts)]), script)
         ball = _BALL_SHARE * script.stage.body_size * script.stage.scale
-        vertices, faces = build_pin_mesh(ball)
+        vertices, faces = build_pin_mesh(ball, stem=script.strongest == 0.0)
         node = scene.add_batched_meshes_simple(
             name,
             vertices,
@@ -188,6 +204,56 @@ class _ContactActor:
             self._node.batched_colors = pins.colors
         if self._node.visible != bool(len(pins)):
             self._node.visible = bool(len(pins))
+
+
+class _ForceActor:
+    """Shows a lane's normal forces as arrows."""
+
+    def __init__(self, node: Any, lane: Lane, frames: NDArray[np.int64], script: Script) -> None:
+        self._node = node
+        self._lane = lane
+        self._frames = frames
+        self._script = script
+
+    @classmethod
+    def build(
+        cls, scene: viser.SceneApi, name: str, lane: Lane, script: Script
+    ) -> _ForceActor | None:
+        """Adds the node; None if the lane has no force to show."""
+        if script.strongest == 0.0 or not lane.recording.contacts.forces.any():
+            return None
+        frames = script.timeline.contact_frames(lane.recording)
+        fullest = int(frames[np.argmax(lane.recording.contacts.counts[frames])])
+        shaft = ARROW_SHAFT * script.stage.body_size * script.stage.scale
+        node = scene.add_arrows(
+            name,
+            _arrows(lane, fullest, script),
+            FORCE_COLOR,
+            shaft_radius=shaft,
+            head_radius=3.0 * shaft,
+            head_length=7.0 * shaft,
+            visible=False,
+        )
+        return cls(node, lane, frames, script)
+
+    def show(self, instant: int) -> None:
+        arrows = _arrows(self._lane, int(self._frames[instant]), self._script)
+        if len(arrows):
+            self._node.points = arrows
+        if self._node.visible != bool(len(arrows)):
+            self._node.visible = bool(len(arrows))
+
+
+def _arrows(lane: Lane, frame: int, script: Script) -> NDArray[np.float32]:
+    contacts, scale = lane.recording.contacts.frame(frame), script.stage.scale
+    arrows = find_arrows(
+        contacts.points * scale,
+        contacts.forces,
+        strongest=script.strongest,
+        longest=LONGEST_ARROW * script.stage.body_size * scale,
+        limit=script.max_contacts,
+    )
+    return (np.round(arrows / _PIN_GRAIN) * _PIN_GRAIN).astype(np.float32)
 
 
 def _pins(lane: Lane, frame: int, script: Script) -> Pins:
@@ -224,6 +290,51 @@ def _add_slab(
         cell=cell,
         plane=f"{'xyz'[first]}{'xyz'[second]}",  # pyright: ignore[reportArgumentType]
         position=_triple(middle - center + lift),
+    )
+
+
+def _is_endless(slab: Slab, script: Script) -> bool:
+    """Whether a ground reaches beyond a stage that has no neighbors, on all sides."""
+    level = view_axes(script.up)[2] == 0.0
+    low, high = script.stage.low[level], script.stage.high[level]
+    cut = (slab.low[level] <= low).all() and (slab.high[level] >= high).all()
+    return bool(cut) and script.lane_count == 1
+
+
+def _add_floor(
+    scene: viser.SceneApi,
+    name: str,
+    surface: NDArray[np.float64],
+    script: Script,
+    *,
+    color: tuple[int, int, int] = FLOOR_COLOR,
+) -> None:
+    """Adds a floor with a grid, which fades away around the stage.
+
+    Args:
+        scene: Where.
+        name: Of the node.
+        surface: (3,) meters; its height is that of the floor.
+        script: What is shown.
+        color: Of the floor.
+    """
+    _, _, upward = view_axes(script.up)
+    low, high = script.stage.low * script.stage.scale, script.stage.high * script.stage.scale
+    level = upward == 0.0
+    cell = script.stage.cell * script.stage.scale
+    middle = np.round(0.5 * (low + high) / cell) * cell
+    place = np.where(level, middle, surface * script.stage.scale)
+    reach = _FLOOR * float((high - low)[level].max()) / (1.0 if script.lane_count == 1 else 3.0)
+    first, second = np.flatnonzero(level)
+    add_grid(
+        scene,
+        name,
+        size=(2.0 * reach, 2.0 * reach),
+        cell=cell,
+        plane=f"{'xyz'[first]}{'xyz'[second]}",  # pyright: ignore[reportArgumentType]
+        position=_triple(place),
+        fade=reach,
+        floor_color=color,
     )
 
 

@@ -22,6 +22,7 @@ from voxshell.viewer.layers import (
     find_level_surface,
     paint_slice,
 )
+from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.page import add_heading, metric, write_whole
 from voxshell.viewer.pins import build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
@@ -95,6 +96,7 @@ class Inspector:
         self._handles: list[Handle] = []
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
+        add_lights(server.scene, up="+z")
         self._look_at(low, high)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_markdown(self._describe())

@@ -11,9 +11,11 @@ import numpy as np
 
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.lanes import view_axes
+from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.live_plots import LivePlots
-from voxshell.viewer.live_scene import FORCE_COLOR, PULL_COLOR, LiveScene
+from voxshell.viewer.live_scene import LiveScene
 from voxshell.viewer.page import metric
+from voxshell.viewer.palette import FORCE_COLOR, PULL_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.server import make_address, silent_server
 from voxshell.viewer.stage import place_camera
@@ -76,6 +78,7 @@ class LivePage:
         server = self._server
         server.scene.world_axes.visible = False
         server.scene.set_up_direction(self._up)  # pyright: ignore[reportArgumentType]
+        add_lights(server.scene, up=self._up)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.set_panel_label(title)
         self._add_controls(server.gui)

@@ -10,12 +10,19 @@ import numpy as np
 from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
+from voxshell.viewer.arrows import find_arrows
 from voxshell.viewer.grid import add_grid
-from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR
+from voxshell.viewer.palette import (
+    BODY_COLORS,
+    FIXED_COLOR,
+    FLOOR_COLOR,
+    FORCE_COLOR,
+    PULL_COLOR,
+)
 from voxshell.viewer.pins import build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
 from voxshell.viewer.stage import nice_length
-from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.surface import split_creases
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,8 +36,7 @@ if TYPE_CHECKING:
 
     Grab = Callable[[Body, "viser.SceneNodeDragEvent[Any]"], None]
 
-_KINEMATIC_COLOR, _GROUND_COLOR = (150, 158, 140), (226, 230, 235)
-FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
+_KINEMATIC_COLOR = (150, 158, 140)
 _DIAGONAL = 6.0
 """Diagonal of the first view in display units; it suits viser's clipping planes and shadows."""
 _MOST_CONTACTS = 400
@@ -44,8 +50,8 @@ _LONGEST_ARROW = 1.0
 _ARROWS_A_WEIGHT = 0.25
 _OPACITY = 0.55
 """Opacity of transparent bodies, which do not hide contacts."""
-_GROUND_SIDE = 10.0
-"""Side of a drawn plane, in diagonals of the first view."""
+_GROUND_SIDE = 8.0
+"""Side of a drawn plane, in diagonals of the first view; it fades out halfway from its center."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,16 +224,16 @@ class LiveScene:
     ) -> Any:
         first = bodies[0]
         mesh = self.mesh(first)
+        vertices, faces = split_creases(mesh.vertices, mesh.faces.astype(np.int64))
         node = self._scene.add_batched_meshes_simple(
             f"/bodies/{first.motion} {first.number}",
-            (mesh.vertices * self.scale).astype(np.float32),
-            mesh.faces.astype(np.uint32),
+            (vertices * self.scale).astype(np.float32),
+            faces.astype(np.uint32),
             turns,
             positions,
             batched_colors=self._choose_colors(bodies),
             opacity=self._opacity,
             lod="off",
-            flat_shading=is_faceted(mesh.vertices, mesh.faces.astype(np.int64)),
             side="double",
         )
         if first.motion == "dynamic":
@@ -254,7 +260,7 @@ class LiveScene:
         return np.array(chosen, np.uint8)
 
     def _add_ground(self, body: Body, pose: NDArray[np.float64]) -> Any:
-        """Add a plane as a grid on a plate, below the center of the scene."""
+        """Add a plane as a floor with a grid, below the center of the scene."""
         assert self.extent is not None
         assert isinstance(body.shape, Plane)
         middle = 0.5 * (self.extent.low + self.extent.high)
@@ -269,15 +275,11 @@ class LiveScene:
             position=place,
             wxyz=normals_as_wxyz(normal[None])[0],
         )
-        color = self._colors.get(body) or _GROUND_COLOR
-        thickness = 0.02
-        self._scene.add_box(
-            f"{frame.name}/plate",
-            color=color,
-            dimensions=(side, side, thickness),
-            position=(0.0, 0.0, -0.5 * thickness - 0.004),
+        color = self._colors.get(body, FLOOR_COLOR)
+        size, fade = (side, side), 0.5 * side
+        add_grid(
+            self._scene, f"{frame.name}/grid", size=size, cell=cell, fade=fade, floor_color=color
         )
-        add_grid(self._scene, f"{frame.name}/grid", size=(side, side), cell=cell)
         return frame
 
     @property
@@ -327,14 +329,13 @@ class LiveScene:
     def _find_arrows(self, frame: LiveFrame) -> NDArray[np.float64]:
         """Return arrows from points in the direction of forces, (k, 2, 3) display units."""
         assert self.extent is not None
-        sizes = np.linalg.norm(frame.forces, axis=1)
-        strongest = np.argsort(-sizes, kind="stable")[:_MOST_CONTACTS]
-        chosen = np.sort(strongest[sizes[strongest] > 1e-3 * self.weight])
-        longest = _LONGEST_ARROW * self.extent.body * self.scale
-        lengths = np.minimum(sizes[chosen] / self.longest_force, 1.0) * longest
-        directions = frame.forces[chosen] / np.maximum(sizes[chosen], 1e-300)[:, None]
-        starts = frame.points[chosen] * self.scale
-        return np.stack([starts, starts + lengths[:, None] * directions], axis=1)
+        return find_arrows(
+            frame.points * self.scale,
+            frame.forces,
+            strongest=self.longest_force,
+            longest=_LONGEST_ARROW * self.extent.body * self.scale,
+            limit=_MOST_CONTACTS,
+        )
 
     def _show_arrows(
         self, name: str, arrows: NDArray[np.float64], color: tuple[int, int, int]

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from voxshell.base.outputs import write_text
 from voxshell.errors import RecordingError
+from voxshell.viewer.lighting import ROOM_LIGHT
+from voxshell.viewer.palette import FORCE_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT
 
@@ -31,6 +33,7 @@ def add_heading(
     rate: str,
     deepest: float | None,
     grid: float | None,
+    strongest: float = 0.0,
     plots: str = "",
 ) -> str:
     """Add a heading with a legend to the player's page, and forbid network access.
@@ -43,6 +46,7 @@ def add_heading(
         deepest: Depth of the darkest color, meters; 0 if contacts do not overlap; None if there are
             no contacts.
         grid: Distance of grid lines, meters; None if there is no grid.
+        strongest: Force of the longest arrow, newtons; 0 if there are no arrows.
         plots: HTML from :func:`~voxshell.viewer.time_plots.draw_time_plots`.
 
     Raises:
@@ -55,7 +59,13 @@ def add_heading(
                 '<span class="depth">contact depth 0<span class="scale"></span>'
                 f"{escape(metric(deepest))}</span>"
             )
-        legend.append("<span>stems: contact normals</span>")
+        if strongest > 0.0:
+            legend.append(
+                '<span><b class="force">&#10230;</b> normal force on the moving body, '
+                f"longest {strongest:g} N</span>"
+            )
+        else:
+            legend.append("<span>stems: contact normals</span>")
         legend.append(
             '<label hidden><input id="voxshell-through" type="checkbox" checked>'
             "contacts show through bodies</label>"
@@ -73,6 +83,8 @@ def add_heading(
         + (", space to pause." if rate else "."),
         "plots": plots,
         "colors": colors,
+        "force": "#{:02x}{:02x}{:02x}".format(*FORCE_COLOR),
+        "room": f"{ROOM_LIGHT:g}",
         "aspect": f"{VIEW_ASPECT:g}",
     }
     heading = re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], heading)

@@ -17,6 +17,9 @@ BODY_COLORS = (
     (176, 138, 190),
 )
 FIXED_COLOR = (176, 182, 190)
+FLOOR_COLOR = (226, 230, 235)
+FORCE_COLOR, PULL_COLOR = (196, 24, 92), (30, 120, 60)
+"""Of the arrows for normal forces and for the mouse's spring."""
 
 
 def choose_colors(recording: Recording) -> list[tuple[int, int, int]]:

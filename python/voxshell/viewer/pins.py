@@ -41,15 +41,21 @@ class Pins:
         return len(self.positions)
 
 
-def build_pin_mesh(ball_radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+def build_pin_mesh(
+    ball_radius: float, *, stem: bool = True
+) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """Return a surface of revolution about z: a ball around the origin with a stem upward.
+
+    Args:
+        ball_radius: Radius of the ball.
+        stem: Add the stem.
 
     Returns:
         vertices (n, 3) in the unit of ``ball_radius``, and faces (m, 3), counterclockwise.
     """
     ball = [(math.sin(a), -math.cos(a)) for a in np.linspace(0.0, 0.9 * math.pi, 6)[1:]]
-    stem = [(0.22, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)]
-    profile = np.array([(0.0, -1.0), *ball, *stem]) * ball_radius
+    top = [(0.22, _STEM_IN_BALL_RADII - 1.0), (0.0, _STEM_IN_BALL_RADII)] if stem else [(0.0, 1.0)]
+    profile = np.array([(0.0, -1.0), *ball, *top]) * ball_radius
     angle = np.arange(_SEGMENTS) * (2.0 * math.pi / _SEGMENTS)
     rings = [
         np.stack([r * np.cos(angle), r * np.sin(angle), np.full(_SEGMENTS, z)], axis=1)

@@ -14,11 +14,13 @@ import numpy as np
 
 from voxshell.errors import RecordingError
 from voxshell.viewer.actors import Script, add_lane
+from voxshell.viewer.arrows import full_force
 from voxshell.viewer.lanes import Lane, view_axes
+from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import full_depth
 from voxshell.viewer.server import silent_server
-from voxshell.viewer.stage import find_slabs, place_camera, plan_stage
+from voxshell.viewer.stage import place_camera, plan_stage
 from voxshell.viewer.time_plots import draw_time_plots
 from voxshell.viewer.timeline import Timeline, plan_timeline
 
@@ -38,10 +40,12 @@ def save_replay(
     """Write one offline page that plays recordings side by side.
 
     Bodies without a color get one. Level fixed boxes under everything that moves are grounds: they
-    are drawn as thin plates with a grid, cut to the stage. Contacts are pins: a ball at the point,
-    a stem along the normal, and a color for the depth. If a shown step has no contacts, it shows
-    those of a skipped step before it. The number below a lane counts all contacts of the shown
-    step. Plots show that number and the largest depth over time.
+    are drawn as thin plates with a grid, cut to the stage. If there is none, a plate with a grid is
+    drawn below everything. Contacts are balls, colored by depth, with an arrow for the normal force
+    on the moving body. If a recording has no forces, they are pins with a stem along the normal. If
+    a shown step has no contacts, it shows those of a skipped step before it. The number below a
+    lane counts all contacts of the shown step. Plots show that number and the largest depth over
+    time.
 
     Args:
         path: The file, usually with the suffix .html; written completely or not at all.
@@ -112,17 +116,18 @@ def make_replay(
         up=up,
         lane_count=len(lanes),
         deepest=full_depth(recordings),
+        strongest=full_force(recordings),
         counted=any(len(recording.contacts.points) for recording in recordings),
         max_contacts=max_contacts,
     )
-    grounded = any(find_slabs(recording, stage, up=up) for recording in recordings)
     return add_heading(
         _record(lanes, script, hold),
         title=title,
         caption=caption,
         rate=_describe_rate(script.timeline, lanes),
         deepest=script.deepest if script.counted else None,
-        grid=stage.cell if grounded else None,
+        strongest=script.strongest,
+        grid=stage.cell,
         plots=draw_time_plots(lanes, script.timeline),
     )
 
@@ -134,6 +139,7 @@ def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
         server.scene.set_up_direction(script.up)  # pyright: ignore[reportArgumentType]
         camera = server.initial_camera
         camera.position, camera.look_at = script.camera.position, script.camera.target
+        add_lights(server.scene, up=script.up, room=False)
         camera.up, camera.fov = view_axes(script.up)[2], script.camera.field_of_view
         actors = [
             actor

@@ -16,8 +16,9 @@ from voxshell.recording import ContactTrack
         ({"offsets": [0, 2, 1, 2]}, "decrease from 2 to 1 at frame 1"),
         ({"offsets": [0]}, r"shape \(frames \+ 1,\), got \(1,\)"),
         ({"offsets": [0.0, 2.0]}, "must be integers"),
-        ({"points": np.zeros((3, 3))}, "3 points, 2 normals and 2 depths"),
-        ({"depths": [0.0]}, "2 normals and 1 depths"),
+        ({"points": np.zeros((3, 3))}, "3 points, 2 normals, 2 depths and 3 forces"),
+        ({"forces": np.zeros((1, 3))}, "2 depths and 1 forces"),
+        ({"depths": [0.0]}, "2 normals, 1 depths and 2 forces"),
         ({"depths": [0.0, np.inf]}, "1 of 2 numbers"),
         ({"normals": [[0, 0, 1], [0, 0, 2]]}, r"normal 1 has length 2 .*\(1 such"),
     ],
@@ -56,5 +57,16 @@ def test_frames_of_contacts_that_are_not_there():
         ContactTrack.empty(2).frame(2)
     with pytest.raises(RecordingError, match="at least one frame"):
         ContactTrack.from_frames([])
-    with pytest.raises(RecordingError, match="frame 1 has 0 points, 0 normals and 1 depths"):
+    with pytest.raises(
+        RecordingError, match="frame 1 has 0 points, 0 normals, 1 depths and 0 forces"
+    ):
         ContactTrack.from_frames([([], [], []), ([], [], [0.1])])
+
+
+def test_forces_are_kept_by_frame_and_zero_where_none_are_given():
+    force = [[0.0, 0.0, 2.0]]
+    one = ([[0, 0, 0]], [[0, 0, 1]], [0.001])
+    track = ContactTrack.from_frames([one, (*one, force)])
+    np.testing.assert_array_equal(track.forces, [[0.0, 0.0, 0.0], *force])
+    np.testing.assert_array_equal(track.frame(1).forces, force)
+    assert ContactTrack.empty(2).forces.shape == (0, 3)

@@ -26,6 +26,7 @@ def test_recording_holds_what_the_world_did():
     assert recording.contacts.counts[0] == 0
     assert recording.contacts.counts[-1] == len(world.contacts()) == 1
     np.testing.assert_allclose(recording.contacts.frame(40).points[0, 2], 0.0, atol=1e-3)
+    np.testing.assert_allclose(recording.contacts.frame(40).forces, [[0, 0, 9.81]], rtol=1e-3)
 
 
 def test_bodies_of_one_name_are_told_apart():

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from voxshell.simulation.tables import as_contacts, as_hits, as_timings
+from voxshell.simulation.tables import as_contacts, as_hits, as_timings, compute_forces
 
 
 def test_contacts_take_their_columns_in_order():
@@ -19,6 +19,14 @@ def test_contacts_take_their_columns_in_order():
         26.0,
         27.0,
     ]
+
+
+def test_forces_act_on_the_dynamic_body_and_on_body_a_if_both_are():
+    table = np.zeros(3, as_contacts(np.empty((0, 14))).dtype)
+    table["body_a"], table["body_b"] = (1, 0, 2), (0, 1, 1)
+    table["normal"], table["impulse"] = (0.0, 0.0, 1.0), 0.02
+    forces = compute_forces(table, [1, 2], 0.01)
+    np.testing.assert_allclose(forces[:, 2], [2.0, -2.0, 2.0])
 
 
 def test_hits_take_their_columns_in_order():

@@ -1,0 +1,110 @@
+"""The pictures of the gallery: light, shadow, marks and legend."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples/python"
+SIZE = (120, 90)
+
+
+@pytest.fixture
+def examples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Imports of the examples' modules."""
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+
+
+@pytest.mark.usefixtures("examples")
+def test_a_ball_is_colored_and_shades_the_ground_away_from_the_sun():
+    from rendering import SUN, make_surface, place_camera, render
+
+    ball = trimesh.creation.icosphere(3, 0.1)
+    surface = make_surface(ball.vertices, ball.faces, (40, 90, 200), dots=5_000)
+    pose = np.eye(4)
+    pose[2, 3] = 0.1
+    around = np.array([[-0.4, -0.4, 0.0], [0.4, 0.4, 0.3]])
+    camera = place_camera(around, SIZE, elevation=60.0, azimuth=0.0)
+    bodies = [(surface, pose)]
+    options = {"ground": 0.0, "cell": 0.1, "suns": 4, "skies": 12}
+    picture = render(bodies, camera, SIZE, **options).astype(int)
+    assert picture.shape == (90, 120, 3)
+
+    def look(*point: float) -> np.ndarray:
+        seen = camera.axes @ (np.array(point) - camera.position)
+        scale = 0.5 * SIZE[1] / camera.tangent / -seen[2]
+        return picture[round(45 - scale * seen[1]), round(60 + scale * seen[0])]
+
+    blue = look(0.0, -0.05, 0.2)
+    assert blue[2] > blue[0] + 60
+    away = -0.12 * SUN[:2] / np.linalg.norm(SUN[:2])
+    # Between lines of the grid.
+    lit, shaded = look(-0.25, -0.25, 0.0), look(*away, 0.0)
+    assert lit.min() > 190
+    assert shaded.max() < lit.min() - 30
+    np.testing.assert_array_equal(picture, render(bodies, camera, SIZE, **options))
+
+
+@pytest.mark.usefixtures("examples")
+def test_marks_show_through_bodies():
+    from rendering import make_surface, place_camera, render
+
+    box = trimesh.creation.box((0.2, 0.2, 0.2))
+    dot = trimesh.creation.icosphere(1, 0.03)
+    surface = make_surface(box.vertices, box.faces, (120, 120, 120), dots=5_000)
+    mark = make_surface(dot.vertices, dot.faces, (220, 20, 60), dots=1)
+    camera = place_camera(box.vertices, SIZE)
+    options = {"suns": 2, "skies": 4}
+    bodies = [(surface, np.eye(4))]
+    plain = render(bodies, camera, SIZE, **options).astype(int)
+    marked = render(bodies, camera, SIZE, marks=[(mark, np.eye(4))], **options).astype(int)
+    changed = np.abs(marked - plain).max(axis=2) > 40
+    assert changed[45, 60]
+    assert 0.005 < changed.mean() < 0.1
+    red = marked[45, 60]
+    assert red[0] > red[1] + 60
+
+
+@pytest.mark.usefixtures("examples")
+def test_edges_stay_sharp_and_round_surfaces_become_smooth():
+    from rendering import make_surface
+
+    box = trimesh.creation.box()
+    surface = make_surface(box.vertices, box.faces, (0, 0, 0), dots=10)
+    np.testing.assert_allclose(np.abs(surface.normals).max(axis=-1), 1.0)
+    ball = trimesh.creation.icosphere(3)
+    surface = make_surface(ball.vertices, ball.faces, (0, 0, 0), dots=10)
+    np.testing.assert_allclose(surface.normals, surface.corners, atol=0.02)
+    assert surface.area == pytest.approx(ball.area)
+
+
+@pytest.mark.usefixtures("examples")
+def test_a_recording_is_drawn_with_a_legend_and_opened_where_it_is_told(tmp_path: Path):
+    from drawing import SIZE as PIXELS
+    from drawing import draw
+    from voxshell.recording import BodyTrack, ContactTrack, Recording
+
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[1, 2, 3] = 0.01
+    shell = trimesh.boolean.difference(
+        [trimesh.creation.box((1, 1, 1)), trimesh.creation.icosphere(2, 0.4)]
+    )
+    body = BodyTrack("shell", 0.1 * shell.vertices, shell.faces, (92, 141, 208), poses)
+    one = ([[0, 0, 0]], [[0, 0, 1]], [0.001], [[0, 0, 3.0]])
+    recording = Recording(0.1, (body,), ContactTrack.from_frames([one, one]))
+    for name, cut in (("whole", ()), ("open", ("shell",))):
+        draw(tmp_path / f"{name}.png", recording, quality=0.2, cut=cut, azimuth=35.0)
+    whole, opened = (
+        np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB"), int)
+        for name in ("whole", "open")
+    )
+    assert whole.shape == (PIXELS[1], PIXELS[0], 3)
+    assert np.abs(whole - opened).max(axis=2)[250:350, 430:530].mean() > 20.0
+    foot = whole[-30:]
+    assert ((foot[..., 0] > foot[..., 2] + 80).any(axis=0)).sum() > 60, (
+        "the bar of depths and the arrow"
+    )

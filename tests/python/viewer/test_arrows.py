@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.viewer.arrows import find_arrows, full_force
+
+
+def pressed(*newtons: float) -> Recording:
+    """A frame with contacts that press upward."""
+    flag = BodyTrack("flag", np.eye(3), [[0, 1, 2]], None, np.eye(4)[None])
+    count = len(newtons)
+    up = np.tile([0.0, 0.0, 1.0], (count, 1))
+    forces = np.array(newtons)[:, None] * up
+    contacts = ContactTrack.from_frames([(np.zeros((count, 3)), up, np.zeros(count), forces)])
+    return Recording(0.1, (flag,), contacts)
+
+
+def test_the_longest_arrow_is_about_the_largest_force_in_round_numbers():
+    assert full_force([pressed()]) == 0.0
+    assert full_force([pressed(0.0, 0.0)]) == 0.0
+    assert full_force([pressed(2.0, 2.0)]) == pytest.approx(2.0)
+    assert full_force([pressed(0.3), pressed(4.1, 4.1)]) == pytest.approx(5.0)
+    blow = pressed(1000.0, *[0.9] * 200)
+    assert full_force([blow]) == pytest.approx(1.0), "one blow does not shorten all others"
+
+
+def test_arrows_are_as_long_as_forces_up_to_the_longest():
+    points = np.arange(12.0).reshape(4, 3)
+    forces = np.array([[0.0, 0.0, 1.0], [0.0, 4.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    arrows = find_arrows(points, forces, strongest=2.0, longest=0.5, limit=10)
+    np.testing.assert_array_equal(arrows[:, 0], points[:3])
+    spans = arrows[:, 1] - arrows[:, 0]
+    np.testing.assert_allclose(spans, [[0, 0, 0.25], [0, 0.5, 0], [-0.5, 0, 0]])
+    few = find_arrows(points, forces, strongest=2.0, longest=0.5, limit=1)
+    np.testing.assert_array_equal(few[:, 0], points[1:2])
+    assert find_arrows(points, 0.0 * forces, strongest=0.0, longest=1.0, limit=9).shape == (0, 2, 3)
