@@ -12,6 +12,7 @@ from voxshell.base.arguments import FARTHEST
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Collision, Primitive
 from voxshell.robots.mjcf.compiler import turn_z_to
+from voxshell.robots.mjcf.shells import weigh_shell
 from voxshell.robots.solids import weigh_primitive
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Geom:
         """Its matter, in its own frame; None if it has no mass.
 
         Raises:
-            RobotError: A mesh cannot be read, or the mass is below 0.
+            RobotError: A mesh cannot be read, or is to be a shell, or the mass is below 0.
         """
         if self.surface is None or not self.weighs:
             return None
@@ -68,8 +69,13 @@ class Geom:
         if mass == 0.0:
             return None
         geometry = self.surface.geometry
+        is_shell = self.element.word("shellinertia", ("false", "true"), "false") == "true"
         if isinstance(geometry, Primitive):
-            solid = weigh_primitive(geometry, 1.0)
+            solid = weigh_shell(geometry) if is_shell else weigh_primitive(geometry, 1.0)
+        elif is_shell:
+            self.element.refuse(
+                'is a mesh with shellinertia="true"; give its <mesh> inertia="shell" instead'
+            )
         else:
             solid = self.part.meshes.weigh(self.element)
         if mass is None:

@@ -54,6 +54,14 @@ def test_matter_comes_from_mass_or_density(geom):
     assert geom("type='plane' size='1 1 1'").weigh() is None
 
 
+def test_a_shell_has_the_mass_and_inertia_of_its_surface(geom):
+    box = geom("type='box' size='.1 .2 .3' shellinertia='true'").weigh()
+    assert box.mass == pytest.approx(1000 * 2 * (0.2 * 0.4 + 0.4 * 0.6 + 0.6 * 0.2))
+    ball = geom("size='0.1' mass='2' shellinertia='true'").weigh()
+    assert ball.mass == 2
+    assert ball.inertia[0, 0] == pytest.approx(2 / 3 * 2 * 0.01)
+
+
 def test_bits_say_what_is_only_seen(geom):
     assert geom("size='1'").bits == (1, 1)
     seen = geom("size='1' contype='0' conaffinity='0'")
