@@ -12,6 +12,7 @@ from voxshell.base.arguments import FARTHEST
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Collision, Primitive
 from voxshell.robots.mjcf.compiler import turn_z_to
+from voxshell.robots.mjcf.principal_axes import find_principal_axes
 from voxshell.robots.mjcf.shells import weigh_shell
 from voxshell.robots.solids import weigh_primitive
 
@@ -211,30 +212,45 @@ def _fit(
     matter = part.meshes.weigh(element)
     if not matter.mass > 0.0:
         element.refuse(f"fits a {kind} to a mesh that encloses nothing; give it a size")
-    moments, axes = np.linalg.eigh(matter.inertia)
-    axes = axes[:, ::-1]  # the longest last
-    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    moments, axes = find_principal_axes(matter.inertia)  # the longest side last
     inner = np.eye(4)
     inner[:3, :3], inner[:3, 3] = axes, matter.center_of_mass
     if part.compiler.fits_boxes:
         points = (part.meshes.read(element).vertices - matter.center_of_mass) @ axes
         low, high = points.min(axis=0), points.max(axis=0)
-        half = (high - low) / 2.0
         inner[:3, 3] += axes @ (low + high) / 2.0
+        sizes = _enclose_box(kind, *((high - low) / 2.0).tolist())
     else:
-        squares = moments.sum() - 2.0 * moments[::-1]
+        squares = moments.sum() - 2.0 * moments
         half = np.sqrt(np.maximum(1.5 * squares / matter.mass, 0.0))
-    x, y, z = half.tolist()
+        sizes = _match_box(kind, *half.tolist())
     scale = element.number("fitscale")
-    match kind:
-        case "sphere":
-            sizes = [(x + y + z) / 3.0]
-        case "capsule":
-            sizes = [(x + y) / 2.0, max(z - (x + y) / 4.0, 1e-9)]
-        case "cylinder":
-            sizes = [(x + y) / 2.0, z]
-        case _:
-            sizes = [x, y, z]
     return _make(
         element, kind, [it * (1.0 if scale is None else scale) for it in sizes]
     ), place @ inner
+
+
+def _match_box(kind: str, x: float, y: float, z: float) -> list[float]:
+    """Sizes of a shape about as large as a box of these half sides."""
+    match kind:
+        case "sphere":
+            return [(x + y + z) / 3.0]
+        case "capsule":
+            return [(x + y) / 2.0, max(z - (x + y) / 4.0, 1e-9)]
+        case "cylinder":
+            return [(x + y) / 2.0, z]
+        case _:
+            return [x, y, z]
+
+
+def _enclose_box(kind: str, x: float, y: float, z: float) -> list[float]:
+    """Sizes of the smallest shape whose bounds enclose a box of these half sides."""
+    match kind:
+        case "sphere":
+            return [max(x, y, z)]
+        case "capsule":
+            return [max(x, y), z - max(x, y)]
+        case "cylinder":
+            return [max(x, y), z]
+        case _:
+            return [x, y, z]
