@@ -17,7 +17,7 @@ from voxshell.robots.description import (
 from voxshell.robots.mjcf.defaults import MAIN
 from voxshell.robots.mjcf.geoms import Geom, read_geom
 from voxshell.robots.mjcf.inertias import BodyMatter, as_inertial
-from voxshell.robots.mjcf.joints import JointPlace, read_joint, type_of
+from voxshell.robots.mjcf.joints import JointPlace, is_aligned, read_joint, type_of
 from voxshell.robots.mjcf.model_file import MOST_LEVELS
 
 if TYPE_CHECKING:
@@ -74,6 +74,28 @@ class _Body:
     joints: list[tuple[Element, NDArray[np.float64]]] = field(default_factory=list)
     geoms: list[Geom] = field(default_factory=list)
     bodies: list[tuple[Element, NDArray[np.float64], _Scope]] = field(default_factory=list)
+
+    def weigh(self, element: Element) -> BodyMatter:
+        """What its matter is computed from."""
+        inertial, frame = self.inertial or (None, np.eye(4))
+        return BodyMatter(element, inertial, frame, self.geoms)
+
+    def align(self, element: Element) -> None:
+        """Puts its frame where its inertia's is; all that lies in it stays where it is.
+
+        Raises:
+            RobotError: A number is wrong, or a mesh cannot be read.
+        """
+        body_from_aligned = self.weigh(element).find_frame(self.part.compiler)
+        if body_from_aligned is None:
+            return
+        aligned_from_body = np.linalg.inv(body_from_aligned).astype(np.float64)
+        self.above_from_body = self.above_from_body @ body_from_aligned
+        self.file_from_body = self.file_from_body @ body_from_aligned
+        self.geoms = [geom.move(aligned_from_body) for geom in self.geoms]
+        if self.inertial is not None:
+            inertial, frame = self.inertial
+            self.inertial = inertial, aligned_from_body @ frame
 
 
 class BodyReader:
@@ -144,6 +166,8 @@ class BodyReader:
         self._collect(element.children, body, np.eye(4), scope.inside(element))
         if body.joints:
             body.is_static = False
+        if is_aligned(body.joints, bool(body.bodies), part.compiler):
+            body.align(element)
         if element.attributes.get("mocap") == "true":
             self._left_out.note("mocap bodies, which stand still", name)
         if element.number("gravcomp"):
@@ -213,10 +237,9 @@ class BodyReader:
     def _add_body(self, body: _Body, element: Element) -> None:
         """Adds its links and joints: one link for each joint, the last one with its surface."""
         compiler = body.part.compiler
-        inertial, frame = body.inertial or (None, np.eye(4))
         matter = None
         if not body.is_static or self._weighs_static:
-            matter = BodyMatter(element, inertial, frame, body.geoms).compute(compiler)
+            matter = body.weigh(element).compute(compiler)
         if not body.joints:
             self._add_link(body, body.name, matter)
             if self._is_top(body):

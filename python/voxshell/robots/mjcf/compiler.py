@@ -42,6 +42,7 @@ class Compiler:
         mesh_folder: Relative to the model's.
         strips_paths: Whether folders in names of files are left out.
         fits_boxes: Whether shapes are fitted to the bounds of a mesh, instead of to its inertia.
+        aligns_free: Whether free bodies that do not say so have the frames of their inertias.
     """
 
     unit: float = math.radians(1.0)
@@ -56,6 +57,7 @@ class Compiler:
     mesh_folder: str = ""
     strips_paths: bool = False
     fits_boxes: bool = False
+    aligns_free: bool = False
 
     def read_pose(self, element: Element) -> NDArray[np.float64]:
         """Of an element's ``pos`` and its rotation in any form, (4, 4) float64.
@@ -152,6 +154,7 @@ def read_compiler(elements: list[Element]) -> Compiler:
             ("balanceinertia", "balances_inertia"),
             ("strippath", "strips_paths"),
             ("fitaabb", "fits_boxes"),
+            ("alignfree", "aligns_free"),
         ):
             if attribute in known:
                 given[name] = it.word(attribute, _SWITCH, "false") == "true"

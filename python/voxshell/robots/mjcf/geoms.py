@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,6 +55,20 @@ class Geom:
     friction: float
     color: Color | None
     weighs: bool
+
+    @property
+    def name(self) -> str:
+        """With the prefix of its model; empty if it has none."""
+        name = self.element.attributes.get("name")
+        return self.part.prefix + name if name else ""
+
+    def move(self, new_from_old: NDArray[np.float64]) -> Geom:
+        """The geom in another frame of its body."""
+        surface = self.surface
+        if surface is None:
+            return self
+        place = new_from_old @ surface.link_from_geometry
+        return replace(self, surface=Collision(surface.geometry, place))
 
     def weigh(self) -> MassProperties | None:
         """Its matter, in its own frame; None if it has no mass.

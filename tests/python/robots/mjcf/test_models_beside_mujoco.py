@@ -23,6 +23,14 @@ GEOMS = (
     "type='mesh' mesh='wedge'",
     "type='mesh' mesh='turned'",
     "type='cylinder' mesh='wedge'",
+    "type='box' mesh='wedge' fitscale='1.1'",
+    "type='sphere' mesh='wedge'",
+    "type='capsule' mesh='wedge'",
+    "type='box' size='0.1 0.2 0.3' shellinertia='true'",
+    "type='sphere' size='0.1' mass='0.7' shellinertia='true'",
+    "type='capsule' size='0.05 0.2' density='3' shellinertia='true'",
+    "type='cylinder' size='0.1 0.2' density='3' shellinertia='true'",
+    "type='ellipsoid' size='0.1 0.2 0.3' density='3' shellinertia='true'",
 )
 VERTICES = "0 0 0 0.3 0 0 0 0.2 0 0 0 0.4 0.2 0.2 0.1"
 ASSET = f"""<asset><mesh name="wedge" vertex="{VERTICES}"/>
@@ -34,6 +42,8 @@ COMPILERS = (
     "balanceinertia='true' inertiafromgeom='true'",
     "settotalmass='33' autolimits='true'",
     "inertiagrouprange='0 3'",
+    "fitaabb='true'",
+    "alignfree='true'",
 )
 
 
@@ -64,7 +74,7 @@ def write_model(rng: np.random.Generator, compiler: str) -> str:
         ).split()
         joints = "".join(map(joint, kinds))
         if depth == 0 and rng.random() < 0.3:
-            joints = "<freejoint/>"
+            joints = str(rng.choice(["<freejoint/>", "<freejoint align='true'/>"]))
         geoms = "<geom size='0.1'/>"
         geoms += "".join(geom(str(rng.choice(GEOMS))) for _ in range(rng.integers(1, 4)))
         if rng.random() < 0.3:
