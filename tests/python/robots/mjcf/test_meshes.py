@@ -63,6 +63,8 @@ def test_vertices_in_the_model_have_their_hull_or_their_faces(find):
         ("<mesh name='a' vertex='0 0 0 1 0 0'/>", "mesh 'a': vertices of mesh 'a': "),
         ("<mesh name='b' file='box.stl'/>", "<asset> has no such mesh"),
         ("<mesh name='a'/>", "a <mesh> without file"),
+        ("<mesh name='a' builtin='sphere' params='1'/>", "mesh 'a' is made by MuJoCo (builtin"),
+        ("<mesh name='a'><plugin plugin='mujoco.sdf.gear'/></mesh>", "mesh 'a' is made by MuJoCo"),
     ],
 )
 def test_what_is_wrong_with_a_mesh_is_said_with_its_line(find, asset, message):
