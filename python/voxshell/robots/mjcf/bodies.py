@@ -131,7 +131,7 @@ class BodyReader:
         self._read_below(world)
 
     def _note_part(self, part: Part) -> None:
-        self._filters.read_pairs(part.file.root, part.prefix)
+        self._filters.read_pairs(part)
         self._left_out.note_sections(part.file.root)
 
     def _read_below(self, body: _Body) -> None:
@@ -223,15 +223,11 @@ class BodyReader:
         self, element: Element, body: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> Geom:
         part = scope.part
-        name = part.prefix + element.attributes.get("name", "")
-        geom = read_geom(
-            part.defaults.complete(element, scope.child_class),
-            frame,
-            part,
-            self._filters.is_paired(name, body.name),
-        )
+        is_paired = self._filters.is_paired(part.prefix + element.attributes.get("name", ""))
+        complete = part.defaults.complete(element, scope.child_class)
+        geom = read_geom(complete, frame, part, is_paired)
         if geom.surface is None:
-            self._left_out.note(f"geoms of type {geom.type}", name or f"of {body.name}")
+            self._left_out.note(f"geoms of type {geom.type}", geom.name or f"of {body.name}")
         return geom
 
     def _add_body(self, body: _Body, element: Element) -> None:
@@ -293,7 +289,7 @@ class BodyReader:
         self._robot.links[name] = LinkDescription(
             name, body.where, tuple(solids), as_inertial(matter), color, friction
         )
-        self._filters.add(name, [geom.bits for geom in meeting if geom.type != "plane"])
+        self._filters.add(name, [geom for geom in meeting if geom.type != "plane"])
 
     def _add_plane(self, body: _Body, geom: Geom) -> None:
         """Adds a link of its own: a plane cannot be a part of a body."""
@@ -309,7 +305,7 @@ class BodyReader:
         )
         self._robot.roots[name] = body.file_from_body @ geom.surface.link_from_geometry
         self._filters.place(name, WORLD, True)
-        self._filters.add(name, [geom.bits])
+        self._filters.add(name, [geom])
 
 
 def _weld(body: _Body) -> JointDescription:

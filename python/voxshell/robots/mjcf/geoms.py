@@ -27,6 +27,7 @@ _DENSITY = 1000.0
 _FRICTION = 1.0
 _TYPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 _NOT_READ = ("hfield", "sdf")
+_CONDIMS = (1, 3, 4, 6)
 _WITH_FROMTO = ("capsule", "cylinder", "ellipsoid", "box")
 
 
@@ -40,6 +41,8 @@ class Geom:
         type: One of MuJoCo's.
         surface: In the body's frame; None for types that are not read.
         bits: Its contype and conaffinity.
+        condim: Dimensions of its contacts; 1 is without friction.
+        priority: The geom with the higher one decides about a contact.
         collides: Whether it meets anything; others are only seen, and may have a mass.
         friction: Coulomb coefficient.
         color: None where the file gives none.
@@ -51,6 +54,8 @@ class Geom:
     type: str
     surface: Collision | None
     bits: tuple[int, int]
+    condim: int
+    priority: float
     collides: bool
     friction: float
     color: Color | None
@@ -119,6 +124,9 @@ def read_geom(
     """
     kind = element.word("type", _TYPES, "sphere")
     bits = _read_bits(element, "contype"), _read_bits(element, "conaffinity")
+    condim = element.number("condim")
+    if condim is not None and condim not in _CONDIMS:
+        element.refuse(f"has a condim of {condim:g}; it must be {' or '.join(map(str, _CONDIMS))}")
     group = element.number("group") or 0.0
     first, last = part.compiler.groups
     weighs = first <= group <= last and kind != "plane"
@@ -135,6 +143,8 @@ def read_geom(
         kind,
         surface,
         bits,
+        3 if condim is None else int(condim),
+        element.number("priority") or 0.0,
         any(bits) or is_paired,
         friction,
         _read_color(element, part.materials),

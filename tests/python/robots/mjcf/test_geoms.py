@@ -105,7 +105,7 @@ def test_a_shape_can_be_fitted_to_a_mesh(geom, tmp_path, shape):
     "text",
     ["size='0'", "size='-1'", "size='1e16'", "type='box' size='1 2'", "size='1' friction='-1'", "size='1' mass='-1'",
      "size='1' contype='0.5'", "type='torus'", "type='capsule' size='1' fromto='0 0 0 0 0 0'",
-     "type='mesh'", "size='1' pos='1 2'"],
+     "type='mesh'", "size='1' pos='1 2'", "size='1' condim='2'", "size='1' shellinertia='yes'"],
 )  # fmt: skip
 def test_wrong_geoms_are_refused(geom, text):
     with pytest.raises(vx.RobotError, match=r"model\.xml:1: a geom of the robot has "):
