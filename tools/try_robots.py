@@ -92,16 +92,20 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
 | box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
 | `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may, the bodies do. Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide; a warning names them. Bodies that are added otherwise collide with all |
-| friction | that of a body is the largest of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one |
-| `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>` and global coordinates are refused |
+| friction | that of a body is the largest of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one. A warning names each `<pair>` whose friction its bodies do not have |
+| contacts without friction: `condim="1"` of both geoms, `<pair>` with `condim="1"` or friction 0 | as in MuJoCo if all contacts of one of the two bodies are such; a static body or a body of another tree then has friction 0. Otherwise the bodies keep their frictions, and a warning names the geoms |
+| `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>`, global coordinates and meshes that MuJoCo makes (`builtin`) are refused |
+| `<freejoint align="true">`, `alignfree` | the link has the frame of the body's inertia, as in MuJoCo |
+| unknown elements and attributes | refused with the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
 | `<actuator>`, `<tendon>`, `<equality>`, springs, armatures, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
 | `<option>` | gravity and time step are the world's; a warning names another gravity |
+| `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
 | solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
 
 The tables list what `vx.load_mjcf` does with every MJCF file of the packages below. Each model that loads then moves freely
 for {steps} steps. Files that hold what is not simulated load with a warning. The last column quotes the error of a refused
-file. Most of the refused files are parts that others include, or name files that are not in the package. The meshes were
-loaded {kind}. These commands write the page:
+file. Most of the refused files are parts that others include, or name files that are not in the package; MuJoCo refuses
+`xarm7_gripper.xml`, too. The meshes were loaded {kind}. These commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}

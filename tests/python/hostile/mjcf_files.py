@@ -56,6 +56,15 @@ def list_trees() -> Iterator[tuple[str, Content, Wants]]:
     )
     yield "a plane that moves", model(inside='<geom type="plane" size="1 1 1"/>'), "refused"
     yield "a moving body of nothing", model(inside=""), "either"
+    yield "an unknown element", whole.replace("<geom", "<geomm"), "refused"
+    yield "an unknown attribute", whole.replace("size=", "sise="), "refused"
+    yield "a name of a million letters", whole.replace("size=", "size" * 250_000 + "="), "refused"
+    yield "a shell of no shape", model(inside='<geom size="0.1" shellinertia="x"/>'), "refused"
+    yield (
+        "pairs of all and nothing",
+        model('<contact><pair geom1="a" geom2="a"/><pair geom1="" geom2="b"/></contact>'),
+        "loaded",
+    )
     yield "an unknown joint", model(joint='<joint type="screw"/>'), "refused"
     yield "1000 joints of a body", model(joint="<joint/>" * 1000), "either"
     yield (

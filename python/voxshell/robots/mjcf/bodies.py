@@ -17,7 +17,7 @@ from voxshell.robots.description import (
 from voxshell.robots.mjcf.defaults import MAIN
 from voxshell.robots.mjcf.geoms import Geom, read_geom
 from voxshell.robots.mjcf.inertias import BodyMatter, as_inertial
-from voxshell.robots.mjcf.joints import JointPlace, read_joint, type_of
+from voxshell.robots.mjcf.joints import JointPlace, is_aligned, read_joint, type_of
 from voxshell.robots.mjcf.model_file import MOST_LEVELS
 
 if TYPE_CHECKING:
@@ -75,6 +75,28 @@ class _Body:
     geoms: list[Geom] = field(default_factory=list)
     bodies: list[tuple[Element, NDArray[np.float64], _Scope]] = field(default_factory=list)
 
+    def weigh(self, element: Element) -> BodyMatter:
+        """Return the shape that the mass and inertia are computed from."""
+        inertial, frame = self.inertial or (None, np.eye(4))
+        return BodyMatter(element, inertial, frame, self.geoms)
+
+    def align(self, element: Element) -> None:
+        """Move the frame to that of the inertia; everything in it stays in place.
+
+        Raises:
+            RobotError: A number is wrong, or a mesh cannot be read.
+        """
+        body_from_aligned = self.weigh(element).find_frame(self.part.compiler)
+        if body_from_aligned is None:
+            return
+        aligned_from_body = np.linalg.inv(body_from_aligned).astype(np.float64)
+        self.above_from_body = self.above_from_body @ body_from_aligned
+        self.file_from_body = self.file_from_body @ body_from_aligned
+        self.geoms = [geom.move(aligned_from_body) for geom in self.geoms]
+        if self.inertial is not None:
+            inertial, frame = self.inertial
+            self.inertial = inertial, aligned_from_body @ frame
+
 
 class BodyReader:
     """Reads the bodies of a model into a description of a robot.
@@ -109,7 +131,7 @@ class BodyReader:
         self._read_below(world)
 
     def _note_part(self, part: Part) -> None:
-        self._filters.read_pairs(part.file.root, part.prefix)
+        self._filters.read_pairs(part)
         self._left_out.note_sections(part.file.root)
 
     def _read_below(self, body: _Body) -> None:
@@ -146,6 +168,8 @@ class BodyReader:
         self._collect(element.children, body, np.eye(4), scope.inside(element))
         if body.joints:
             body.is_static = False
+        if is_aligned(body.joints, bool(body.bodies), part.compiler):
+            body.align(element)
         if element.attributes.get("mocap") == "true":
             self._left_out.note("mocap bodies, which stand still", name)
         if element.number("gravcomp"):
@@ -203,24 +227,19 @@ class BodyReader:
         self, element: Element, body: _Body, frame: NDArray[np.float64], scope: _Scope
     ) -> Geom:
         part = scope.part
-        name = part.prefix + element.attributes.get("name", "")
-        geom = read_geom(
-            part.defaults.complete(element, scope.child_class),
-            frame,
-            part,
-            self._filters.is_paired(name, body.name),
-        )
+        is_paired = self._filters.is_paired(part.prefix + element.attributes.get("name", ""))
+        complete = part.defaults.complete(element, scope.child_class)
+        geom = read_geom(complete, frame, part, is_paired)
         if geom.surface is None:
-            self._left_out.note(f"geoms of type {geom.type}", name or f"of {body.name}")
+            self._left_out.note(f"geoms of type {geom.type}", geom.name or f"of {body.name}")
         return geom
 
     def _add_body(self, body: _Body, element: Element) -> None:
         """Add its links and joints: one link for each joint; the last one has the surface."""
         compiler = body.part.compiler
-        inertial, frame = body.inertial or (None, np.eye(4))
         matter = None
         if not body.is_static or self._weighs_static:
-            matter = BodyMatter(element, inertial, frame, body.geoms).compute(compiler)
+            matter = body.weigh(element).compute(compiler)
         if not body.joints:
             self._add_link(body, body.name, matter)
             if self._is_top(body):
@@ -274,7 +293,7 @@ class BodyReader:
         self._robot.links[name] = LinkDescription(
             name, body.where, tuple(solids), as_inertial(matter), color, friction
         )
-        self._filters.add(name, [geom.bits for geom in meeting if geom.type != "plane"])
+        self._filters.add(name, [geom for geom in meeting if geom.type != "plane"])
 
     def _add_plane(self, body: _Body, geom: Geom) -> None:
         """Add a separate link: a plane cannot be a part of a body."""
@@ -290,7 +309,7 @@ class BodyReader:
         )
         self._robot.roots[name] = body.file_from_body @ geom.surface.link_from_geometry
         self._filters.place(name, WORLD, True)
-        self._filters.add(name, [geom.bits])
+        self._filters.add(name, [geom])
 
 
 def _weld(body: _Body) -> JointDescription:

@@ -44,6 +44,7 @@ class Compiler:
         strips_paths: True if folders in file names are ignored.
         fits_boxes: True if shapes are fitted to the bounds of a mesh, not to its inertia.
         fits_boxes: Whether shapes are fitted to the bounds of a mesh, instead of to its inertia.
+        aligns_free: Whether free bodies that do not say so have the frames of their inertias.
     """
 
     unit: float = math.radians(1.0)
@@ -58,6 +59,7 @@ class Compiler:
     mesh_folder: str = ""
     strips_paths: bool = False
     fits_boxes: bool = False
+    aligns_free: bool = False
 
     def read_pose(self, element: Element) -> NDArray[np.float64]:
         """Return the pose of an element, from ``pos`` and any kind of rotation, (4, 4) float64.
@@ -154,6 +156,7 @@ def read_compiler(elements: list[Element]) -> Compiler:
             ("balanceinertia", "balances_inertia"),
             ("strippath", "strips_paths"),
             ("fitaabb", "fits_boxes"),
+            ("alignfree", "aligns_free"),
         ):
             if attribute in known:
                 given[name] = it.word(attribute, _SWITCH, "false") == "true"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,8 @@ from voxshell.base.arguments import FARTHEST
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Collision, Primitive
 from voxshell.robots.mjcf.compiler import turn_z_to
+from voxshell.robots.mjcf.principal_axes import find_principal_axes
+from voxshell.robots.mjcf.shells import weigh_shell
 from voxshell.robots.solids import weigh_primitive
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ _DENSITY = 1000.0
 _FRICTION = 1.0
 _TYPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 _NOT_READ = ("hfield", "sdf")
+_CONDIMS = (1, 3, 4, 6)
 _WITH_FROMTO = ("capsule", "cylinder", "ellipsoid", "box")
 
 
@@ -38,10 +41,12 @@ class Geom:
         type: One of MuJoCo's types.
         surface: Shape in the body's frame; None for unsupported types.
         bits: Its contype and conaffinity.
-        collides: True if it collides; other geoms are only visible, and may have a mass.
-        friction: Coulomb's coefficient.
-        color: None if the file states none.
-        weighs: True if it counts in the computation of a body's mass.
+        condim: Dimensions of its contacts; 1 is without friction.
+        priority: The geom with the higher one decides about a contact.
+        collides: Whether it meets anything; others are only seen, and may have a mass.
+        friction: Coulomb coefficient.
+        color: None where the file gives none.
+        weighs: Whether it counts where a body's mass is computed.
     """
 
     element: Element
@@ -49,16 +54,32 @@ class Geom:
     type: str
     surface: Collision | None
     bits: tuple[int, int]
+    condim: int
+    priority: float
     collides: bool
     friction: float
     color: Color | None
     weighs: bool
 
+    @property
+    def name(self) -> str:
+        """Name with the prefix of its model; empty if the geom has none."""
+        name = self.element.attributes.get("name")
+        return self.part.prefix + name if name else ""
+
+    def move(self, new_from_old: NDArray[np.float64]) -> Geom:
+        """Return the geom in another frame of its body."""
+        surface = self.surface
+        if surface is None:
+            return self
+        place = new_from_old @ surface.link_from_geometry
+        return replace(self, surface=Collision(surface.geometry, place))
+
     def weigh(self) -> MassProperties | None:
         """Return its mass properties in its own frame; None if it has no mass.
 
         Raises:
-            RobotError: A mesh cannot be read, or the mass is below 0.
+            RobotError: A mesh cannot be read, or is to be a shell, or the mass is below 0.
         """
         if self.surface is None or not self.weighs:
             return None
@@ -68,8 +89,13 @@ class Geom:
         if mass == 0.0:
             return None
         geometry = self.surface.geometry
+        is_shell = self.element.word("shellinertia", ("false", "true"), "false") == "true"
         if isinstance(geometry, Primitive):
-            solid = weigh_primitive(geometry, 1.0)
+            solid = weigh_shell(geometry) if is_shell else weigh_primitive(geometry, 1.0)
+        elif is_shell:
+            self.element.refuse(
+                'is a mesh with shellinertia="true"; give its <mesh> inertia="shell" instead'
+            )
         else:
             solid = self.part.meshes.weigh(self.element)
         if mass is None:
@@ -98,6 +124,9 @@ def read_geom(
     """
     kind = element.word("type", _TYPES, "sphere")
     bits = _read_bits(element, "contype"), _read_bits(element, "conaffinity")
+    condim = element.number("condim")
+    if condim is not None and condim not in _CONDIMS:
+        element.refuse(f"has a condim of {condim:g}; it must be {' or '.join(map(str, _CONDIMS))}")
     group = element.number("group") or 0.0
     first, last = part.compiler.groups
     weighs = first <= group <= last and kind != "plane"
@@ -114,6 +143,8 @@ def read_geom(
         kind,
         surface,
         bits,
+        3 if condim is None else int(condim),
+        element.number("priority") or 0.0,
         any(bits) or is_paired,
         friction,
         _read_color(element, part.materials),
@@ -204,31 +235,46 @@ def _fit(
     """Return a shape fitted to a mesh: by its inertia, or by its bounds."""
     matter = part.meshes.weigh(element)
     if not matter.mass > 0.0:
-        element.refuse(f"fits a {kind} to a mesh without volume; give it a size")
-    moments, axes = np.linalg.eigh(matter.inertia)
-    axes = axes[:, ::-1]  # the longest last
-    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+        element.refuse(f"fits a {kind} to a mesh that encloses nothing; give it a size")
+    moments, axes = find_principal_axes(matter.inertia)  # the longest side last
     inner = np.eye(4)
     inner[:3, :3], inner[:3, 3] = axes, matter.center_of_mass
     if part.compiler.fits_boxes:
         points = (part.meshes.read(element).vertices - matter.center_of_mass) @ axes
         low, high = points.min(axis=0), points.max(axis=0)
-        half = (high - low) / 2.0
         inner[:3, 3] += axes @ (low + high) / 2.0
+        sizes = _enclose_box(kind, *((high - low) / 2.0).tolist())
     else:
-        squares = moments.sum() - 2.0 * moments[::-1]
+        squares = moments.sum() - 2.0 * moments
         half = np.sqrt(np.maximum(1.5 * squares / matter.mass, 0.0))
-    x, y, z = half.tolist()
+        sizes = _match_box(kind, *half.tolist())
     scale = element.number("fitscale")
-    match kind:
-        case "sphere":
-            sizes = [(x + y + z) / 3.0]
-        case "capsule":
-            sizes = [(x + y) / 2.0, max(z - (x + y) / 4.0, 1e-9)]
-        case "cylinder":
-            sizes = [(x + y) / 2.0, z]
-        case _:
-            sizes = [x, y, z]
     return _make(
         element, kind, [it * (1.0 if scale is None else scale) for it in sizes]
     ), place @ inner
+
+
+def _match_box(kind: str, x: float, y: float, z: float) -> list[float]:
+    """Return the sizes of a shape about as large as a box of these half sides."""
+    match kind:
+        case "sphere":
+            return [(x + y + z) / 3.0]
+        case "capsule":
+            return [(x + y) / 2.0, max(z - (x + y) / 4.0, 1e-9)]
+        case "cylinder":
+            return [(x + y) / 2.0, z]
+        case _:
+            return [x, y, z]
+
+
+def _enclose_box(kind: str, x: float, y: float, z: float) -> list[float]:
+    """Return the sizes of the smallest shape whose bounds enclose a box of these half sides."""
+    match kind:
+        case "sphere":
+            return [max(x, y, z)]
+        case "capsule":
+            return [max(x, y), z - max(x, y)]
+        case "cylinder":
+            return [max(x, y), z]
+        case _:
+            return [x, y, z]

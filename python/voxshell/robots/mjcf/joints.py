@@ -49,6 +49,20 @@ def type_of(element: Element) -> JointType:
     return _TYPES[element.word("type", tuple(_TYPES), "hinge")]
 
 
+def is_aligned(
+    joints: list[tuple[Element, NDArray[np.float64]]], holds_bodies: bool, compiler: Compiler
+) -> bool:
+    """Return whether a body with these joints gets the frame of its inertia, as free bodies may.
+
+    Raises:
+        RobotError: A joint is of none of MuJoCo's types, or its ``align`` is no word that it may be.
+    """
+    if len(joints) != 1 or holds_bodies or type_of(joints[0][0]) != "floating":
+        return False
+    wish = joints[0][0].word("align", _SWITCH, "auto")
+    return compiler.aligns_free if wish == "auto" else wish == "true"
+
+
 def read_joint(
     element: Element,
     frame: NDArray[np.float64],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,21 @@ if TYPE_CHECKING:
 
 _SECTIONS = ("actuator", "tendon", "equality", "deformable")
 _FLUID = ("density", "viscosity", "wind")
+_FLAGS = ("gravity", "constraint", "limit", "frictionloss", "damper", "passive")
+"""Flags that disable what a world simulates. ``contact`` is obeyed, so it is not among them."""
+
+
+def is_disabled(flag: Element, name: str) -> bool:
+    """Return the value of a ``<flag>``.
+
+    Raises:
+        RobotError: It is no word that it may be.
+    """
+    return flag.word(name, ("enable", "disable"), "enable") == "disable"
+
+
+def _describe(name: str, flag: Element) -> str:
+    return f'{name}="disable" at {os.path.basename(flag.where)}'
 
 
 class LeftOut:
@@ -27,6 +43,11 @@ class LeftOut:
         """Record something."""
         self._noted.setdefault(kind, []).append(name)
 
+    def note_once(self, kind: str, name: str) -> None:
+        """Store a remark, unless it has been stored."""
+        if name not in self._noted.get(kind, ()):
+            self.note(kind, name)
+
     def note_sections(self, root: Element) -> None:
         """Note whole sections of a model."""
         for name in _SECTIONS:
@@ -38,15 +59,26 @@ class LeftOut:
         """Note what ``<option>`` says about air, and a gravity that differs from the world's.
 
         Raises:
-            RobotError: An option is not a number.
+            RobotError: An option is no number, or a flag is no word that it may be.
         """
+        flags = [flag for option in root.all("option") for flag in option.all("flag")]
+        disabled = {name: flag for flag in flags for name in _FLAGS if is_disabled(flag, name)}
+        weightless = disabled.pop("gravity", None)
+        if weightless is not None and any(gravity):
+            self.note(
+                "<flag>", f"{_describe('gravity', weightless)}; give gravity=(0, 0, 0) to the World"
+            )
+        for name, flag in disabled.items():
+            self.note("<flag>", _describe(name, flag))
         for option in root.all("option"):
             for name in _FLUID:
                 if any(option.numbers(name, (1, 3)) or ()):
                     self.note("<option>", name)
             wanted = option.numbers("gravity", (3,))
-            if wanted is not None and any(
-                abs(a - b) > 1e-6 for a, b in zip(wanted, gravity, strict=True)
+            if (
+                wanted is not None
+                and weightless is None
+                and any(abs(a - b) > 1e-6 for a, b in zip(wanted, gravity, strict=True))
             ):
                 self.note("<option>", f"gravity {wanted}; pass it to the World")
 

@@ -9,6 +9,8 @@ from voxshell.robots.description import shorten_names
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
 from voxshell.robots.mjcf.carriers import share_matter
+from voxshell.robots.mjcf.frictionless import remove_frictions
+from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
 from voxshell.robots.mjcf.reading import read_mjcf
 from voxshell.robots.shapes import MeshSettings, Shaper
@@ -43,14 +45,15 @@ def load_mjcf(
     "torso/hip_x", and the last joint moves "torso". Each link in between gets a tenth of the body's
     mass, such that masses, centers and inertias are MuJoCo's.
 
-    Positions of joints are MuJoCo's ``qpos``, and joints start as in ``qpos0``. A joint whose
-    ``ref`` is beyond its limits starts at the nearest limit, with a :class:`RobotWarning`. Bodies
-    have the largest friction of their geoms. Note that Bullet multiplies the frictions of two
-    bodies, while MuJoCo takes the larger one. Bodies of one tree that overlap at the start by over
-    2 % of the smaller one do not collide. Geoms whose ``contype`` and ``conaffinity`` are 0 are
-    only visible, but have a mass as in MuJoCo. Actuators, tendons, equalities, springs and
-    armatures are not simulated; a :class:`RobotWarning` lists those in the file. Gravity and time
-    step are the world's.
+    Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``; those whose ``ref`` is beyond
+    their limits begin at the nearest limit, with a :class:`RobotWarning`. Bodies have the largest friction of
+    their geoms; note that Bullet multiplies the frictions of two bodies, and MuJoCo takes the larger. A body whose
+    contacts are all without friction (``condim="1"``) has friction 0, if it is static or meets another tree.
+    Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
+    Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
+    Actuators, tendons, equalities, springs and armatures are not simulated; a :class:`RobotWarning` lists what the
+    file has of them. Gravity and time step are the world's. Elements and attributes that MuJoCo does not know are
+    refused.
 
     Args:
         world: The world.
@@ -126,9 +129,17 @@ def load_mjcf(
     shaper = Shaper(robot, settings)
     shapes = {lump: shaper.shape_of(lump) for lump in lumps}
     meeting = [lump for lump, shape in shapes.items() if shape is not None]
-    apart, own = filters.sort_pairs(lump_of, static, meeting)
+    pairs = filters.sort_pairs(lump_of, static, meeting)
+    apart, own = pairs.apart, [it.lumps for it in pairs.meetings if it.is_own]
     if not self_collision:
-        apart += own
+        apart = apart + own
+    left_out = LeftOut()
+    for pair in filters.find_lost_pairs():
+        left_out.note("<pair> of geoms that are not there, or not read", pair.place)
+    if friction is None:
+        met = [it for it in pairs.meetings if self_collision or not it.is_own]
+        remove_frictions(robot, filters, met, static, left_out)
+    robot.left_out.extend(left_out.list())
     assembly = Assembly(
         robot,
         lump_of,

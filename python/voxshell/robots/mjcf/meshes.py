@@ -47,6 +47,8 @@ class Meshes:
                 complete = defaults.complete(mesh, MAIN)
                 name = mesh.attributes.get("name")
                 if name is None:
+                    if "builtin" in complete.attributes:
+                        complete.text("name")
                     stem = os.path.basename(complete.text("file").replace("\\", "/"))
                     name = os.path.splitext(stem)[0]
                 self._elements.setdefault(name, complete)
@@ -102,6 +104,13 @@ class Meshes:
         vertices = element.numbers("vertex", _ANY_COUNT)
         if vertices is not None:
             return self._make_inline(name, element, vertices, affine)
+        if "builtin" in element.attributes or (
+            "file" not in element.attributes and element.first("plugin") is not None
+        ):
+            element.refuse(
+                "is made by MuJoCo (builtin or plugin), and only meshes of vertices or files are read; "
+                "export it to a file that <mesh file> names"
+            )
         file_name = element.text("file")
         if self._compiler.strips_paths:
             file_name = os.path.basename(file_name.replace("\\", "/"))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from voxshell.robots.mjcf.compiler import Compiler, read_compiler
 from voxshell.robots.mjcf.defaults import MAIN, Defaults
 from voxshell.robots.mjcf.meshes import Meshes
+from voxshell.robots.mjcf.names import check_names
 
 if TYPE_CHECKING:
     from voxshell.robots.mjcf.model_file import ModelFile
@@ -38,7 +39,7 @@ class Part:
         """Return the model that an ``<attach>`` names, and the elements that replace it.
 
         Raises:
-            RobotError: There is no such model or body, or its file cannot be read.
+            RobotError: There is no such model or body, or its file cannot be read or has unknown names.
         """
         name = element.text("model")
         named = [
@@ -48,10 +49,10 @@ class Part:
             if model.attributes.get("name") == name
         ]
         if not named:
-            element.refuse(f"attaches the model {name[:60]!r}, but <asset> has no such model")
-        part = open_part(
-            self.file.attach(named[0]), self.prefix + element.attributes.get("prefix", "")
-        )
+            element.refuse(f"attaches the model {name[:60]!r}, and <asset> has no such model")
+        file = self.file.attach(named[0])
+        check_names(file.root)
+        part = open_part(file, self.prefix + element.attributes.get("prefix", ""))
         sections = part.file.sections("worldbody")
         body = element.attributes.get("body")
         if body is None:

@@ -12,6 +12,7 @@ from voxshell.robots.mjcf.bodies import BodyReader
 from voxshell.robots.mjcf.filters import Filters
 from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.model_file import read_model
+from voxshell.robots.mjcf.names import check_names, find_closest
 from voxshell.robots.mjcf.parts import open_part
 
 if TYPE_CHECKING:
@@ -59,10 +60,12 @@ def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     name = file.root.attributes.get("model")
     stem = os.path.splitext(os.path.basename(file.path))[0]
     robot = RobotDescription(file.path, name or stem, {}, {})
-    if not file.sections("worldbody"):
+    tags = {child.tag for child in file.root.children} - {"body"}  # which parts have there
+    if not any(find_closest(tag, ("worldbody",)) for tag in tags):
         robot.refuse(
             "it has no <worldbody>: it is empty, or meant for <include>; load a model that includes it"
         )
+    check_names(file.root)
     filters = Filters(file.root)
     left_out = LeftOut()
     part = open_part(file, "")

@@ -143,3 +143,39 @@ def test_nothing_is_left_of_a_model_that_fails(write):
     with warnings.catch_warnings(), pytest.raises(vx.RobotError):
         vx.load_mjcf(world, write(f"<worldbody><body>{BALL}</body>{huge}</worldbody>"))
     assert world.bodies == []
+
+
+BOX = "<geom type='box' size='.1 .2 .3' pos='.1 .2 .3' euler='0 0 90'/>"
+ALIGN = "<freejoint align='true'/>"
+
+
+def test_free_bodies_can_have_the_frames_of_their_inertias(load):
+    def place(joint: str, inside: str = BOX, compiler: str = "") -> np.ndarray:
+        body = f"<body name='a' pos='0 0 1'>{joint}{inside}</body>"
+        robot = load(body, before=f"<compiler {compiler}/>")
+        link = robot.links["a"]
+        (low, high), center = link.body.bounds, link.body.pose @ [*link.body._center, 1]
+        np.testing.assert_allclose((low + high) / 2, (0.1, 0.2, 1.3), atol=1e-9)
+        np.testing.assert_allclose(center[:3], (0.1, 0.2, 1.3), atol=1e-9)
+        return link.pose
+
+    there = vx.pose((0.1, 0.2, 1.3), axis_angle=((0, 0, 1), np.pi / 2))
+    here = vx.pose((0, 0, 1))
+    aligns = "alignfree='true'"
+    np.testing.assert_allclose(place(ALIGN), there, atol=1e-12)
+    np.testing.assert_allclose(place("<freejoint/>", compiler=aligns), there, atol=1e-12)
+    np.testing.assert_allclose(place("<joint type='free'/>", compiler=aligns), there, atol=1e-12)
+    np.testing.assert_allclose(place("<freejoint/>"), here)
+    np.testing.assert_allclose(place("<freejoint align='false'/>", compiler=aligns), here)
+    given = f"{BOX}<inertial pos='.1 .2 .3' mass='1' diaginertia='1 1 1' euler='90 0 0'/>"
+    turned = vx.pose((0.1, 0.2, 1.3), axis_angle=((1, 0, 0), np.pi / 2))
+    np.testing.assert_allclose(place(ALIGN, given), turned, atol=1e-12)
+
+
+def test_bodies_that_hold_others_or_have_no_free_joint_are_not_aligned(load):
+    inner = f"<body name='b' pos='1 0 0'>{BALL}</body>"
+    robot = load(f"<body name='a' pos='0 0 1'>{ALIGN}{BOX}<frame pos='0 0 0'>{inner}</frame></body>",
+                 f"<body name='c' pos='5 0 1'><joint/>{BOX}</body>",
+                 before="<compiler alignfree='true'/>")  # fmt: skip
+    np.testing.assert_allclose(robot.links["a"].pose, vx.pose((0, 0, 1)), atol=1e-12)
+    np.testing.assert_allclose(robot.links["c"].pose, vx.pose((5, 0, 1)), atol=1e-12)

@@ -78,3 +78,28 @@ def test_pairs_can_be_excluded_or_named(touching):
 def test_all_contacts_can_be_off(touching):
     off = "<option><flag contact='disable'/></option>"
     assert touching(ball("a"), ball("b"), rules=off) == set()
+
+
+@pytest.mark.parametrize("bits", [(4, 8), (0, 0)])
+def test_a_body_in_a_pair_with_a_plane_does_not_fall_through_it(write, bits):
+    apart = f"contype='{bits[0]}' conaffinity='{bits[1]}'"
+    plane = "<geom name='floor' type='plane' size='1 1 1'/>"
+    body = f"<body name='a' pos='0 0 0.3'><freejoint/><geom name='g' size='0.1' {apart}/></body>"
+    path = write(
+        f"<worldbody>{plane}{body}</worldbody><contact><pair geom1='floor' geom2='g'/></contact>"
+    )
+    world = vx.World()
+    robot = vx.load_mjcf(world, path)
+    world.step(400)
+    assert robot.links["a"].pose[2, 3] == pytest.approx(0.1, abs=2e-3)
+
+
+def test_a_pair_of_a_geom_that_is_not_there_is_said(write):
+    path = write(
+        f"<worldbody>{ball('a')}</worldbody>",
+        "\n<contact><pair geom1='a_geom' geom2='flor'/></contact>",
+    )
+    with pytest.warns(
+        vx.RobotWarning, match=r"<pair> of geoms .* \('a_geom and flor at model.xml:2'\)"
+    ):
+        vx.load_mjcf(vx.World(), path)

@@ -54,6 +54,14 @@ def test_matter_comes_from_mass_or_density(geom):
     assert geom("type='plane' size='1 1 1'").weigh() is None
 
 
+def test_a_shell_has_the_mass_and_inertia_of_its_surface(geom):
+    box = geom("type='box' size='.1 .2 .3' shellinertia='true'").weigh()
+    assert box.mass == pytest.approx(1000 * 2 * (0.2 * 0.4 + 0.4 * 0.6 + 0.6 * 0.2))
+    ball = geom("size='0.1' mass='2' shellinertia='true'").weigh()
+    assert ball.mass == 2
+    assert ball.inertia[0, 0] == pytest.approx(2 / 3 * 2 * 0.01)
+
+
 def test_bits_say_what_is_only_seen(geom):
     assert geom("size='1'").bits == (1, 1)
     seen = geom("size='1' contype='0' conaffinity='0'")
@@ -85,14 +93,19 @@ def test_a_shape_can_be_fitted_to_a_mesh(geom, tmp_path, shape):
     }
     assert surface.geometry.sizes == pytest.approx(fitted[shape], rel=1e-6)
     bounds = geom(f"type='{shape}' mesh='a'", mesh, "fitaabb='true'").surface
-    assert bounds.geometry.sizes == pytest.approx(fitted[shape], rel=1e-6)
+    enclosing = fitted | {
+        "cylinder": (0.2, 0.6),  # as wide as the box is wide, and no wider
+        "capsule": (0.2, 0.2),  # which is as long as the box with its caps
+        "sphere": (0.3,),
+    }
+    assert bounds.geometry.sizes == pytest.approx(enclosing[shape], rel=1e-6)
 
 
 @pytest.mark.parametrize(
     "text",
     ["size='0'", "size='-1'", "size='1e16'", "type='box' size='1 2'", "size='1' friction='-1'", "size='1' mass='-1'",
      "size='1' contype='0.5'", "type='torus'", "type='capsule' size='1' fromto='0 0 0 0 0 0'",
-     "type='mesh'", "size='1' pos='1 2'"],
+     "type='mesh'", "size='1' pos='1 2'", "size='1' condim='2'", "size='1' shellinertia='yes'"],
 )  # fmt: skip
 def test_wrong_geoms_are_refused(geom, text):
     with pytest.raises(vx.RobotError, match=r"model\.xml:1: a geom of the robot has "):

@@ -42,3 +42,19 @@ def test_a_model_of_bodies_and_joints_does_not_warn(write, recwarn):
     )
     vx.load_mjcf(vx.World(), path)
     assert not recwarn.list
+
+
+def test_flags_that_switch_off_what_is_simulated_are_listed(write):
+    path = write("\n<option gravity='0 0 -1'><flag gravity='disable' limit='disable' contact='disable' warmstart='disable'/>",
+                 f"</option><worldbody><body name='x'><freejoint/>{BALL}</body></worldbody>")  # fmt: skip
+    assert (
+        '<flag> (\'gravity="disable" at model.xml:2; give gravity=(0, 0, 0) to the World\', \'limit="disable" at '
+        "model.xml:2')"
+    ) in warning_of(path)
+
+
+def test_a_world_without_gravity_does_not_warn_of_a_file_without(write, recwarn):
+    flag = "<option gravity='0 0 -1'><flag gravity='disable'/></option>"
+    path = write(flag, f"<worldbody><body name='x'><freejoint/>{BALL}</body></worldbody>")
+    vx.load_mjcf(vx.World(gravity=(0, 0, 0)), path)
+    assert not recwarn.list

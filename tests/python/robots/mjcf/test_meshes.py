@@ -63,6 +63,8 @@ def test_vertices_in_the_model_have_their_hull_or_their_faces(find):
         ("<mesh name='a' vertex='0 0 0 1 0 0'/>", "mesh 'a': vertices of mesh 'a': "),
         ("<mesh name='b' file='box.stl'/>", "<asset> has no such mesh"),
         ("<mesh name='a'/>", "a <mesh> without file"),
+        ("<mesh name='a' builtin='sphere' params='1'/>", "mesh 'a' is made by MuJoCo (builtin"),
+        ("<mesh name='a'><plugin plugin='mujoco.sdf.gear'/></mesh>", "mesh 'a' is made by MuJoCo"),
     ],
 )
 def test_what_is_wrong_with_a_mesh_is_said_with_its_line(find, asset, message):
@@ -71,3 +73,14 @@ def test_what_is_wrong_with_a_mesh_is_said_with_its_line(find, asset, message):
         meshes.read(geom)
     assert message in str(refusal.value)
     assert "model.xml:1" in str(refusal.value)
+
+
+def test_a_shell_of_a_mesh_is_asked_of_the_mesh(write):
+    mesh = "<mesh name='a' vertex='0 0 0 1 0 0 0 1 0 0 0 1' inertia='{}'/>"
+    body = "<worldbody><body><freejoint/><geom type='mesh' mesh='a' {}/></body></worldbody>"
+    path = write(f"<asset>{mesh.format('legacy')}</asset>", body.format("shellinertia='true'"))
+    with pytest.raises(vx.RobotError, match=r"model\.xml:1: .* give its <mesh> inertia=\"shell\""):
+        vx.load_mjcf(vx.World(), path)
+    path = write(f"<asset>{mesh.format('shell')}</asset>", body.format(""))
+    area = 1.5 + 3**0.5 / 2
+    assert vx.load_mjcf(vx.World(), path).bodies[0].mass == pytest.approx(1000 * area)

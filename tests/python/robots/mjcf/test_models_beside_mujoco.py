@@ -23,6 +23,14 @@ GEOMS = (
     "type='mesh' mesh='wedge'",
     "type='mesh' mesh='turned'",
     "type='cylinder' mesh='wedge'",
+    "type='box' mesh='wedge' fitscale='1.1'",
+    "type='sphere' mesh='wedge'",
+    "type='capsule' mesh='wedge'",
+    "type='box' size='0.1 0.2 0.3' shellinertia='true'",
+    "type='sphere' size='0.1' mass='0.7' shellinertia='true'",
+    "type='capsule' size='0.05 0.2' density='3' shellinertia='true'",
+    "type='cylinder' size='0.1 0.2' density='3' shellinertia='true'",
+    "type='ellipsoid' size='0.1 0.2 0.3' density='3' shellinertia='true'",
 )
 VERTICES = "0 0 0 0.3 0 0 0 0.2 0 0 0 0.4 0.2 0.2 0.1"
 ASSET = f"""<asset><mesh name="wedge" vertex="{VERTICES}"/>
@@ -34,6 +42,8 @@ COMPILERS = (
     "balanceinertia='true' inertiafromgeom='true'",
     "settotalmass='33' autolimits='true'",
     "inertiagrouprange='0 3'",
+    "fitaabb='true'",
+    "alignfree='true'",
 )
 
 
@@ -64,7 +74,7 @@ def write_model(rng: np.random.Generator, compiler: str) -> str:
         ).split()
         joints = "".join(map(joint, kinds))
         if depth == 0 and rng.random() < 0.3:
-            joints = "<freejoint/>"
+            joints = str(rng.choice(["<freejoint/>", "<freejoint align='true'/>"]))
         geoms = "<geom size='0.1'/>"
         geoms += "".join(geom(str(rng.choice(GEOMS))) for _ in range(rng.integers(1, 4)))
         if rng.random() < 0.3:
@@ -233,3 +243,26 @@ def test_a_doll_falls_and_lies_as_in_mujoco(tmp_path):
     np.testing.assert_allclose(ours[:3], theirs[:3], atol=0.02)
     assert speed < 6.0
     np.testing.assert_allclose(ours[-1, 2], theirs[-1, 2], atol=0.04)
+
+
+SLOPE = """<geom name="floor" type="plane" size="5 5 1" euler="0 10 0" {floor}/><body pos="0.01736 0 0.09848" euler="0 10 0">
+  <freejoint/><geom name="block" type="box" size="0.1 0.1 0.1" {block}/></body>"""
+RULES = {
+    "condim of both": ("condim='1'", "condim='1'", ""),
+    "condim of one": ("condim='1'", "", ""),
+    "condim of higher priority": ("", "condim='1' priority='1'", ""),
+    "pair without friction": ("", "", "<contact><pair geom1='floor' geom2='block' friction='0 0'/></contact>"),
+    "pair of geoms without bits": ("contype='0' conaffinity='0'", "contype='4' conaffinity='8'",
+                                   "<contact><pair geom1='floor' geom2='block'/></contact>"),
+    "no contacts": ("", "", "<option><flag contact='disable'/></option>"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", RULES)
+def test_a_block_slides_stays_or_falls_as_in_mujoco(tmp_path, case):
+    floor, block, rules = RULES[case]
+    path = tmp_path / "model.xml"
+    bodies = SLOPE.format(floor=floor, block=block)
+    path.write_text(f"<mujoco>{rules}<worldbody>{bodies}</worldbody></mujoco>")
+    ours, theirs, _ = centers(path, 1.0)
+    np.testing.assert_allclose(ours, theirs, atol=0.04)
