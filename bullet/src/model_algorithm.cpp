@@ -122,6 +122,10 @@ struct ModelAlgorithm::Near {
   bool is_spanned = false;          ///< the contacts are the outer ones of flat patches
 };
 
+bool ModelAlgorithm::has_searched() const {
+  return near_ != nullptr && near_->prepared && !near_->prepared->carries_on;
+}
+
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,
                                       const btCollisionObjectWrapper* b,
                                       const btDispatcherInfo& info, btManifoldResult* result) {

@@ -16,7 +16,7 @@
 namespace voxshell::bullet {
 namespace {
 
-/// Pairs of bodies near each other for each thread. Smaller: to start a thread takes longer than it
+/// Pairs that search for contacts for each thread. Smaller: to start a thread takes longer than it
 /// saves.
 constexpr std::size_t kPairsOfThread = 8;
 
@@ -82,7 +82,8 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
     auto* const algorithm = static_cast<ModelAlgorithm*>(pair.m_algorithm);
     const btCollisionObject& a = object_of(*pair.m_pProxy0);
     const btCollisionObject& b = object_of(*pair.m_pProxy1);
-    if (!algorithm->is_near() || has_triangles(a) || has_triangles(b) || !needsCollision(&a, &b)) {
+    if (!algorithm->has_searched() || has_triangles(a) || has_triangles(b) ||
+        !needsCollision(&a, &b)) {
       continue;
     }
     jobs_.push_back({algorithm, &a, &b});
