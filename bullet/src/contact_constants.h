@@ -101,9 +101,12 @@ inline constexpr std::size_t kRimOfPatch = 8;
 /// Normals within this sine of each other are those of one patch. Larger: the outermost points of a
 /// uniform model, whose edges are rounded, push aside.
 inline constexpr float kSamePatch = 1e-4f;
-/// Patches shrink by at most this fraction of the smaller body's radius when points that do not
-/// span them are left out. Smaller: rims have more points. Larger: cans tip early.
-inline constexpr double kPatchShrinkOfRadius = 0.01;
+/// Patches shrink by at most this fraction of half their width when points that do not span them
+/// are left out. Smaller: rims have more points. Larger: cans tip early.
+inline constexpr double kPatchShrink = 0.01;
+/// Or by this fraction of the smaller body's radius. Smaller: of a row, points in the middle stay,
+/// which change from step to step. Larger: beams on narrow feet tip early.
+inline constexpr double kLeastPatchShrinkOfRadius = 1e-4;
 /// Points are in a patch if they are deeper than the plane of those that span it by at most this
 /// fraction of the rest margin. Larger: bodies are carried beside their deepest point.
 inline constexpr float kFlatOfMargin = 0.02f;

@@ -21,7 +21,6 @@ class KeptContacts {
   void keep(const PairStep& step, std::span<const Contact> found);
   /// Forgets those that are not among `chosen`.
   void reduce_to(std::span<const Contact> chosen);
-  void forget() { asked_.reset(); }
 
   /// Whether a search in this step would find the same contacts, but for a small fraction of the
   /// rest margin.

@@ -82,9 +82,10 @@ class PatchHull {
     });
   }
 
-  /// Marks the places that span all of them to a tolerance.
-  void mark(double tolerance, std::vector<std::uint8_t>& is_outer) {
+  /// Marks the places that span all of them to a fraction of their width, or to `least`, metres.
+  void mark(double least, std::vector<std::uint8_t>& is_outer) {
     find_hull();
+    const double tolerance = std::max(kPatchShrink * half_width(), least);
     const std::size_t count = hull_.size();
     for (std::size_t i = 0; i < count; ++i) hull_.push_back(hull_[i]);
     // From one corner to the one farthest from it, and back: never to the middle of a side, which
@@ -113,6 +114,18 @@ class PatchHull {
     const std::size_t lower = hull_.size() - 1;
     for (std::size_t i = places_.size(); i-- > 0;) append(places_[i], lower);
     if (hull_.size() > 1) hull_.pop_back();
+  }
+
+  /// Of long hulls half their width, of round ones their radius.
+  double half_width() const {
+    double area = 0.0;  // twice
+    double perimeter = 0.0;
+    for (std::size_t i = 0; i < hull_.size(); ++i) {
+      const Placed& next = hull_[(i + 1) % hull_.size()];
+      area += area_of(hull_.front(), hull_[i], next);
+      perimeter += std::sqrt(squared_distance(hull_[i], next));
+    }
+    return perimeter > 0.0 ? area / perimeter : 0.0;
   }
 
   Placed middle() const {
@@ -225,7 +238,7 @@ class Patches {
 
 }  // namespace
 
-bool leave_outer(double tolerance, float band, std::vector<Contact>& contacts) {
+bool leave_outer(double least, float band, std::vector<Contact>& contacts) {
   // Kept from step to step, as settled ones take no memory.
   thread_local Patches patches;
   thread_local PatchHull hull;
@@ -243,7 +256,7 @@ bool leave_outer(double tolerance, float band, std::vector<Contact>& contacts) {
           {dot(tangents[0], point), dot(tangents[1], point), static_cast<std::uint32_t>(i)});
     }
     if (places.empty()) continue;
-    hull.mark(tolerance, is_outer);
+    hull.mark(least, is_outer);
     if (!hull.is_flat(contacts, is_outer, band)) return false;
   }
   std::size_t left = 0;

@@ -179,9 +179,14 @@ void Simulation::remove_body(std::size_t body) {
                 [&](const auto& pair) { return pair.first == number || pair.second == number; });
 }
 
-/// What lies on a body, or carries it, must notice that it changes.
+/// What lies on a body, carries it, or is joined to it, must notice that it changes.
 void Simulation::wake_touching(std::size_t body) {
   const int number = static_cast<int>(body);
+  for (const auto& [joint_number, joint] : joints_) {
+    const JointSettings& settings = joint->settings();
+    if (settings.parent == number) body_or_world(settings.child).activate();
+    if (settings.child == number) body_or_world(settings.parent).activate();
+  }
   for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(m);
     if (manifold.getBody0()->getUserIndex() == number) manifold.getBody1()->activate();

@@ -91,6 +91,19 @@ def test_changing_what_carries_a_sleeper_wakes_it(change):
     assert body.position[2] < 0.03
 
 
+@pytest.mark.parametrize("joint", [vx.FixedJoint(), vx.PointJoint()])
+def test_a_sleeper_follows_the_kinematic_body_that_it_is_joined_to(joint):
+    world = build_world()
+    base = world.add(vx.Box((0.1, 0.1, 0.1)), motion="kinematic", pose=(0, 0, 1))
+    arm = world.add(vx.Box((0.05, 0.05, 0.05)), mass=1, pose=(0, 0, 0.8))
+    world.add_joint(joint, base, arm, world_from_joint=vx.pose((0, 0, 0.9)))
+    put_to_sleep(world, arm)
+    for step in range(200):
+        base.position = (0.001 * step, 0, 1)
+        world.step()
+    assert arm.position[0] == pytest.approx(0.2, abs=0.02)
+
+
 def test_taking_the_friction_from_a_slope_lets_a_sleeper_slide():
     world = build_world()
     slope = world.add(vx.Plane((-math.sin(0.3), 0, math.cos(0.3))), mass=0)
