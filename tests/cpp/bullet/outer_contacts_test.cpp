@@ -62,7 +62,7 @@ TEST(OuterContacts, OfACircleLoseNoMoreThanTheTolerance) {
     contacts.push_back(contact_at(0.05 * std::cos(angle), 0.05 * std::sin(angle)));
   }
   ASSERT_TRUE(leave_outer(kLeast, kBand, contacts));
-  EXPECT_LT(contacts.size(), 32u);
+  EXPECT_LE(contacts.size(), 36u);
   double turned = 0.0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const auto a = static_cast<Vec3>(contacts[i].point);

@@ -67,10 +67,14 @@ TEST(SleepyWorld, LetsASlowBodySlideOn) {
 TEST(SleepyWorld, LetsASleeperFallWhoseSupportLeaves) {
   Sleepy world;
   add_plane(world);
-  btRigidBody& lower = add_box(world, 0.05, 0.0);
-  btRigidBody& upper = add_box(world, 0.15, 0.0);
-  for (int i = 0; i < 4000 && (lower.isActive() || upper.isActive()); ++i) world.step(1, kStep);
+  btRigidBody& lower = add_box(world, 0.05, 0.5);
+  btRigidBody& upper = add_box(world, 0.15, 0.5);
+  world.step(20, kStep);
+  lower.setActivationState(ISLAND_SLEEPING);
+  upper.setActivationState(ISLAND_SLEEPING);
+  world.step(1, kStep);
   ASSERT_FALSE(upper.isActive());
+  lower.setFriction(0);
   lower.setLinearVelocity(btVector3(8, 0, 0));
   lower.activate();
   world.step(200, kStep);
