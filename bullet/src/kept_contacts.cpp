@@ -77,6 +77,8 @@ bool KeptContacts::hold_in(const PairStep& step) const {
 }
 
 void KeptContacts::carry_to(const PairStep& step, std::vector<Contact>& contacts) const {
+  contacts.clear();
+  if (!asked_) return;
   // How the field's body has moved since, as the shell's sees it.
   const Pose now_from_then = step.field_from_shell.inverse() * asked_->field_from_shell;
   contacts.assign(contacts_.begin(), contacts_.end());

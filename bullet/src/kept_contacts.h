@@ -25,7 +25,7 @@ class KeptContacts {
   /// Whether a search in this step would find the same contacts, but for a small fraction of the
   /// rest margin.
   bool hold_in(const PairStep& step) const;
-  /// Where the contacts are in this step.
+  /// Where the contacts are in this step; none if none were kept.
   void carry_to(const PairStep& step, std::vector<Contact>& contacts) const;
 
  private:
