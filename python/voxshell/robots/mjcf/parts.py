@@ -49,7 +49,7 @@ class Part:
             if model.attributes.get("name") == name
         ]
         if not named:
-            element.refuse(f"attaches the model {name[:60]!r}, and <asset> has no such model")
+            element.refuse(f"attaches the model {name[:60]!r}, but <asset> has no such model")
         file = self.file.attach(named[0])
         check_names(file.root)
         part = open_part(file, self.prefix + element.attributes.get("prefix", ""))
