@@ -219,7 +219,7 @@ class _ForceActor:
     def build(
         cls, scene: viser.SceneApi, name: str, lane: Lane, script: Script
     ) -> _ForceActor | None:
-        """Adds the node; None if the lane has no force to show."""
+        """Add the node; return None if the lane has no force to show."""
         if script.strongest == 0.0 or not lane.recording.contacts.forces.any():
             return None
         frames = script.timeline.contact_frames(lane.recording)

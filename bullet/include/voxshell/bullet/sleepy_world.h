@@ -17,8 +17,8 @@ bool has_moved(const btTransform& from, const btTransform& to, btScalar radius);
 /// Bullet lets bodies sleep after two seconds below 0.8 m/s and 1 rad/s: a cube that slides without
 /// friction stops, and so does a pendulum at its turning point. It also lets a body that wakes with
 /// its island sleep again as soon as the others have left: knocked out from under another, a cube
-/// leaves it in midair. In this world the two seconds begin anew whenever a body has moved, and
-/// when it wakes. docs/decisions/0048-sleep-is-rest.md.
+/// leaves it in midair. In this world, the two seconds start again whenever a body moves or wakes.
+/// docs/decisions/0048-sleep-is-rest.md.
 template <class World = btDiscreteDynamicsWorld>
 class SleepyWorld : public World {
  public:

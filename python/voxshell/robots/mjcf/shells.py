@@ -21,8 +21,8 @@ def weigh_shell(primitive: Primitive) -> MassProperties:
 
     The mass in kilograms equals the area in square meters.
 
-    The skin of an ellipsoid is as thick everywhere as MuJoCo has it: what an ellipsoid gains when all three
-    radii grow by the same small length.
+    As in MuJoCo, the shell of an ellipsoid is what it gains if its radii grow by the same small
+    length.
     """
     match primitive.kind:
         case "sphere":
