@@ -57,10 +57,19 @@ SCENES: dict[str, Callable[[], Bodies]] = {
 }
 
 
-def time_scene(bodies: Bodies, rate: float, steps: int) -> tuple[float, float, float]:
+def add_ground(world: vx.World, kind: str) -> None:
+    """Adds a fixed ground with its top at height zero."""
+    if kind == "plane":
+        world.add(vx.Plane(), mass=0)
+        return
+    slab = vx.Box((1.0, 1.0, 0.05)) if kind == "box" else build_box(2.0, 2.0, 0.1)
+    world.add(slab, mass=0, pose=(0, 0, -0.05))
+
+
+def time_scene(bodies: Bodies, ground: str, rate: float, steps: int) -> tuple[float, float, float]:
     """The median and the 99th percentile of a step, and the median of its queries, milliseconds."""
     world = vx.World(time_step=1.0 / rate, sleeping=False)
-    world.add(build_box(2.0, 2.0, 0.1), mass=0, pose=(0, 0, -0.05))
+    add_ground(world, ground)
     for model, place in bodies:
         world.add(model, mass=1, pose=place)
     world.step(100 + steps)
@@ -73,11 +82,13 @@ def time_scene(bodies: Bodies, rate: float, steps: int) -> tuple[float, float, f
 def main() -> None:
     """Prints the times of each scene."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    grounds = ("model", "plane", "box")
+    parser.add_argument("--ground", choices=grounds, default="model", help="(default: model)")
     parser.add_argument("--rate", type=float, default=200.0, help="steps a second (default: 200)")
     parser.add_argument("--steps", type=int, default=500, help="steps to time (default: 500)")
     options = parser.parse_args()
     for name, build in SCENES.items():
-        step, worst, query = time_scene(build(), options.rate, options.steps)
+        step, worst, query = time_scene(build(), options.ground, options.rate, options.steps)
         print(
             f"{name:22} a step {step:6.2f} ms, 99th percentile {worst:6.2f}, of the median "
             f"queries {query:6.2f}",

@@ -30,7 +30,7 @@ double bound_difference(const RelativeMotion& from, const RelativeMotion& to, co
 }  // namespace
 
 KeptContacts::Question KeptContacts::Question::of(const PairStep& step) {
-  return {{step.pair->a.model(), step.pair->b.model()},
+  return {{step.pair->a.key(), step.pair->b.key()},
           step.pair->shell_is_a,
           step.is_still,
           step.uses_ccd,
@@ -57,12 +57,14 @@ void KeptContacts::reduce_to(std::span<const Contact> chosen) {
 bool KeptContacts::hold_in(const PairStep& step) const {
   if (!asked_) return false;
   const Question now = Question::of(step);
-  if (now.models != asked_->models || now.shell_is_a != asked_->shell_is_a ||
+  if (now.geometry != asked_->geometry || now.shell_is_a != asked_->shell_is_a ||
       now.is_still != asked_->is_still || now.uses_ccd != asked_->uses_ccd ||
       now.time_step != asked_->time_step || now.rest_margin != asked_->rest_margin ||
       now.thickness != asked_->thickness) {
     return false;
   }
+  // Contacts are carried along by the inverse of the pose, which only rotations have.
+  if (!(squared_length(now.field_from_shell.rotation.row_x) < 2.0)) return false;
   const double most = kKeptOfMargin * step.rest_margin;
   if (!(bound_displacement(asked_->field_from_shell, now.field_from_shell, step.middle,
                            step.radius) <= most)) {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "pair_step.h"
+#include "posed_pair.h"
 #include "voxshell/contacts.h"
-#include "voxshell/model.h"
 
 namespace voxshell::bullet {
 
-/// The contacts that a pair of models was last given, and what they were searched for with. While
+/// The contacts that a pair was last given, and what they were searched for with. While
 /// the pair moves by far less than its rest margin, they go along with the bodies, and nothing is
 /// searched for. Decision 47.
 class KeptContacts {
@@ -31,7 +31,7 @@ class KeptContacts {
  private:
   /// What the answer of a search depends on.
   struct Question {
-    std::array<const Model*, 2> models;
+    std::array<GeometryKey, 2> geometry;
     bool shell_is_a;
     bool is_still;
     bool uses_ccd;

@@ -160,11 +160,10 @@ void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,
 }
 
 /// Whether the contacts of a search hold for poses near it. Those of segments and of worlds without
-/// a margin are promised to be the samples of each pose.
+/// a margin are promised to be the samples of each pose. Triangles may change unseen.
 bool ModelAlgorithm::may_keep(const PairStep& step) const {
   return settings_.mode != ContactMode::kSegmented && settings_.shell == ShellRule::kAutomatic &&
-         step.rest_margin > 0.0 && step.pair->a.model() != nullptr &&
-         step.pair->b.model() != nullptr;
+         step.rest_margin > 0.0 && !step.pair->has_triangles();
 }
 
 /// Of a body that lies still, leaves the contacts that span what it lies on. Uniform models round

@@ -151,6 +151,30 @@ void Side::make_analytic(const btCollisionShape& shape) {
   }
 }
 
+GeometryKey Side::key() const {
+  const void* object = model_;
+  if (triangles_ != nullptr) object = triangles_;
+  if (hull_ != nullptr) object = hull_;
+  GeometryKey key{object, 0, {}};
+  if (!analytic_) return key;
+  key.kind = analytic_->index();
+  const Field& field = *analytic_;
+  if (const auto* plane = std::get_if<PlaneField>(&field)) {
+    key.dimensions = {plane->normal.x, plane->normal.y, plane->normal.z, plane->offset};
+  } else if (const auto* box = std::get_if<BoxField>(&field)) {
+    key.dimensions = {box->half_extents.x, box->half_extents.y, box->half_extents.z};
+  } else if (const auto* sphere = std::get_if<SphereField>(&field)) {
+    key.dimensions = {sphere->radius};
+  } else if (const auto* capsule = std::get_if<CapsuleField>(&field)) {
+    key.dimensions = {capsule->radius, capsule->length};
+  } else if (const auto* cylinder = std::get_if<CylinderField>(&field)) {
+    key.dimensions = {cylinder->radius, cylinder->length};
+  } else if (const auto* cone = std::get_if<ConeField>(&field)) {
+    key.dimensions = {cone->radius, cone->height};
+  }
+  return key;
+}
+
 Ball Side::bounding_ball() const {
   if (model_ != nullptr) {
     const Sphere& sphere = model_->shell().tree().spheres(1)[0];

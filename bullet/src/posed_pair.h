@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -31,6 +33,15 @@ CollisionMethod collision_method_of(int shape_type);
 /// Of shapes of one type, some may be kUnserved.
 CollisionMethod collision_method_of(const btCollisionShape& shape);
 
+/// Tells the geometry of one side from that of others.
+struct GeometryKey {
+  const void* object;  ///< its model, triangles or hull; null of analytic fields
+  std::size_t kind;    ///< of analytic fields, Field's alternative
+  std::array<double, 4> dimensions;
+
+  friend bool operator==(const GeometryKey&, const GeometryKey&) = default;
+};
+
 /// One side of a pair as the core sees it. Analytic fields live here, models in their shapes, hulls
 /// where the pair's algorithm is.
 class Side {
@@ -46,6 +57,7 @@ class Side {
   const btConcaveShape* triangles() const { return triangles_; }
   /// Of sides that meet a model by their hull; else null.
   const Hull* hull() const { return hull_; }
+  GeometryKey key() const;
   const Pose& world_from_geometry() const { return world_from_geometry_; }
   const btCollisionObjectWrapper& wrap() const { return wrap_; }
   /// Bullet's collision margin where the shape is thicker by it than its geometry, metres.

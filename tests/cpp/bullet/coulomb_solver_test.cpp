@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
-#include <memory>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -34,12 +32,6 @@ Vec3 heading(double degrees) {
   return {std::cos(angle), std::sin(angle), 0.0};
 }
 
-std::shared_ptr<const Model> build_by_tolerance(const Soup& soup) {
-  auto model = Model::build(soup.mesh(), {.tolerance = 1e-4, .threads = 1});
-  if (!model) std::abort();
-  return *std::move(model);
-}
-
 /// A body that lies on a ground, z up, whose gravity may lean towards `along`.
 struct Slide {
   CoulombWorld world;
@@ -62,7 +54,7 @@ struct Slide {
                          {{}, start + Vec3{0, 0, 0.1}});
       case Shape::kCube:
         static const auto cube =
-            build_by_tolerance(voxshell::test_support::make_box({0.1, 0.1, 0.1}));
+            build_by_tolerance({0.1, 0.1, 0.1});
         return world.add_model(cube, 1, {{}, start + Vec3{0, 0, 0.1}});
       case Shape::kTorus:
         break;
@@ -78,7 +70,7 @@ struct Slide {
       return world.add(world.make<btBoxShape>(to_bullet(Vec3{0.8, 0.8, 0.05})), 0,
                        {{}, {0, 0, -0.05}});
     }
-    static const auto slab = build_by_tolerance(voxshell::test_support::make_box({0.8, 0.8, 0.05}));
+    static const auto slab = build_by_tolerance({0.8, 0.8, 0.05});
     return world.add_model(slab, 0, {{}, {0, 0, -0.05}});
   }
 

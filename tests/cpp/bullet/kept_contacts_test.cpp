@@ -1,9 +1,8 @@
 #include "kept_contacts.h"
 
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,16 +18,8 @@ namespace voxshell::bullet {
 namespace {
 
 using namespace test_support;
-using voxshell::test_support::make_box;
 
 constexpr double kHalf = 0.05;
-
-std::shared_ptr<const Model> build_by_tolerance(const Vec3& half) {
-  const auto box = make_box(half);
-  auto built = Model::build(box.mesh(), {.tolerance = 1e-4, .threads = 1});
-  if (!built) std::abort();
-  return *std::move(built);
-}
 
 /// A cube that lies on a slab, whose top is at z = 0.
 struct CubeOnSlab {
@@ -110,6 +101,29 @@ TEST(KeptContacts, OfOtherBodiesOrOtherStepsDoNotHold) {
   EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 200.0, {.margin = 1e-3})));
   CubeOnSlab other;
   EXPECT_FALSE(kept.hold_in(other.step()));
+}
+
+TEST(KeptContacts, OnBulletsShapesHoldUntilThoseChange) {
+  TestWorld world;
+  btRigidBody& cube =
+      world.add_model(build_by_tolerance({kHalf, kHalf, kHalf}), 1, {{}, {0, 0, kHalf}});
+  cube.applyGravity();
+  auto& box = world.make<btBoxShape>(btVector3(0.2f, 0.2f, 0.02f));
+  auto& larger = world.make<btBoxShape>(btVector3(0.2f, 0.3f, 0.02f));
+  auto& plane = world.make<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
+  auto& higher = world.make<btStaticPlaneShape>(btVector3(0, 0, 1), 1e-5f);
+  btRigidBody& on_box = world.add(box, 0, {{}, {0, 0, -0.02}});
+  btRigidBody& on_larger = world.add(larger, 0, {{}, {0, 0, -0.02}});
+  btRigidBody& on_plane = world.add(plane, 0);
+  btRigidBody& on_higher = world.add(higher, 0);
+  for (const auto& [ground, other] : {std::pair{&on_box, &on_larger}, std::pair{&on_plane, &on_higher}}) {
+    const TwoBodies bodies(cube, *ground);
+    const TwoBodies others(cube, *other);
+    KeptContacts kept;
+    kept.keep(bodies.step(), {});
+    EXPECT_TRUE(kept.hold_in(bodies.step()));
+    EXPECT_FALSE(kept.hold_in(others.step()));
+  }
 }
 
 TEST(KeptContacts, GoAlongWithTheBodies) {

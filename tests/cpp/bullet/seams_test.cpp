@@ -17,7 +17,6 @@ namespace voxshell::bullet {
 namespace {
 
 using namespace test_support;
-using voxshell::test_support::make_box;
 
 constexpr double kHalf = 0.05;
 constexpr double kTile = 0.4;  // length of a tile's side, metres
@@ -25,13 +24,6 @@ constexpr Vec3 kHalfTile{0.5 * kTile, 0.5 * kTile, 0.025};
 constexpr double kRates[] = {1000.0, 200.0, 60.0, 30.0};
 
 using Seamless = WorldOf<SeamlessWorld<>, btSequentialImpulseConstraintSolver>;
-
-std::shared_ptr<const Model> build_by_tolerance(const Vec3& half) {
-  const auto box = make_box(half);
-  auto built = Model::build(box.mesh(), {.tolerance = 1e-4, .threads = 1});
-  if (!built) std::abort();
-  return *std::move(built);
-}
 
 const std::shared_ptr<const Model>& cube_model() {
   static const auto model = build_by_tolerance({kHalf, kHalf, kHalf});

@@ -18,13 +18,6 @@ constexpr double kHalf = 0.05;
 constexpr double kSpeed = 0.5;  // m/s
 constexpr double kRates[] = {1000.0, 200.0, 60.0};
 
-std::shared_ptr<const Model> build_by_tolerance(const Vec3& half) {
-  const auto box = make_box(half);
-  auto built = Model::build(box.mesh(), {.tolerance = 1e-4, .threads = 1});
-  if (!built) std::abort();
-  return *std::move(built);
-}
-
 struct Cubes {
   const char* name;
   std::shared_ptr<const Model> model;

@@ -17,6 +17,16 @@ inline std::shared_ptr<const Model> build_model(const Soup& soup, double voxel_s
   return *std::move(model);
 }
 
+/// The same by tolerance, whose edges are elements of their own.
+inline std::shared_ptr<const Model> build_by_tolerance(const Soup& soup, double tolerance = 1e-4) {
+  auto model = Model::build(soup.mesh(), {.tolerance = tolerance, .threads = 1});
+  if (!model) std::abort();
+  return *std::move(model);
+}
+inline std::shared_ptr<const Model> build_by_tolerance(const Vec3& half_of_box) {
+  return build_by_tolerance(voxshell::test_support::make_box(half_of_box));
+}
+
 inline constexpr double kCubeHalf = 0.1;  ///< metres
 inline constexpr double kBallRadius = 0.1;
 
