@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping
 
@@ -45,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.minutes > 0:
             print(f"counting in {ledger.folder}")
-            runner.run(REGISTRY, tasks, ledger, 60.0 * options.minutes, report)
+            runner.run(REGISTRY, tasks, ledger, 60.0 * options.minutes, report, options.jobs)
     except KeyboardInterrupt:
         print("\ninterrupted; rerun the command to resume")
         code = 130
@@ -62,6 +63,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         f"  {name:16}{task.target:>13,.0f} {task.unit:23}{task.promise}\n"
         for name, task in TASKS.items()
     )
+    cores = len(os.sched_getaffinity(0))
     parser = argparse.ArgumentParser(
         prog="./dev soak",
         description=DESCRIPTION,
@@ -70,6 +72,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--minutes", type=float, default=10.0, help="how long, 10 by default")
     parser.add_argument(
+        "--jobs", type=int, default=cores, help=f"cases at the same time, by default {cores}: one a core"
+    )
+    parser.add_argument(
         "--only", nargs="+", choices=list(TASKS), metavar="NAME", help="tasks to run"
     )
     parser.add_argument("--write", action="store_true", help="then write docs/evidence.md")
@@ -77,6 +82,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--case", type=int, metavar="NUMBER", help="run this case of the --only task, uncounted"
     )
     options = parser.parse_args(arguments)
+    if options.jobs < 1:
+        parser.error(f"--jobs is {options.jobs}: give 1 or more")
     if options.case is not None and len(options.only or []) != 1:
         parser.error("--case is a case of one task: name it with --only")
     return options

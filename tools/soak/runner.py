@@ -2,16 +2,78 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
 
 from soak.ledger import Ledger, Record
-from soak.task import Task, UnavailableError
+from soak.task import Outcome, Task, UnavailableError
 from soak.worker import CaseError, Worker
 
 TURNS = 4  # of each task in a run, so that a short run gives some time to all
 LONGEST_TURN = 20.0  # seconds; a kill loses at most one turn
 MANY_FAULTS = 1000  # a task that has found so many is not run any more
+IDLE = 0.2  # seconds after which a job without a task looks for one again
+
+
+@dataclass
+class Shift:
+    """What the jobs of a run share. All but the names, the end and `over` needs the lock.
+
+    Attributes:
+        registry: The module that `tasks` are from; workers import it.
+        tasks: By name.
+        records: By name.
+        end: When the run is over, by the monotonic clock.
+        turn: Seconds of a turn.
+        spent: Seconds that each task has had, turns under way included.
+        running: How many workers of each task are in a turn.
+        idle: Workers of each task that are in none.
+        made: All workers.
+        over: Set once the jobs are to stop at once.
+    """
+
+    registry: str
+    tasks: Mapping[str, Task]
+    records: dict[str, Record]
+    end: float
+    turn: float
+    spent: Counter[str] = field(default_factory=Counter)
+    running: Counter[str] = field(default_factory=Counter)
+    idle: dict[str, list[Worker]] = field(default_factory=dict)
+    made: list[Worker] = field(default_factory=list)
+    over: threading.Event = field(default_factory=threading.Event)
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def wants_more(self, name: str) -> bool:
+        """Whether a task can run and its target is ahead."""
+        return not self.records[name].unavailable and wants_more(
+            self.tasks[name], self.records[name]
+        )
+
+    def take_name(self) -> str | None:
+        """The task of the next turn, which is charged for it; None if there is none just now."""
+        free = [
+            name
+            for name, task in self.tasks.items()
+            if self.wants_more(name) and not (task.alone and self.running[name])
+        ]
+        if not free:
+            return None
+        name = min(free, key=lambda name: self.spent[name])
+        self.running[name] += 1
+        self.spent[name] += self.turn
+        return name
+
+    def take_worker(self, name: str) -> Worker:
+        """An idle worker of a task, or a new one."""
+        if self.idle.get(name):
+            return self.idle[name].pop()
+        self.made.append(Worker(self.registry, name, self.tasks[name].patience))
+        return self.made[-1]
 
 
 def run(
@@ -20,6 +82,7 @@ def run(
     ledger: Ledger,
     seconds: float,
     report: Callable[[str, Record], None],
+    jobs: int = 1,
 ) -> None:
     """Runs the tasks of a registry until all have met their target or the time is over.
 
@@ -30,33 +93,33 @@ def run(
         tasks: By name.
         ledger: Where the counters are.
         seconds: How long, about: cases are not cut off.
-        report: Called after every turn.
+        report: Called after every turn, by one job at a time.
+        jobs: How many cases run at the same time.
     """
     records = {name: ledger.load(name, task) for name, task in tasks.items()}
-    workers = {name: Worker(registry, name, task.patience) for name, task in tasks.items()}
-    spent = dict.fromkeys(tasks, 0.0)
-    turn = min(seconds / len(tasks) / TURNS, LONGEST_TURN)
-    end = time.monotonic() + seconds
+    for record in records.values():
+        record.unavailable = ""  # what was missing may be there now
+    turn = min(seconds * jobs / len(tasks) / TURNS, LONGEST_TURN)
+    shift = Shift(registry, tasks, records, time.monotonic() + seconds, turn)
     try:
-        while (now := time.monotonic()) < end:
-            waiting = [name for name in tasks if wants_more(tasks[name], records[name])]
-            if not waiting:
-                return
-            name = min(waiting, key=lambda name: spent[name])
-            take_turn(tasks[name], workers[name], records[name], min(now + turn, end))
-            spent[name] += time.monotonic() - now
-            ledger.save(name, records[name])
-            report(name, records[name])
-            if records[name].unavailable or not wants_more(tasks[name], records[name]):
-                workers[name].stop()
-                spent[name] += seconds if records[name].unavailable else 0.0
-            if all(records[name].unavailable for name in waiting):
-                return
+        with ThreadPoolExecutor(jobs) as threads:
+            futures = [threads.submit(take_turns, shift, ledger, report) for _ in range(jobs)]
+            try:
+                wait(futures, return_when=FIRST_EXCEPTION)
+            finally:
+                shift.over.set()
+                while any(not future.done() for future in futures):
+                    for worker in list(shift.made):
+                        worker.kill()
+                    wait(futures, IDLE)
+        for future in futures:
+            future.result()
     finally:
-        for name, worker in workers.items():
+        for worker in shift.made:
             worker.close()
-            if records[name].last:
-                ledger.save(name, records[name])
+        for name, record in records.items():
+            if record.last:
+                ledger.save(name, record)
 
 
 def wants_more(task: Task, record: Record) -> bool:
@@ -64,30 +127,58 @@ def wants_more(task: Task, record: Record) -> bool:
     return task.done(record.totals) < task.target and record.found < MANY_FAULTS
 
 
-def take_turn(task: Task, worker: Worker, record: Record, until: float) -> None:
+def take_turns(shift: Shift, ledger: Ledger, report: Callable[[str, Record], None]) -> None:
+    """One job: turns of the tasks until the run is over."""
+    while not shift.over.is_set() and (now := time.monotonic()) < shift.end:
+        with shift.lock:
+            name = shift.take_name()
+            worker = None if name is None else shift.take_worker(name)
+            nobody = not shift.running.total()
+        if name is None or worker is None:
+            if nobody:
+                return
+            shift.over.wait(IDLE)
+            continue
+        task, record = shift.tasks[name], shift.records[name]
+        take_turn(task, worker, record, min(now + shift.turn, shift.end), shift)
+        with shift.lock:
+            shift.running[name] -= 1
+            shift.spent[name] += time.monotonic() - now - shift.turn
+            if shift.wants_more(name):
+                shift.idle.setdefault(name, []).append(worker)
+            else:
+                worker.stop()
+            ledger.save(name, record)
+            if not shift.over.is_set():
+                report(name, record)
+
+
+def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: Shift) -> None:
     """Runs cases until that time or the target, at least one."""
-    record.stamp()
-    try:
-        worker.start()
-    except UnavailableError as lack:
-        record.unavailable = str(lack)
-        return
-    except CaseError as fault:
-        record.note_fault(record.next_case, f"cannot be prepared: {fault}")
-        return
-    record.unavailable = ""
+    with shift.lock:
+        record.stamp()
     while True:
         began = time.monotonic()
-        case = record.next_case
+        with shift.lock:
+            number = record.next_case
+            record.next_case = number + 1
+        found: Outcome | CaseError | UnavailableError
         try:
-            record.totals.add(worker.run(case))
-        except CaseError as fault:
-            record.note_fault(case, str(fault))
-        except UnavailableError as lack:
-            record.unavailable = str(lack)
-            return
-        record.next_case = case + 1
-        record.seconds += time.monotonic() - began
-        if time.monotonic() >= until or not wants_more(task, record):
-            record.stamp()
-            return
+            found = worker.run(number)
+        except (CaseError, UnavailableError) as why:
+            found = why
+        with shift.lock:
+            if shift.over.is_set():
+                return  # the worker may have been killed
+            if isinstance(found, UnavailableError):
+                record.unavailable = str(found)
+                record.next_case = number
+                return
+            if isinstance(found, CaseError):
+                record.note_fault(number, str(found))
+            else:
+                record.totals.add(found)
+            record.seconds += time.monotonic() - began
+            if time.monotonic() >= until or not wants_more(task, record):
+                record.stamp()
+                return

@@ -69,6 +69,8 @@ class Task:
         doubt: Says why the totals prove little, as where hardly any pose collided; else "".
         done: How much of the target the totals reach; by default their count.
         patience: Seconds after which a case hangs.
+        alone: Whether at most one worker runs its cases at a time, since they are of one process or
+            are timed.
     """
 
     promise: str
@@ -80,3 +82,4 @@ class Task:
     doubt: Callable[[Totals], str] = lambda totals: ""
     done: Callable[[Totals], float] = lambda totals: totals.count
     patience: float = 300.0
+    alone: bool = False

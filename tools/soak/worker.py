@@ -92,7 +92,10 @@ class Worker:
                 start_new_session=True,  # Ctrl-C is for the runner, and it ends what a task has started
                 env={**os.environ, "TMPDIR": self._folder.name, "VOXSHELL_CACHE_SIZE": "0"},
             )
-        said = self._read(STARTS_WITHIN)
+        try:
+            said = self._read(STARTS_WITHIN)
+        except CaseError as fault:
+            raise CaseError(f"cannot be prepared: {fault}") from fault
         if "unavailable" in said:
             self.stop()
             raise UnavailableError(said["unavailable"])
@@ -122,6 +125,13 @@ class Worker:
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.communicate()
         self._process = None
+
+    def kill(self) -> None:
+        """Ends them at once, from another thread; what waits for an answer raises a CaseError."""
+        process = self._process
+        if process is not None:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
 
     def close(self) -> None:
         """Ends the process for good."""

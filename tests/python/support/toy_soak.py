@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 import time
@@ -38,6 +39,18 @@ def hanging() -> Check:
     return check
 
 
+def exclusive() -> Check:
+    """Fails where two processes run its cases at the same time."""
+
+    def check(case: int) -> Outcome:
+        with open(__file__) as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            time.sleep(0.3)
+        return Outcome()
+
+    return check
+
+
 def missing() -> Check:
     raise UnavailableError("no such tool")
 
@@ -52,5 +65,5 @@ TASKS = {
         describe=lambda totals: f"{totals.count:.0f} cases",
         patience=2.0,
     )
-    for prepare in (sound, wrong, deadly, hanging, missing)
+    for prepare in (sound, wrong, deadly, hanging, exclusive, missing)
 }

@@ -36,9 +36,11 @@ def ledger(tmp_path: Path) -> Ledger:
     return Ledger(tmp_path)
 
 
-def run(ledger: Ledger, *names: str, seconds: float = 30.0, **changes: float) -> dict[str, Record]:
+def run(
+    ledger: Ledger, *names: str, seconds: float = 30.0, jobs: int = 1, **changes: float
+) -> dict[str, Record]:
     tasks = {name: replace(toy_soak.TASKS[name], **changes) for name in names}
-    runner.run("toy_soak", tasks, ledger, seconds, lambda *_: None)
+    runner.run("toy_soak", tasks, ledger, seconds, lambda *_: None, jobs)
     return {name: ledger.load(name, task) for name, task in tasks.items()}
 
 
@@ -55,6 +57,21 @@ def test_the_next_run_goes_on_where_the_last_one_ended(ledger: Ledger):
     record = run(ledger, "sound", target=20)["sound"]
     assert record.totals.count == 20
     assert record.totals.tallies["sum"] == sum(range(10))
+
+
+def test_several_jobs_share_the_cases_of_a_task(ledger: Ledger):
+    # The workers of a task that hangs for two seconds leave time for others to start.
+    records = run(ledger, "hanging", "sound", jobs=3, target=200)
+    sound = records["sound"]
+    assert sound.found == 0
+    assert sound.totals.tallies["sum"] == sum(range(sound.next_case))
+    assert records["hanging"].found == 1
+
+
+def test_cases_of_one_process_run_one_at_a_time(ledger: Ledger):
+    record = run(ledger, "exclusive", jobs=4, seconds=3.0, alone=True)["exclusive"]
+    assert record.found == 0
+    assert record.totals.count > 0
 
 
 def test_a_changed_task_begins_again(ledger: Ledger):

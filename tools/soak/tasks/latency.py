@@ -75,4 +75,5 @@ TASK = Task(
     prepare=prepare,
     describe=describe,
     doubt=doubt,
+    alone=True,
 )

@@ -110,4 +110,5 @@ TASK = Task(
     prepare=prepare,
     describe=describe,
     done=lambda totals: totals.peaks.get("stretch", 0.0),
+    alone=True,
 )

@@ -1,6 +1,8 @@
 """Worlds of random bodies, joints and settings, stepped for a while.
 
-With Bullet's own solvers, which have instabilities of their own, only NaN and crashes count.
+With Bullet's own solvers, which have instabilities of their own, only NaN and crashes count. The same
+holds where `iterations` are given and bodies are joined: too few do not solve joints between very
+different masses, as docs/limits.md says.
 """
 
 from __future__ import annotations
@@ -150,6 +152,8 @@ def prepare() -> Check:
         motion = sum(0.5 * b.mass * float(b.linear_velocity @ b.linear_velocity) for b in bodies)
         fall = sum(body.mass for body in bodies) * float(np.linalg.norm(gravity))
         scale = max(motion + spin + fall, 1e-9)
+        solves = "iterations" not in settings or not world.joints
+        is_bounded = settings["solver"] == "coulomb" and solves
         steps = int(np.clip(0.1 / world.time_step, LEAST_STEPS, MOST_STEPS))
         worst, touches, diverged = 0.0, False, False
         for block in range(1, BLOCKS + 1):
@@ -163,13 +167,13 @@ def prepare() -> Check:
             state = [np.r_[b.pose.ravel(), b.linear_velocity, b.angular_velocity] for b in bodies]
             assert np.isfinite(state).all(), f"not finite: {settings}"
             touches = touches or len(world.contacts()) > 0
-            if settings["solver"] == "coulomb":
+            if is_bounded:
                 work = power * block * steps * world.time_step
                 gain = (measure_energy(bodies, gravity)[0] - straight - spin - work) / scale
                 worst = max(worst, gain)
                 assert gain <= GAIN, f"gains {gain:.0%} of the energy there is: {settings}"
         tallies = {"joints": len(world.joints), "bodies": len(bodies), "touching": touches}
-        tallies["diverged"] = diverged
+        tallies |= {"diverged": diverged, "bounded": is_bounded}
         return Outcome(1, tallies, {"gain": worst})
 
     return check
@@ -179,7 +183,8 @@ def describe(totals: Totals) -> str:
     each = {name: totals.tallies[name] / totals.count for name in totals.tallies}
     return (
         f"{each['bodies']:.1f} bodies and {each['joints']:.1f} joints each; {each['touching']:.0%} "
-        f"touch; largest gain of energy {totals.peaks['gain']:.1%}; "
+        f"touch; the energy of {each['bounded']:.0%} is bounded, and gains {totals.peaks['gain']:.1%} at "
+        "most; "
         f"{totals.tallies['diverged']} diverge under Bullet's solver nncg, with an error"
     )
 
@@ -191,7 +196,10 @@ def doubt(totals: Totals) -> str:
 
 
 TASK = Task(
-    promise="A random world neither crashes nor silently becomes NaN, and its energy stays bounded",
+    promise=(
+        "A random world neither crashes nor silently becomes NaN, and its energy stays bounded unless "
+        "it has joints and a given number of iterations"
+    ),
     oracle="the energy at the start, and the work of motors",
     unit="worlds",
     target=10_000,
