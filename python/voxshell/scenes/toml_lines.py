@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from voxshell.base.settings import TOML_TOKEN, parse_toml
+from voxshell.base.settings import TOML_TOKEN, parse_checked_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 def find_line(text: str, keys: Sequence[str]) -> int:
     r"""Return the line, from 1, at which a key or its table begins.
 
-    The TOML parser itself reads the statements one by one, so this takes as long as reading the
-    text twice.
+    The TOML parser itself reads the statements one by one until the key is found, so this takes at
+    most as long as reading the text twice.
 
     Args:
-        text: Valid TOML.
+        text: TOML that :func:`voxshell.base.settings.parse_toml` has accepted.
         keys: The names of the tables around the key, and the key's own name. If the key is missing,
             the line is that of the innermost of these tables.
 
@@ -32,15 +32,17 @@ def find_line(text: str, keys: Sequence[str]) -> int:
     table = 0
     for line, statement in _split(text):
         if statement.lstrip().startswith("["):
-            header = parse_toml(statement)
+            header = parse_checked_toml(statement)
             reached = table = _count_found(header, keys)
             in_table = reached == _count_levels(header)
         elif in_table:
-            reached = table + _count_found(parse_toml(statement), keys[table:])
+            reached = table + _count_found(parse_checked_toml(statement), keys[table:])
         else:
             continue
         if reached > depth:
             found, depth = line, reached
+        if depth == len(keys):
+            break
     return found
 
 

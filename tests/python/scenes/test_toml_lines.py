@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from voxshell.scenes import toml_lines
 from voxshell.scenes.toml_lines import find_line
 
 TEXT = """\
@@ -58,3 +59,16 @@ def test_a_line_separator_in_a_text_is_no_line():
 def test_a_key_of_a_table_is_not_taken_for_one_of_another():
     assert find_line("[a]\nx = 1\n[b]\nx = 2\n", ["b", "x"]) == 4
     assert find_line("[a.b]\nx = 1\n[c.b]\nx = 2\n", ["c", "b", "x"]) == 4
+
+
+def test_statements_behind_the_key_are_not_parsed(monkeypatch):
+    """The first of 100,000 tables was unknown; to find its line, all of them were parsed."""
+    parsed = []
+    parse = toml_lines.parse_checked_toml
+    monkeypatch.setattr(
+        toml_lines, "parse_checked_toml", lambda text: parsed.append(text) or parse(text)
+    )
+    text = "".join(f"[a{i}]\nx = 1\n" for i in range(1000))
+    assert find_line(text, ["a0", "x"]) == 2
+    assert len(parsed) == 2
+    assert find_line(text, ["a999", "y"]) == 1999
