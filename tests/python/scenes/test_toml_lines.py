@@ -72,3 +72,30 @@ def test_statements_behind_the_key_are_not_parsed(monkeypatch):
     assert find_line(text, ["a0", "x"]) == 2
     assert len(parsed) == 2
     assert find_line(text, ["a999", "y"]) == 1999
+
+
+def test_a_value_is_not_parsed_again(monkeypatch):
+    """A list of 247,000 numbers took as long to find as to read."""
+    parsed = []
+    parse = toml_lines.parse_checked_toml
+    monkeypatch.setattr(
+        toml_lines, "parse_checked_toml", lambda text: parsed.append(text) or parse(text)
+    )
+    text = "x = [" + "1, " * 1000 + "]\n"
+    assert find_line(text, ["x", "y"]) == 1
+    assert max(map(len, parsed)) < 10
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "  a . b = 'c = d'",
+        "\"a\".'b'= [\n{c=1}]",
+        "a = {b = {c = 1}}",
+        "a.b = {}",
+        '"a".b = """\n= """',
+    ],
+)
+def test_keys_are_told_from_values(statement):
+    assert find_line(f"x = 1\n{statement}\n", ["a", "b"]) == 2
+    assert find_line(f'"a = b" = 1\n"\\"=" = 1\n{statement}\n', ["a", "b"]) == 3
