@@ -198,8 +198,9 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   constexpr int kMostTrials = 10'000;
   std::string beginning = unfinished_name();
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    std::string unfinished = folder + "/" + beginning + std::to_string(::getpid()) + "-" +
-                             std::to_string(counter.fetch_add(1)) + kUnfinishedSuffix;
+    std::string unfinished =
+        format_text("%s/%s%d-%u%s", folder.c_str(), beginning.c_str(), static_cast<int>(::getpid()),
+                    counter.fetch_add(1), kUnfinishedSuffix);
     const int descriptor = retry(
         [&] { return ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
     if (descriptor >= 0) {
