@@ -58,6 +58,14 @@ def test_a_pickled_model_needs_no_disk(host: Host):
     assert host.run("pickled model", Fault(1, "ENOSPC"), over=False) == ""
 
 
+@pytest.mark.parametrize("writer", ["Model.save", "cache", "part", "JSON"])
+@pytest.mark.parametrize("lasts", [False, True])
+def test_a_lock_that_fails_once_costs_nothing(host: Host, writer: str, lasts: bool):
+    """A file that could not be locked was swept as that of a dead writer once locks worked again, by
+    its own writer too; and the lock of a key stayed in the cache."""
+    assert fail_at(host, writer, (1, 2, 3), True, "ENOLCK", lasts) >= 1
+
+
 def test_disks_that_know_no_locks_are_written_to(host: Host):
     assert fail_at(host, "part", (1, 2), False, "ENOLCK", True) == 2
 

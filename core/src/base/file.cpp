@@ -86,6 +86,10 @@ std::string unfinished_name() {
   return OutputFile::kUnfinishedPrefix + std::to_string(hash) + "-";
 }
 
+/// The beginning of the names of files that could not be locked. No machine knows their locks, so
+/// that they are removed by their age alone, also if locks work a moment later.
+std::string unlockable_name() { return std::string(OutputFile::kUnfinishedPrefix) + "0-"; }
+
 enum class Lock { kHeld, kTaken, kUnknown };
 
 /// Locks an open file until it is closed, be it by the end of a killed process.
@@ -192,16 +196,21 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   // number left behind is stepped over.
   static std::atomic<unsigned> counter{0};
   constexpr int kMostTrials = 10'000;
+  std::string beginning = unfinished_name();
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    std::string unfinished = folder + "/" + unfinished_name() + std::to_string(::getpid()) + "-" +
-                             std::to_string(counter.fetch_add(1)) + kUnfinishedSuffix;
+    std::string unfinished =
+        format_text("%s/%s%d-%u%s", folder.c_str(), beginning.c_str(), static_cast<int>(::getpid()),
+                    counter.fetch_add(1), kUnfinishedSuffix);
     const int descriptor = retry(
         [&] { return ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
     if (descriptor >= 0) {
       // Whoever sweeps may have found it before it was locked.
-      if (try_lock(descriptor) == Lock::kTaken || !is_at(descriptor, unfinished)) {
+      const Lock lock = try_lock(descriptor);
+      const bool needs_other_name = lock == Lock::kUnknown && beginning != unlockable_name();
+      if (lock == Lock::kTaken || needs_other_name || !is_at(descriptor, unfinished)) {
         ::close(descriptor);
         ::unlink(unfinished.c_str());
+        if (needs_other_name) beginning = unlockable_name();
         continue;
       }
       struct stat status{};

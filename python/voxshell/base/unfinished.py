@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 _UNFINISHED = re.compile(r"\.unfinished-([0-9a-f]{8})-[0-9a-f]{16}(\.[^.]*)?")
 """Matches temporary names, which contain a hash of the machine's name and a random number."""
 
+_NO_MACHINE = "00000000"
+"""In the names of what could not be locked. No machine trusts its lock, so that it is removed by its
+age alone, also if locks work a moment later."""
+
 _MOST_TRIALS = 100
 
 STALE_SECONDS = 3600.0
@@ -84,16 +88,29 @@ def unfinished(
     parent: Path, asked: Path, create: Callable[[Path], int | None], suffix: str = ""
 ) -> Iterator[Path]:
     """Lock a temporary file or folder during the block, then remove it unless it was renamed."""
+    import fcntl
+
+    machine = _name_machine()
     for _ in range(_MOST_TRIALS):
-        temporary = parent / f".unfinished-{_name_machine()}-{secrets.token_hex(8)}{suffix}"
+        temporary = parent / f".unfinished-{machine}-{secrets.token_hex(8)}{suffix}"
         descriptor = None
         try:
             try:
                 descriptor = create(temporary)
             except OSError as error:
                 raise FileAccessError(f"cannot write {asked}: {error.strerror}") from error
+            if descriptor is None:
+                continue
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            except OSError:  # disks without locks
+                if machine != _NO_MACHINE:
+                    machine = _NO_MACHINE
+                    continue
             # Another program's sweep may have removed it before it was locked.
-            if descriptor is not None and _lock(descriptor) and _is_at(descriptor, temporary):
+            if _is_at(descriptor, temporary):
                 yield temporary
                 return
         finally:
@@ -116,19 +133,6 @@ def create_folder(path: Path) -> int | None:
         return os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     except FileNotFoundError:
         return None
-
-
-def _lock(descriptor: int) -> bool:
-    """Return whether the lock was taken, or the disk has no locks."""
-    import fcntl
-
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        pass
-    return True
 
 
 def _is_at(descriptor: int, path: Path) -> bool:

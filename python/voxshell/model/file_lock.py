@@ -23,7 +23,7 @@ class FileLock:
         import fcntl
 
         while True:
-            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            descriptor, is_new = self._open()
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 # The previous holder may have removed the file that is open here.
@@ -35,10 +35,24 @@ class FileLock:
             except BlockingIOError:
                 os.close(descriptor)
                 return False
+            except OSError:
+                if is_new:  # where there are no locks, nothing else removes it
+                    with suppress(OSError):
+                        os.unlink(self._path)
+                os.close(descriptor)
+                raise
             except BaseException:
                 os.close(descriptor)
                 raise
             os.close(descriptor)
+
+    def _open(self) -> tuple[int, bool]:
+        """Open or create the file; return its descriptor, and whether it is surely new."""
+        flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC
+        try:
+            return os.open(self._path, flags | os.O_EXCL, 0o666), True
+        except FileExistsError:
+            return os.open(self._path, flags, 0o666), False
 
     def __enter__(self) -> FileLock:
         return self

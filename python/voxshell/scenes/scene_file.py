@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from voxshell.base.settings import make, parse_toml, read_text
+from voxshell.base.settings import list_names, make, parse_toml, read_text
 from voxshell.errors import MeshError, PoseError, SettingsError, SimulationError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings
@@ -115,7 +115,7 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
         raise SettingsError("bodies must contain at least one body: [bodies.NAME]")
     for name, body in scene.bodies.items():
         if body.mesh is not None and body.mesh not in scene.meshes:
-            known = ", ".join(scene.meshes) or "none"
+            known = list_names(scene.meshes) or "none"
             raise SettingsError(
                 f"bodies.{name}.mesh is {body.mesh!r}, which is not in [meshes]; there are: {known}"
             )
@@ -131,7 +131,7 @@ def _check_joint(scene: Scene, name: str, joint: JointSettings) -> None:
         if body is not None and body not in scene.bodies:
             raise SettingsError(
                 f"joints.{name}.{key} is {body!r}, which is not in [bodies]; there are: "
-                f"{', '.join(scene.bodies)}"
+                f"{list_names(scene.bodies)}"
             )
     if joint.parent == joint.child:
         raise SettingsError(f"joints.{name}.parent must not be the child itself")

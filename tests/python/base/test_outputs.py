@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import errno
+import fcntl
 import os
 import signal
 import stat
@@ -15,7 +17,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from voxshell.base.outputs import check_output_file, check_output_folder, filling, replacing
-from voxshell.base.unfinished import unfinished_folder
+from voxshell.base.unfinished import sweep, unfinished_folder
 from voxshell.errors import FileAccessError, InputTypeError, SettingsError, VoxshellError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
@@ -310,4 +312,23 @@ def test_a_folder_that_another_program_sweeps_before_it_is_opened_is_made_again(
             assert folder.is_dir()
             assert folder not in swept
     assert len(swept) == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("failures", [1, 2])
+def test_what_could_not_be_locked_is_not_swept_once_locks_work(tmp_path, monkeypatch, failures):
+    """Its writer lives, but anybody could lock it: it was taken for that of a dead one."""
+    really_lock, failed = fcntl.flock, []
+
+    def lock(*arguments):
+        if len(failed) < failures:
+            failed.append(arguments)
+            raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+        return really_lock(*arguments)
+
+    monkeypatch.setattr(fcntl, "flock", lock)
+    with unfinished_folder(tmp_path, tmp_path) as folder:
+        assert len(failed) == failures
+        sweep(tmp_path)
+        assert folder.is_dir()
     assert not list(tmp_path.iterdir())

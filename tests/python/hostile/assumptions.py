@@ -358,12 +358,16 @@ def list_robots() -> Iterator[tuple[str, Content, Wants]]:
 
 def list_toml() -> Iterator[tuple[str, Content, Wants]]:
     """Patterns that take long where they hardly fit."""
-    yield "a bare key of 500000 letters", "a" * 500_000 + " = 1\n", "refused"
-    yield "a value of 500000 letters", "a = " + "a" * 500_000 + "\n", "refused"
-    yield "500000 dots", "a" + "." * 500_000 + " = 1\n", "refused"
-    yield "500000 quotes", 'a = "' + '"' * 500_000 + "\n", "refused"
-    yield "a text without its end, of backslashes", 'a = "' + "\\" * 500_000 + "\n", "refused"
+    yield "a bare key of 450000 letters", "a" * 450_000 + " = 1\n", "refused"
+    yield "a value of 450000 letters", "a = " + "a" * 450_000 + "\n", "refused"
+    yield "450000 dots", "a" + "." * 450_000 + " = 1\n", "refused"
+    yield "450000 quotes", 'a = "' + '"' * 450_000 + "\n", "refused"
+    yield "a text without its end, of backslashes", 'a = "' + "\\" * 450_000 + "\n", "refused"
     yield "100000 tables", "".join(f"[a{i}]\n" for i in range(100_000)), "refused"
+    yield "50000 tables", "".join(f"[a{i}]\n" for i in range(50_000)), "refused"
+    yield "247000 numbers", "a = [" + "1," * 247_000 + "]\n", "refused"
+    many = "".join(f'[bodies.b{i}]\nshape = "plane"\n' for i in range(15_000))
+    yield "a wrong key after 15000 tables", many + "[bodies.c]\nevil = 1\n", "refused"
     yield "100 brackets in each other", "a = " + "[" * 100 + "]" * 100, "refused"
     yield (
         "a wrong key after 3000 tables",

@@ -340,6 +340,52 @@ def test_of_eight_processes_one_builds_and_all_get_it(folder):
     assert files(folder) == ["a" * 64 + ".vxs"]
 
 
+class SweepBefore:
+    """Sweeps a folder once, before a call of the system that has a given number, from 1."""
+
+    def __init__(self, folder: Path, number: int):
+        self.folder, self.number = folder, number
+        self.calls = 0
+        self.is_sweeping = False
+        self.removed = False
+
+    def __call__(self):
+        if self.is_sweeping:
+            return
+        self.calls += 1
+        if self.calls == self.number and self.folder.exists():
+            self.is_sweeping = True
+            before = os.listdir(self.folder)
+            ModelCache(self.folder).sweep()
+            self.removed = before != os.listdir(self.folder)
+            self.is_sweeping = False
+
+
+def test_a_sweep_before_any_call_of_a_builder_costs_no_second_build(folder, core):
+    """Between making and opening its folder, a builder lost it to the sweep of a process that looked
+    for the model: its model stayed in memory, and a second process built it again."""
+    removed = number = calls = 0
+    while number <= calls:
+        number += 1
+        sweep, build = SweepBefore(folder, number), Builder(core)
+        with cache_races.before_each_call(sweep):
+            ModelCache(folder).fetch(key_of("a"), build)
+        ModelCache(folder).fetch(key_of("a"), build)
+        assert build.count == 1, f"swept before call {number}"
+        assert files(folder) == [key_of("a") + ".vxs"]
+        ModelCache(folder).clear()
+        calls, removed = sweep.calls, removed + sweep.removed
+    assert number > 30
+    assert removed > 0
+
+
+def test_processes_that_are_held_up_between_calls_build_once(folder):
+    script = """
+    print(json.dumps([race(cache, f"{seed:064x}", core, 4, 0.0, seed)[0] for seed in range(5)]))
+    """
+    assert json.loads(run(PREPARE + script, folder)) == [1] * 5
+
+
 def test_threads_of_one_process_build_once(folder, core):
     builder = Builder(core)
 

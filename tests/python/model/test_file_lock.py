@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import errno
+import fcntl
+import os
 import threading
 from pathlib import Path
 
@@ -43,3 +46,21 @@ def test_one_at_a_time_of_many_threads(tmp_path: Path):
 def test_where_there_can_be_none_the_system_says_why(tmp_path: Path):
     with pytest.raises(FileNotFoundError), FileLock(tmp_path / "none" / "key.lock") as lock:
         lock.try_acquire()
+
+
+@pytest.mark.parametrize("was_there", [False, True])
+def test_a_disk_without_locks_keeps_no_new_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, was_there: bool
+):
+    """Each model left an empty file behind, which nothing could remove without a lock."""
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    path = tmp_path / "key.lock"
+    if was_there:  # another process may hold it
+        path.touch()
+    monkeypatch.setattr(fcntl, "flock", fail)
+    with pytest.raises(OSError, match="No locks"), FileLock(path) as lock:
+        lock.try_acquire()
+    assert path.exists() == was_there

@@ -1,16 +1,65 @@
-"""Processes that write models at the same time, or are killed while they write."""
+"""Processes that write models at the same time, are killed while they write, or are held up."""
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
+import random
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from voxshell import _core
 from voxshell.model.cache import ModelCache
+
+CALLS = (
+    *("open", "close", "stat", "lstat", "fstat", "scandir", "mkdir", "rmdir", "unlink"),
+    *("rename", "replace", "utime"),
+)
+"""Of `os`, with which Python's part of the cache works on files."""
+
+
+@contextmanager
+def before_each_call(act: Callable[[], object]) -> Iterator[None]:
+    """Does something before each call of the system that works on files, also before `flock`."""
+    places: list[tuple[Any, str]] = [*((os, name) for name in CALLS), (fcntl, "flock")]
+    kept = [getattr(place, name) for place, name in places]
+
+    def acting(call: Callable[..., object]) -> Callable[..., object]:
+        def act_and_call(*arguments: object, **options: object) -> object:
+            act()
+            return call(*arguments, **options)
+
+        return act_and_call
+
+    for (place, name), call in zip(places, kept, strict=True):
+        setattr(place, name, acting(call))
+    try:
+        yield
+    finally:
+        for (place, name), call in zip(places, kept, strict=True):
+            setattr(place, name, call)
+
+
+def dawdle(seed: int, share: float = 0.15, longest: float = 0.01) -> Callable[[], None]:
+    """Something that sometimes takes a while, as a process does that the system interrupts.
+
+    Args:
+        seed: Of the times.
+        share: Of the calls that take a while.
+        longest: Seconds of one.
+    """
+    generator = random.Random(seed)
+
+    def wait() -> None:
+        if generator.random() < share:
+            time.sleep(generator.uniform(0.0, longest))
+
+    return wait
 
 
 def kill_after(seconds: float, work: Callable[[int], object]) -> None:
@@ -38,9 +87,22 @@ def kill_while_storing(
 
 
 def race(
-    cache: ModelCache, key: str, core: _core.Model, processes: int, build_seconds: float
+    cache: ModelCache,
+    key: str,
+    core: _core.Model,
+    processes: int,
+    build_seconds: float,
+    seed: int | None = None,
 ) -> tuple[int, list[bytes]]:
     """Processes that ask for one model at the same time.
+
+    Args:
+        cache: Where they look for it.
+        key: Of the model.
+        core: The model.
+        processes: How many there are.
+        build_seconds: That a build takes.
+        seed: Of interruptions between the calls of each process; None for no interruptions.
 
     Returns:
         How many of them built it, and a digest of what each one got.
@@ -54,12 +116,14 @@ def race(
 
     start = time.monotonic() + 0.05
     answers: list[int] = []
-    for _ in range(processes):
+    for number in range(processes):
         reading, writing = os.pipe()
         if os.fork() == 0:
             try:
                 time.sleep(max(0.0, start - time.monotonic()))
-                points = cache.fetch(key, build).shell.points
+                wait = (lambda: None) if seed is None else dawdle(processes * seed + number)
+                with before_each_call(wait):
+                    points = cache.fetch(key, build).shell.points
                 os.write(writing, hashlib.sha256(points.tobytes()).digest())
             finally:
                 os._exit(0)

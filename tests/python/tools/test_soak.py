@@ -19,7 +19,7 @@ from soak import page, runner
 from soak.__main__ import main, parse
 from soak.ledger import Ledger, Record
 from soak.task import Totals
-from soak.tasks import TASKS, random_worlds, tree_poses, wrong_arguments
+from soak.tasks import TASKS, random_worlds, tree_poses, write_faults, wrong_arguments
 from soak.worker import CaseError, Worker
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -231,6 +231,24 @@ def test_energy_out_of_nothing_is_found(monkeypatch: pytest.MonkeyPatch):
         except AssertionError as error:
             gains += "gains" in str(error)
     assert gains > 0
+
+
+@pytest.mark.parametrize("count", [16, 17, 18])
+def test_every_writer_meets_every_kind_of_fault(count: int):
+    """Kinds came at random: of the first cases none met a full disk, a bad one, or one without locks."""
+    writers = [str(number) for number in range(count)]
+    met = {write_faults.choose(case, writers) for case in range(9 * count)}
+    assert len(met) == 9 * count
+    assert len({write_faults.choose(case, writers)[1] for case in range(9)}) == 9
+
+
+def test_a_kind_of_fault_that_never_came_is_doubted():
+    from write_faults import ERRORS, SIGNALS
+
+    tallies = dict.fromkeys((*ERRORS, *SIGNALS), 200.0)
+    task = TASKS["write_faults"]
+    assert task.doubt(Totals(1800, tallies)) == ""
+    assert "ENOLCK" in task.doubt(Totals(1600, {**tallies, "ENOLCK": 0.0}))
 
 
 # ---- the command line ------------------------------------------------------------------------------
