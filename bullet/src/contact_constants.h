@@ -50,6 +50,15 @@ inline constexpr double kSafeOfGap = 0.577;
 /// Most steps of one advancement; where they are not enough, there is a contact with the gap that
 /// is left. Smaller: bodies that graze a surface are kept away from it.
 inline constexpr int kMostAdvances = 64;
+/// A place of an edge is the one nearest to the other body where the field's normal leans along the
+/// edge by at most this sine. Smaller: edges that lie flat have their contacts moved to and fro.
+inline constexpr double kNearestWithinSine = 1e-3;
+/// The place where two edges cross is looked for from this fraction of the displacement on, up to
+/// this many times the displacement from where it was, and then by this many halvings. More: edges
+/// that are nearly parallel have no one place where they cross.
+inline constexpr double kFirstSlideOfWay = 0.25;
+inline constexpr double kMostSlideOfWay = 4.0;
+inline constexpr int kSlideHalvings = 16;
 /// Features inside a model have left it where they are at most this deep, in voxels.
 inline constexpr double kLeftOfVoxel = 1e-3;
 /// Triangles farther from the model than this many touching gaps where the model first touches
@@ -62,6 +71,9 @@ inline constexpr float kPlaneBeyondGaps = 2.0f;
 /// ones only stop approaching. Larger: ten iterations of the solver leave a body that lands on
 /// several points with too much energy. 0: only one of the points of a flat landing rebounds.
 inline constexpr double kFirstTouchWithin = 0.05;
+/// How often the contacts that touch first are gone through for what they leave of the motion.
+/// Fewer: what touches later at the other side of a body that lands flat is thought to leave.
+inline constexpr int kReboundSweeps = 8;
 /// The fraction of the last step's impulses that Bullet's solver starts from: the default of
 /// btContactSolverInfo::m_warmstartingFactor. Another value there than here: still bodies rock.
 inline constexpr double kWarmStartingFactor = 0.85;

@@ -49,16 +49,20 @@ std::optional<Followed> follow(const PairStep& step, std::span<const Feature> fe
 }
 
 /// Leaves what touches, speculative contacts included, and in steps with CCD what moves on beside
-/// it; nothing where nothing touches. `beside` is room for a mark of each contact.
+/// it; nothing where nothing touches. `memory` gets these contacts where they are now, too.
 void keep_touching(const PairStep& step, std::span<const Feature> features,
                    std::span<const std::uint32_t> exact, std::span<const std::uint32_t> hits,
-                   std::vector<Contact>& contacts, std::vector<std::uint8_t>& beside) {
+                   std::vector<Contact>& contacts, PairMemory& memory) {
+  std::vector<std::uint8_t>& beside = memory.beside;
+  std::vector<Contact>& places = memory.found;
   beside.clear();
+  places.clear();
   bool touches = false;
   bool touches_from_above = false;
   // What is kept may overwrite the contact that is looked at.
   const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
+    places.push_back(found);
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found))) {
       allow_motion_without_forces(step, features, found, judged);
     }
@@ -93,13 +97,31 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     }
   }
   contacts.resize(touches ? beside.size() : 0);
+  places.resize(contacts.size());
   // A body that leaves another from inside is in contact all the way, if only with such.
   if (!touches_from_above || (step.larger == nullptr && !step.pair->asks_both)) return;
   std::size_t left = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (beside[i] == 0) contacts[left++] = contacts[i];
+    if (beside[i] != 0) continue;
+    places[left] = places[i];
+    contacts[left++] = contacts[i];
   }
   contacts.resize(left);
+  places.resize(left);
+}
+
+/// Lets what does not touch first move on as the rebound of what does leaves it.
+/// @param found  The contacts where they are now.
+void allow_rebound(const PairStep& step, const FirstTouch& first, std::span<const Feature> features,
+                   std::span<const Contact> found, std::vector<Contact>& contacts) {
+  if (!step.looks_ahead()) return;
+  const auto after = find_motion_after(step, first, contacts);
+  if (!after) return;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Impact impact = impact_of(step, contacts[i]);
+    if (is_contact(step, impact) || first.includes(step, impact)) continue;
+    allow_motion_after(step, *after, features, found[i], contacts[i]);
+  }
 }
 
 }  // namespace
@@ -116,9 +138,10 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 std::span<const std::uint32_t> hits, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
-  keep_touching(step, features, exact, hits, contacts, memory.beside);
+  keep_touching(step, features, exact, hits, contacts, memory);
   StepContacts of_step;
   of_step.first = find_first_touch(step, contacts);
+  allow_rebound(step, of_step.first, features, memory.found, contacts);
   const auto touches = [&](const Contact& contact) {
     return is_contact(step, impact_of(step, contact));
   };

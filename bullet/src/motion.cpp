@@ -41,6 +41,7 @@ Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
           from_bullet(world_from_link.getBasis() * angular[link]),
           velocity_of_force(body, collider.m_link, time_step),
           0.0,
+          {{}, {}, {}},
           true};
 }
 
@@ -53,9 +54,11 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
   const btRigidBody* body = btRigidBody::upcast(&object);
   if (body == nullptr) return {};
   const auto inverse_mass = static_cast<double>(body->getInvMass());
+  const btMatrix3x3& inertia = body->getInvInertiaTensorWorld();
   return {from_bullet(body->getCenterOfMassPosition()), from_bullet(body->getLinearVelocity()),
           from_bullet(body->getAngularVelocity()),
-          time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass};
+          time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass,
+          {from_bullet(inertia[0]), from_bullet(inertia[1]), from_bullet(inertia[2])}};
 }
 
 Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) const {

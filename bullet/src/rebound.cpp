@@ -30,6 +30,36 @@ FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> conta
   return first;
 }
 
+std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
+                                            std::span<const Contact> contacts) {
+  const bool has_link = step.motion_a.is_link || step.motion_b.is_link;
+  if (!(first.time < kNever) || has_link || step.time_step == 0.0) return std::nullopt;
+  const PosedPair& pair = *step.pair;
+  const Pose& world_from_shell = pair.shell_side().world_from_geometry();
+  Motion shell = pair.shell_is_a ? step.motion_a : step.motion_b;
+  Motion field = pair.shell_is_a ? step.motion_b : step.motion_a;
+  for (int i = 0; i < kReboundSweeps; ++i) {
+    for (const Contact& contact : contacts) {
+      const Impact impact = impact_of(step, contact);
+      if (!first.includes(step, impact)) continue;
+      const Vec3 at = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
+      const Vec3 normal = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
+      const auto speed_apart = [&](const Motion& of_shell, const Motion& of_field) {
+        return dot(of_shell.velocity_at(at) - of_field.velocity_at(at), normal);
+      };
+      const double speed = speed_apart(shell, field);
+      const double missing = step.restitution * impact.approach - speed;
+      const double response = speed_apart(shell.pushed(normal, at), field.pushed(-normal, at)) - speed;
+      if (!(missing > 0.0) || !(response > 0.0)) continue;
+      const Vec3 impulse = missing / response * normal;
+      shell = shell.pushed(impulse, at);
+      field = field.pushed(-impulse, at);
+    }
+  }
+  return AfterTouch{std::clamp(first.time / step.time_step, 0.0, 1.0),
+                    RelativeMotion::of(shell, field, world_from_shell)};
+}
+
 Rebound rebound_of(const PairStep& step, const Impact& impact) {
   const double v = impact.approach;
   const double gap = std::max(impact.gap, 0.0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "impact.h"
@@ -18,6 +19,17 @@ struct FirstTouch {
 
 /// When the first of `contacts` touches, if any does within the step; its count is 0.
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts);
+
+/// What the contacts that touch first leave of the step.
+struct AfterTouch {
+  double fraction;        ///< of the step, at which they touch
+  RelativeMotion motion;  ///< from then on, of the shell as the field sees it, in the shell's frame
+};
+
+/// The motion with which two bodies leave the contacts that touch first, without friction and with
+/// nothing else in the way; none where those are no contacts of free bodies.
+std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
+                                            std::span<const Contact> contacts);
 
 /// The speed apart that a step ends with.
 struct Rebound {

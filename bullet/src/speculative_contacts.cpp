@@ -1,6 +1,8 @@
 #include "speculative_contacts.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <variant>
 
@@ -19,6 +21,7 @@ struct Touch {
   double gap;      ///< that is left there, not negative, metres
   double closing;  ///< how much of the gap the displacement closes up to there, metres
   Vec3 outwards;   ///< the field's normal
+  double along;    ///< how far along its edge the place has moved, metres
 };
 
 /// A point of a shell that is followed, in its own body's frame.
@@ -29,22 +32,73 @@ struct ShellPoint {
   Vec3 out_of_field;  ///< the normal turned over, in the field's frame
 };
 
-/// @param point   What is followed; null for features.
+/// A piece of an edge that is followed, in its own body's frame. What touches an edge of the other
+/// body is the place where the two cross, which moves along both. A place of the edge that was
+/// followed instead would pass the other edge, and touch a face beside it.
+struct EdgePiece {
+  const GridField* own;
+  Vec3 place;
+  Vec3 along;           ///< unit length
+  Vec3 along_in_field;  ///< the same in the field's frame
+  double tolerance;     ///< of its own surface, metres
+};
+
+/// What is followed: a point, a piece of an edge, or a place that knows nothing of its surface.
+using Element = std::variant<std::monostate, ShellPoint, EdgePiece>;
+
+/// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
+/// ends before. `way` is what that place has moved by, metres.
+template <class F>
+double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double way) {
+  const auto slope_at = [&](double along) {
+    const auto place = static_cast<Vec3f>(at + along * edge.along_in_field);
+    return dot(static_cast<Vec3>(field.gradient(place)), edge.along_in_field);
+  };
+  if (!(way > 0.0)) return 0.0;
+  const double slope = slope_at(0.0);
+  if (std::abs(slope) <= kNearestWithinSine) return 0.0;
+  // Over a face the slope is the same all the way to its edge.
+  const double side = slope > 0.0 ? -1.0 : 1.0;
+  double before = 0.0;
+  double beyond = kFirstSlideOfWay * way;
+  while (side * slope_at(side * beyond) < 0.0) {
+    before = beyond;
+    beyond *= 2.0;
+    if (!(beyond <= kMostSlideOfWay * way)) return 0.0;
+  }
+  for (int i = 0; i < kSlideHalvings; ++i) {
+    const double middle = 0.5 * (before + beyond);
+    (side * slope_at(side * middle) < 0.0 ? before : beyond) = middle;
+  }
+  const double along = side * beyond;
+  const auto place = static_cast<Vec3f>(edge.place + along * edge.along);
+  const auto off_surface = std::abs(static_cast<double>(edge.own->distance(place)));
+  return off_surface <= edge.tolerance ? along : 0.0;
+}
+
+/// @param element What is followed.
 /// @param steps   For how long it is followed.
 /// @param offset  How much nearer the surface is than the field's zero: for balls, and for Bullet's
 /// margins. Metres.
 template <class F>
 std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3& start,
                                 const Vec3& displacement, double steps, double offset,
-                                const ShellPoint* point) {
+                                const Element& element) {
+  const auto* point = std::get_if<ShellPoint>(&element);
+  const auto* edge = std::get_if<EdgePiece>(&element);
+  const double way = length(displacement);
+  double along = 0.0;
   const auto place_at = [&](double fraction) {
-    return static_cast<Vec3f>(start + fraction * displacement);
+    const Vec3 place = start + fraction * displacement;
+    if (edge == nullptr) return static_cast<Vec3f>(place);
+    along = slide_along(*edge, field, place, fraction * way);
+    return static_cast<Vec3f>(place + along * edge->along_in_field);
   };
   const auto reached =
-      advance(length(displacement), step.touching_gap(), steps,
+      advance(way, step.touching_gap(), steps,
               [&](double fraction) { return clearance_of(field, place_at(fraction), offset); });
   if (!reached) return std::nullopt;
-  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}};
+  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along};
   touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
   if (point != nullptr &&
       dot(touch.outwards, point->out_of_field) < -static_cast<double>(kAlignedCosine)) {
@@ -78,29 +132,39 @@ void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) 
   contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
 }
 
-/// None of edges and inner points, which have no one normal.
-std::optional<ShellPoint> shell_point_of(const Side& side, std::uint32_t id, const Vec3& place,
-                                         const Pose& field_from_own) {
+Element element_of(const Side& side, std::uint32_t id, const Vec3& place,
+                   const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
-  if (!shell.is_point(id)) return std::nullopt;
-  const auto normal = static_cast<Vec3>(shell.normals()[id]);
-  return ShellPoint{&side.model()->grid(), place, normal, -field_from_own.rotate(normal)};
+  const GridField& own = side.model()->grid();
+  if (shell.is_point(id)) {
+    const auto normal = static_cast<Vec3>(shell.normals()[id]);
+    return ShellPoint{&own, place, normal, -field_from_own.rotate(normal)};
+  }
+  if (id >= shell.element_count()) return {};
+  const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
+  const Vec3 along = normalized(half);
+  return EdgePiece{&own, place, along, field_from_own.rotate(along),
+                   side.model()->settings().tolerance};
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
 std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMotion& motion,
                                           const Feature& feature, std::uint32_t id, double steps,
-                                          const ShellPoint* point) {
+                                          const Element& element) {
   const PosedPair& pair = *step.pair;
   const GridField& field = pair.shell_side().model()->grid();
   const Vec3 displacement =
       -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_forces);
   const auto touch = find_touch(step, field, feature.place, displacement, steps,
-                                feature.radius + step.thickness, point);
+                                feature.radius + step.thickness, element);
   if (!touch) return std::nullopt;
   const auto outwards = static_cast<Vec3f>(touch->outwards);
+  Feature slid = feature;
+  if (const auto* edge = std::get_if<EdgePiece>(&element)) {
+    slid.place = slid.place + touch->along * edge->along_in_field;
+  }
   Contact touching =
-      contact_of(feature, id, outwards, -(touch->closing + touch->gap) - step.thickness);
+      contact_of(slid, id, outwards, -(touch->closing + touch->gap) - step.thickness);
   // The shell's place, as in put_on_field().
   if (id < kFirstFeature && step.larger == &pair.field_side()) {
     touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
@@ -115,6 +179,14 @@ bool is_between_walls(const GridField& field, const Feature& ball, const Contact
   return length(static_cast<Vec3>(field.gradient(centre))) < kOneWall;
 }
 
+/// Makes a plane's gap as wide as what the bodies close.
+void widen(const PairStep& step, double closing, Contact& plane) {
+  const Vec3 on_field = step.field_from_shell.transform_point(
+      static_cast<Vec3>(plane.point) + plane.depth * static_cast<Vec3>(plane.normal));
+  plane.depth = static_cast<float>(-closing - step.thickness);
+  if (is_shell_larger(step)) put_on_field(step, on_field, plane);
+}
+
 }  // namespace
 
 std::optional<Contact> find_speculative(const PairStep& step, const RelativeMotion& motion,
@@ -123,7 +195,7 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   const PosedPair& pair = *step.pair;
   if (contact.id >= kFirstFeature) {
     const Feature& feature = features[contact.id - kFirstFeature];
-    const auto touch = find_in_shell_body(step, motion, feature, contact.id, steps, nullptr);
+    const auto touch = find_in_shell_body(step, motion, feature, contact.id, steps, {});
     const bool is_ball = feature.radius > 0.0;
     if (touch && is_ball && is_between_walls(pair.shell_side().model()->grid(), feature, *touch)) {
       return contact;
@@ -133,27 +205,28 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   if (contact.id >= kFirstOfSecond) {
     const Vec3 place = place_of_second(contact);
     const std::uint32_t id = contact.id - kFirstOfSecond;
-    const auto point =
-        shell_point_of(pair.field_side(), id, step.field_from_shell.transform_point(place),
-                       step.field_from_shell.inverse());
-    return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps,
-                              point ? &*point : nullptr);
+    const Element element = element_of(
+        pair.field_side(), id, step.field_from_shell.transform_point(place),
+        step.field_from_shell.inverse());
+    return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
       step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
   const Vec3 start = step.field_from_shell.transform_point(point);
-  const auto element = shell_point_of(pair.shell_side(), contact.id, point, step.field_from_shell);
+  const Element element = element_of(pair.shell_side(), contact.id, point, step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
-        return find_touch(step, field, start, displacement, steps, step.thickness,
-                          element ? &*element : nullptr);
+        return find_touch(step, field, start, displacement, steps, step.thickness, element);
       },
       pair.field());
   if (!touch) return std::nullopt;
   Contact touching = contact;
   touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(touch->outwards));
   touching.depth = static_cast<float>(-(touch->closing + touch->gap) - step.thickness);
+  if (const auto* edge = std::get_if<EdgePiece>(&element)) {
+    touching.point = static_cast<Vec3f>(point + touch->along * edge->along);
+  }
   if (is_shell_larger(step)) {
     const double apart = touch->gap + step.thickness;
     put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
@@ -170,10 +243,34 @@ void allow_motion_without_forces(const PairStep& step, std::span<const Feature> 
   RelativeMotion motion = step.motion;
   motion.velocity_of_forces = {};
   if (find_speculative(step, motion, features, found, 1.0)) return;
-  const Vec3 on_field = step.field_from_shell.transform_point(
-      static_cast<Vec3>(plane.point) + plane.depth * static_cast<Vec3>(plane.normal));
-  plane.depth = static_cast<float>(-closing - step.thickness);
-  if (is_shell_larger(step)) put_on_field(step, on_field, plane);
+  widen(step, closing, plane);
+}
+
+void allow_motion_after(const PairStep& step, const AfterTouch& after,
+                        std::span<const Feature> features, const Contact& found, Contact& plane) {
+  if (step.pair->has_triangles()) return;
+  // The solver has bodies move like that from the start of the step on.
+  const Vec3 velocity =
+      after.motion.velocity_at(static_cast<Vec3>(plane.point)) + after.motion.velocity_of_forces;
+  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  if (closing <= impact_of(step, plane).gap) return;
+  PairStep rest = step;
+  rest.time_step = (1.0 - after.fraction) * step.time_step;
+  rest.field_from_shell = step.field_from_shell_after(after.fraction);
+  // Where the field's body is then, as the shell's sees it.
+  const Pose then_from_now = rest.field_from_shell.inverse() * step.field_from_shell;
+  Contact place = found;
+  std::array<Feature, 1> feature{};
+  if (found.id >= kFirstFeature) {
+    feature[0] = features[found.id - kFirstFeature];
+    feature[0].place = then_from_now.transform_point(feature[0].place);
+    place.id = kFirstFeature;
+  } else if (found.id >= kFirstOfSecond) {
+    const Vec3 moved = then_from_now.transform_point(place_of_second(found)) - place_of_second(found);
+    place.point = found.point + static_cast<Vec3f>(moved);
+  }
+  if (find_speculative(rest, after.motion, feature, place, 1.0)) return;
+  widen(step, closing, plane);
 }
 
 void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {

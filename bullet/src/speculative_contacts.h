@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pair_step.h"
+#include "rebound.h"
 #include "shape_features.h"
 #include "voxshell/contacts.h"
 
@@ -31,6 +32,12 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
 /// @param found  The contact where it is now.
 void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,
                                  const Contact& found, Contact& plane);
+
+/// The same for the motion that the bodies have once the contacts that touch first have rebounded.
+/// Beside the place where two edges cross, the planes of the faces there would be in its way, far
+/// past the ends of these faces.
+void allow_motion_after(const PairStep& step, const AfterTouch& after,
+                        std::span<const Feature> features, const Contact& found, Contact& plane);
 
 /// Moves contacts that were looked for after a fraction of the step to where they are at its start,
 /// and drops those that overlap there.
