@@ -86,7 +86,7 @@ Error refuse_cutting(const TriangleMesh& mesh, std::size_t steps, unsigned threa
   const std::vector<std::uint32_t> crossed = SelfCrossings(mesh).find_crossed(threads);
   const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
   return Error{
-      ErrorCode::kTooLarge,
+      ErrorCode::kInvalidMesh,
       format_text("mesh crosses itself too often: %zu of its %zu triangles are crossed (first near "
                   "%s metres), and to cut them takes more than the limit of %.2g steps; unite its "
                   "parts, merge vertices that nearly coincide, or make its sheets thinner",

@@ -210,7 +210,7 @@ TEST(OverlappingParts, SheetsThatAllCrossOneAnotherAreRefused) {
   }
   const auto model = Model::build(triangles.mesh(), {.resolution = 8, .open = OpenMesh::kSheet});
   ASSERT_FALSE(model);
-  EXPECT_EQ(model.error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(model.error().code, ErrorCode::kInvalidMesh);
   EXPECT_NE(model.error().message.find("crosses itself too often"), std::string::npos)
       << model.error().message;
 }
