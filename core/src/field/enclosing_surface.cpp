@@ -137,14 +137,20 @@ std::optional<EnclosingSurface> find_enclosing_surface(
   EnclosingSurface surface;
   surface.confidence = measure_confidence(mesh, looks);
   if (surface.confidence < least_confidence) return surface;
+  CutBudget budget(count);
   const auto cut = [&](std::uint32_t i) {
+    if (budget.is_spent()) return;
     Look& look = looks[i];
     look.is_hidden = look.sides.is_hidden();
     if (!look.sides.is_surely_hidden_or_not() || cutter->is_crossed(i)) {
-      look.pieces = cutter->cut(i, h, look.is_hidden);
+      look.pieces = cutter->cut(i, h, budget, look.is_hidden);
     }
   };
   if (!for_triangles(cut)) return std::nullopt;
+  if (budget.is_spent()) {
+    surface.spent_steps = budget.steps();
+    return surface;
+  }
   std::vector<Vec3> vertices(mesh.vertices().begin(), mesh.vertices().end());
   std::vector<Triangle> triangles;
   std::vector<VisibleTriangle> visible;

@@ -19,7 +19,9 @@ struct EnclosingSurface {
   std::optional<VisibleSurface> visible;
   std::size_t hidden_triangles = 0;  ///< inside on both sides, wholly or in part
   Vec3 first_hidden{};               ///< the middle of the first of them, metres
-  std::size_t caps = 0;              ///< specks, about one a voxel of the surface across holes
+  /// 0, or the steps that were too few to cut the mesh where it crosses itself: all there is then.
+  std::size_t spent_steps = 0;
+  std::size_t caps = 0;  ///< specks, about one a voxel of the surface across holes
   double confidence =
       0.0;  ///< fraction of the mesh's area that has no doubtful place on either side
 };

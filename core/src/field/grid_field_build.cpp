@@ -81,6 +81,19 @@ std::shared_ptr<const SurfaceCutter> find_hidden(const TriangleMesh& mesh,
   return cutter->hides_any(suspects, settings.threads) ? cutter : nullptr;
 }
 
+/// Of a mesh that so many steps do not cut where it crosses itself.
+Error refuse_cutting(const TriangleMesh& mesh, std::size_t steps, unsigned threads) {
+  const std::vector<std::uint32_t> crossed = SelfCrossings(mesh).find_crossed(threads);
+  const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
+  return Error{
+      ErrorCode::kInvalidMesh,
+      format_text("mesh crosses itself too often: %zu of its %zu triangles are crossed (first near "
+                  "%s metres), and to cut them takes more than the limit of %.2g steps; unite its "
+                  "parts, merge vertices that nearly coincide, or make its sheets thinner",
+                  crossed.size(), mesh.triangles().size(), format_point((a + b + c) / 3.0).c_str(),
+                  static_cast<double>(steps))};
+}
+
 Error refuse_crossings(const TriangleMesh& mesh, unsigned threads) {
   const std::vector<std::uint32_t> crossed = SelfCrossings(mesh).find_crossed(threads);
   const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
@@ -127,6 +140,9 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
                     100.0 * (1.0 - report.confidence), report.defects.open_edges,
                     report.defects.non_manifold_edges, report.defects.flipped_edges,
                     format_point(report.defects.first_location).c_str())};
+  }
+  if (surface->spent_steps > 0) {
+    return refuse_cutting(mesh, surface->spent_steps, settings.threads);
   }
   // In a cell that the limit of the inside cuts it crosses an edge.
   report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;

@@ -92,7 +92,7 @@ std::vector<SelfCrossings::Line> SelfCrossings::find_lines(std::uint32_t triangl
     }
     if (count < ends.size() || flat == kCorners) return;
     if (are_on_one_side(measure_heights(own, corners[0], normals_[other], rounding_))) return;
-    lines.push_back({ends[0], ends[1]});
+    lines.push_back({ends[0], ends[1], normals_[other]});
   });
   return lines;
 }
@@ -116,7 +116,7 @@ void SelfCrossings::clip(std::span<const Vec3> polygon, const Vec3& normal,
       if (height + slope < 0.0) end = std::min(end, -height / slope);
     }
     if ((end - begin) * length(way) <= 2.0 * rounding_) continue;
-    lines[kept++] = {line.from + begin * way, line.from + end * way};
+    lines[kept++] = {line.from + begin * way, line.from + end * way, line.outward};
   }
   lines.resize(kept);
 }

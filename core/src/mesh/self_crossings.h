@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,7 @@ class SelfCrossings {
 
   /// What lies nearer together counts as touching, metres.
   double rounding() const { return rounding_; }
+  std::size_t size() const { return triangles_.size(); }  ///< triangles of the mesh
   const std::array<Vec3, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
   /// Of unit length; 0 where the triangle has no area.
   const Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
@@ -31,6 +33,7 @@ class SelfCrossings {
   struct Line {
     Vec3 from;
     Vec3 to;
+    Vec3 outward;  ///< the normal of the other triangle, unit length
   };
 
   /// Where other triangles meet the plane of a triangle, of those that may meet it.

@@ -70,8 +70,9 @@ class SurfaceCutter::Division {
   using Cut = SelfCrossings::Line;
   using Polygon = std::vector<Vec3>;  // convex, counter-clockwise
 
-  Division(const SurfaceCutter& cutter, std::uint32_t triangle, double finest)
+  Division(const SurfaceCutter& cutter, std::uint32_t triangle, double finest, CutBudget& budget)
       : cutter_(cutter),
+        budget_(budget),
         triangle_(triangle),
         normal_(cutter.crossings_.normal(triangle)),
         finest_(finest),
@@ -86,17 +87,19 @@ class SurfaceCutter::Division {
   }
 
   void divide(const Polygon& polygon, std::vector<Cut> cuts, int vain) {
-    if (polygon.size() < kCorners) return;
+    if (polygon.size() < kCorners || budget_.is_spent()) return;
+    budget_.take(1 + cuts.size());
     const std::size_t before = cuts.size();
     cutter_.crossings_.clip(polygon, normal_, cuts);
     if (cuts.empty()) return decide(polygon);
+    constexpr std::size_t kFew = 2;
+    if (cuts.size() > kFew && is_deep_inside(polygon, cuts)) {
+      has_hidden_ = true;
+      return;
+    }
     // Of many, most are far from one another.
     constexpr std::size_t kMany = 8;
     if (cuts.size() > kMany) {
-      if (is_deep_inside(polygon, cuts.size())) {
-        has_hidden_ = true;
-        return;
-      }
       vain = cuts.size() < before ? 0 : vain + 1;
       if (vain <= kMostInVain && size_of(polygon) > smallest_) return halve(polygon, cuts, vain);
     }
@@ -175,20 +178,31 @@ class SurfaceCutter::Division {
     return length(doubled) / rim;
   }
 
-  SurfaceSides look_at(const Polygon& polygon) const {
+  static Vec3 middle_of(const Polygon& polygon) {
     Vec3 middle{};
     for (const Vec3& corner : polygon) middle += corner / static_cast<double>(polygon.size());
-    const double aside = std::min(cutter_.aside_, kAsideOfWidth * width_of(polygon));
-    return {cutter_.compute_number(middle + aside * normal_),
-            cutter_.compute_number(middle - aside * normal_)};
+    return middle;
   }
 
-  /// Whole winding numbers change by one across each triangle that crosses the polygon: nowhere on
-  /// it do they come down to zero.
-  bool is_deep_inside(const Polygon& polygon, std::size_t crossing) const {
+  SurfaceSides look_at(const Polygon& polygon) const {
+    const Vec3 middle = middle_of(polygon);
+    const double aside = std::min(cutter_.aside_, kAsideOfWidth * width_of(polygon));
+    std::size_t steps = 0;
+    const SurfaceSides sides =
+        cutter_.look_from(middle + aside * normal_, middle - aside * normal_, steps);
+    budget_.take(steps);
+    return sides;
+  }
+
+  /// Whole winding numbers fall by one on the way out through each triangle that crosses the
+  /// polygon: nowhere on it do they come down to zero.
+  bool is_deep_inside(const Polygon& polygon, std::span<const Cut> cuts) const {
     if (!cutter_.is_balanced_) return false;
+    const Vec3 middle = middle_of(polygon);
+    const auto ways_out = std::ranges::count_if(
+        cuts, [&](const Cut& cut) { return dot(middle - cut.from, cut.outward) <= 0.0; });
     const SurfaceSides sides = look_at(polygon);
-    return std::min(sides.front, sides.back) > static_cast<double>(crossing) + 1.5;
+    return std::min(sides.front, sides.back) > static_cast<double>(ways_out) + 1.5;
   }
 
   void decide(const Polygon& polygon) {
@@ -211,6 +225,7 @@ class SurfaceCutter::Division {
   }
 
   const SurfaceCutter& cutter_;
+  CutBudget& budget_;
   std::uint32_t triangle_;
   Vec3 normal_;
   double finest_;
@@ -224,10 +239,25 @@ SurfaceCutter::SurfaceCutter(const TriangleMesh& mesh, bool is_balanced, SelfCro
       aside_(std::max(kAside * mesh.bounds().extents()[mesh.bounds().longest_axis()],
                       2.0 * crossings.rounding())),
       winding_(mesh),
-      crossings_(std::move(crossings)) {}
+      crossings_(std::move(crossings)) {
+  if (is_balanced) by_rays_.emplace(mesh);
+}
+
+SurfaceSides SurfaceCutter::look_from(const Vec3& front, const Vec3& back,
+                                      std::size_t& steps) const {
+  if (by_rays_) {
+    if (const auto numbers = by_rays_->compute({front, back}, steps)) {
+      return {static_cast<double>((*numbers)[0]), static_cast<double>((*numbers)[1])};
+    }
+  }
+  constexpr std::size_t kMostNear = 1024;  // solid angles, about; the rest counts in groups
+  steps += std::min(crossings_.size(), kMostNear);
+  return {compute_number(front), compute_number(back)};
+}
 
 SurfaceSides SurfaceCutter::look_at(const Vec3& place, const Vec3& normal) const {
-  return {compute_number(place + aside_ * normal), compute_number(place - aside_ * normal)};
+  std::size_t steps = 0;
+  return look_from(place + aside_ * normal, place - aside_ * normal, steps);
 }
 
 SurfaceSides SurfaceCutter::look_at(std::uint32_t triangle) const {
@@ -236,8 +266,8 @@ SurfaceSides SurfaceCutter::look_at(std::uint32_t triangle) const {
 }
 
 std::vector<std::array<Vec3, 3>> SurfaceCutter::cut(std::uint32_t triangle, double finest,
-                                                    bool& is_hidden) const {
-  Division division(*this, triangle, finest);
+                                                    CutBudget& budget, bool& is_hidden) const {
+  Division division(*this, triangle, finest, budget);
   const auto& corners = crossings_.corners(triangle);
   const Division::Polygon whole(corners.begin(), corners.end());
   if (!division.is_narrow(whole)) division.divide(whole);
@@ -302,6 +332,7 @@ std::vector<std::uint32_t> find_near_parts(const TriangleMesh& mesh) {
 
 bool SurfaceCutter::hides_any(std::span<const std::uint32_t> triangles, unsigned threads) const {
   std::atomic<bool> is_found = false;
+  CutBudget budget(crossings_.size());
   constexpr std::size_t kChunk = 64;
   parallel_for((triangles.size() + kChunk - 1) / kChunk, threads, "distance field", {},
                [&](std::size_t chunk) {
@@ -310,9 +341,9 @@ bool SurfaceCutter::hides_any(std::span<const std::uint32_t> triangles, unsigned
                    bool is_hidden = look_at(triangles[i]).is_hidden();
                    if (!is_hidden && crossings_.is_crossed(triangles[i])) {
                      constexpr double kWhole = std::numeric_limits<double>::infinity();
-                     is_hidden = !cut(triangles[i], kWhole, is_hidden).empty() || is_hidden;
+                     is_hidden = !cut(triangles[i], kWhole, budget, is_hidden).empty() || is_hidden;
                    }
-                   if (is_hidden) is_found = true;
+                   if (is_hidden || budget.is_spent()) is_found = true;
                  }
                });
   return is_found;

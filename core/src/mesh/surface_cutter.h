@@ -1,11 +1,15 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "mesh/ray_winding.h"
 #include "mesh/self_crossings.h"
 #include "mesh/winding_number.h"
 #include "voxshell/triangle_mesh.h"
@@ -23,6 +27,27 @@ struct SurfaceSides {
   /// The body is on both sides, or surely on neither: the place does not bound it.
   bool is_hidden() const;
   bool is_surely_hidden_or_not() const;
+};
+
+/// How much work it may be to cut a mesh where it crosses itself, in steps: triangles that a piece
+/// is compared with. Of triangles that all cross one another, the pieces grow with the third power
+/// of their number. Threads may share a budget.
+class CutBudget {
+ public:
+  explicit CutBudget(std::size_t triangles) : steps_(kSteps + kStepsATriangle * triangles) {}
+
+  std::size_t steps() const { return steps_; }
+  bool is_spent() const { return taken_.load(std::memory_order_relaxed) > steps_; }
+  void take(std::size_t steps) { taken_.fetch_add(steps, std::memory_order_relaxed); }
+
+ private:
+  /// About a second; parts of large meshes that reach into one another ask for much less. Fewer
+  /// steps would refuse twenty bars that cross along one axis, more would take too long.
+  static constexpr std::size_t kSteps = std::size_t{5} << 22;
+  static constexpr std::size_t kStepsATriangle = std::size_t{1} << 11;
+
+  std::size_t steps_;
+  std::atomic<std::size_t> taken_ = 0;
 };
 
 /// A triangle of what is visible of a mesh.
@@ -57,13 +82,15 @@ class SurfaceCutter {
   /// Whether other triangles cross a triangle, or touch it along a line.
   bool is_crossed(std::uint32_t triangle) const { return crossings_.is_crossed(triangle); }
 
-  /// Whether any of these triangles is hidden, wholly or in part.
+  /// Whether any of these triangles is hidden, wholly or in part, or that is too much work to
+  /// tell.
   bool hides_any(std::span<const std::uint32_t> triangles, unsigned threads) const;
 
   /// The visible pieces of a triangle, or none where it is visible or hidden as a whole, which
   /// `is_hidden` then says. Where an opening of the mesh leaves it in doubt what is inside, pieces
-  /// become no smaller than `finest`, and their middles decide.
-  std::vector<std::array<Vec3, 3>> cut(std::uint32_t triangle, double finest,
+  /// become no smaller than `finest`, and their middles decide. Once the budget is spent, the
+  /// result has no meaning.
+  std::vector<std::array<Vec3, 3>> cut(std::uint32_t triangle, double finest, CutBudget& budget,
                                        bool& is_hidden) const;
 
   /// The visible parts of a straight line along the surface, whose places face along `normal`:
@@ -74,9 +101,13 @@ class SurfaceCutter {
  private:
   class Division;
 
+  /// Adds to `steps`.
+  SurfaceSides look_from(const Vec3& front, const Vec3& back, std::size_t& steps) const;
+
   bool is_balanced_;
   double aside_;  ///< how far off the surface its sides are looked at
   WindingNumberTree winding_;
+  std::optional<RayWinding> by_rays_;  ///< of a balanced mesh: the same numbers, sooner
   SelfCrossings crossings_;
 };
 

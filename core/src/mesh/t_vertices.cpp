@@ -14,10 +14,15 @@ namespace {
 
 /// How near a vertex is to an edge that it lies on, of the mesh's longest side.
 constexpr double kRounding = 1e-6;
+/// A vertex lies amid few edges, and each adds one piece. Only of meshes that are hardly wider than
+/// the rounding do all vertices lie amid all edges, and pieces amid pieces: these stay uncut.
+constexpr std::size_t kMostAmid = 64;   // edges a vertex, on average
+constexpr std::size_t kMostPieces = 4;  // a vertex amid an edge
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // the smaller vertex first
 
-/// The vertices amid each open edge, from its first vertex to its second.
+/// The vertices amid each open edge, from its first vertex to its second; none where there are too
+/// many.
 std::map<Edge, std::vector<std::uint32_t>> find_amid(const TriangleMesh& mesh) {
   std::vector<Edge> open;
   std::vector<std::uint32_t> ends;
@@ -34,6 +39,7 @@ std::map<Edge, std::vector<std::uint32_t>> find_amid(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < ends.size(); ++i) boxes[i].extend(mesh.vertices()[ends[i]]);
   const BoxFinder finder(std::move(boxes));
   const double rounding = kRounding * mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  std::size_t total = 0;
   for (const Edge& edge : open) {
     const Vec3& from = mesh.vertices()[edge.first];
     const Vec3 way = mesh.vertices()[edge.second] - from;
@@ -49,6 +55,8 @@ std::map<Edge, std::vector<std::uint32_t>> find_amid(const TriangleMesh& mesh) {
         found.emplace_back(along, ends[i]);
     });
     if (found.empty()) continue;
+    total += found.size();
+    if (total > kMostAmid * ends.size()) return {};
     std::ranges::sort(found);
     for (const auto& [along, vertex] : found) amid[edge].push_back(vertex);
   }
@@ -61,6 +69,8 @@ std::vector<Triangle> cut_at_t_vertices(const TriangleMesh& mesh) {
   const auto amid = find_amid(mesh);
   std::vector<Triangle> triangles(mesh.triangles().begin(), mesh.triangles().end());
   if (amid.empty()) return triangles;
+  std::size_t most = triangles.size();
+  for (const auto& [edge, vertices] : amid) most += kMostPieces * vertices.size();
   std::vector<Triangle> pieces;
   std::vector<Triangle> waiting;
   const auto cut = [&](const Triangle& t) {
@@ -88,6 +98,7 @@ std::vector<Triangle> cut_at_t_vertices(const TriangleMesh& mesh) {
       const Triangle next = waiting.back();
       waiting.pop_back();
       if (!cut(next)) pieces.push_back(next);
+      if (pieces.size() + waiting.size() > most) return triangles;
     }
   }
   return pieces;

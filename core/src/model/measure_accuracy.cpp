@@ -8,9 +8,11 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "mesh/box_finder.h"
 #include "mesh/box_hierarchy.h"
 #include "mesh/closest_point.h"
 #include "mesh/edges.h"
@@ -160,6 +162,7 @@ class Measurement {
     least_push_ = kLeastPush * farthest;
     most_push_ = std::min(kPushedCells * field.voxel_size(), kPushedThickness * settings.thickness);
     may_be_flipped_ = field.sign_report().method != SignMethod::kClosed;
+    if (visible_ != nullptr) pieces_.emplace(bound_triangles(visible_->mesh));
     choose_places();
   }
 
@@ -327,15 +330,17 @@ class Measurement {
   bool is_visible(std::uint32_t triangle, const Vec3& p) const {
     const double rounding = visible_->cutter->rounding();
     const std::vector<VisibleTriangle>& all = visible_->triangles;
-    auto piece = std::ranges::lower_bound(all, triangle, {}, &VisibleTriangle::triangle);
-    for (; piece != all.end() && piece->triangle == triangle; ++piece) {
-      if (piece->is_whole) return true;
-      const auto corners = visible_->mesh.corners(static_cast<std::size_t>(piece - all.begin()));
-      if (squared_length(closest_point_on_triangle(p, corners) - p) <= rounding * rounding) {
-        return true;
-      }
-    }
-    return false;
+    const auto first = std::ranges::lower_bound(all, triangle, {}, &VisibleTriangle::triangle);
+    if (first == all.end() || first->triangle != triangle) return false;
+    if (first->is_whole) return true;
+    // One of thousands of pieces, where an opening leaves it in doubt what is inside.
+    bool is_on_piece = false;
+    pieces_->visit(widen({p, p}, 2.0 * rounding), [&](std::uint32_t piece) {
+      if (is_on_piece || all[piece].triangle != triangle) return;
+      const Vec3 closest = closest_point_on_triangle(p, visible_->mesh.corners(piece));
+      is_on_piece = squared_length(closest - p) <= rounding * rounding;
+    });
+    return is_on_piece;
   }
 
   void measure_field(std::size_t begin, std::size_t end) {
@@ -473,6 +478,7 @@ class Measurement {
 
   Surroundings around_;
   const VisibleSurface* visible_;
+  std::optional<BoxFinder> pieces_;  ///< of what is visible
   const GridField& field_;
   const AccuracySettings& settings_;
   double least_push_ = 0.0;

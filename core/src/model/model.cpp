@@ -86,15 +86,24 @@ Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& 
   return longest_side(mesh) / resolution;
 }
 
-/// Points and samples are float32 in the mesh's frame: its origin must not be too far away.
-Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_size) {
-  constexpr double kLargestUlp = 1e-3;  // voxels
+/// Steps of float32 between a power of two and the next one.
+constexpr double kFloatSteps = 1 << 23;
+
+/// The largest coordinate, metres.
+double reach(const TriangleMesh& mesh) {
   const Bounds& bounds = mesh.bounds();
   double farthest = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     farthest = std::max({farthest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
   }
-  const double ulp = farthest / (1 << 23);
+  return farthest;
+}
+
+/// Points and samples are float32 in the mesh's frame: its origin must not be too far away.
+Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_size) {
+  constexpr double kLargestUlp = 1e-3;  // voxels
+  const double farthest = reach(mesh);
+  const double ulp = farthest / kFloatSteps;
   if (ulp <= kLargestUlp * voxel_size) return std::monostate{};
   const double advised = 1.02 * ulp / kLargestUlp;
   return Error{ErrorCode::kInvalidMesh,
@@ -104,6 +113,18 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
                    (advised < longest_side(mesh)
                         ? format_text(" or use a voxel size of at least %.3g m", advised)
                         : "")};
+}
+
+/// Points that single precision moves by more than a tolerance cannot keep it.
+Result<std::monostate> check_tolerance(const TriangleMesh& mesh, double tolerance) {
+  const double farthest = reach(mesh);
+  const double ulp = farthest / kFloatSteps;
+  if (ulp <= tolerance) return std::monostate{};
+  return Error{ErrorCode::kInvalidMesh,
+               format_text("mesh reaches %.3g m from its origin, too far for a tolerance of %.3g m "
+                           "in single precision; check its unit, move it to its origin (put the "
+                           "offset in the pose), or use a tolerance of at least %.3g m",
+                           farthest, tolerance, 1.02 * ulp)};
 }
 
 /// Metres. Sheets thinner than two voxels of a uniform grid would have no inside.
@@ -209,6 +230,9 @@ Result<std::shared_ptr<const Model>> Model::build(TriangleMesh mesh, const Model
   const double thickness = compute_thickness(repaired.mesh);
   const auto tolerance = choose_tolerance(repaired.mesh, settings, thickness);
   if (!tolerance) return tolerance.error();
+  if (settings.tolerance > 0.0) {
+    if (auto precise = check_tolerance(repaired.mesh, *tolerance); !precise) return precise.error();
+  }
   const auto voxel_size = *tolerance > 0.0
                               ? choose_voxels(repaired.mesh, *tolerance, settings.threads)
                               : choose_voxel_size(repaired.mesh, settings);

@@ -275,17 +275,21 @@ struct Density {
 
 /// How far points are apart on flat parts, metres: so that areas are spread over enough of them,
 /// and that where bodies cross, some lie deep in the other one, even if all edges lie in its
-/// surface. Of thin sheets that would be too many.
+/// surface. Of thin sheets that would be too many, and of surface narrower than the rounding, which
+/// has no thickness and no area that says how many, without bound.
 double choose_coarsest(const TriangleMesh& mesh, double wall_thickness) {
   constexpr double kFewest = 25.0;  // along the longest side
   constexpr double kOfThickness = 0.5;
   constexpr double kMostOnSheets = 5e3;  // about
+  constexpr double kNarrow = 1e-6;       // of the longest side
+  constexpr double kAlongNarrow = 1e3;
   double area = 0.0;
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
     const auto [a, b, c] = mesh.corners(i);
     area += 0.5 * length(cross(b - a, c - a));
   }
   const double longest = mesh.bounds().extents()[mesh.bounds().longest_axis()];
+  if (area <= kNarrow * longest * longest) return longest / kAlongNarrow;
   const double inside =
       kOfThickness * (wall_thickness > 0.0 ? wall_thickness : compute_thickness(mesh));
   return std::min(longest / kFewest, std::max(inside, std::sqrt(area / kMostOnSheets)));

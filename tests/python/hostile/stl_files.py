@@ -49,6 +49,15 @@ def random_soup(count: int) -> np.ndarray:
     return np.random.default_rng(1).uniform(size=(count, 3, 3))
 
 
+def loose_triangles(count: int) -> np.ndarray:
+    """Two balls far apart: as sheets, the triangles are thicker than the balls are wide."""
+    rng = np.random.default_rng(2)
+    middles = rng.normal(size=(count, 1, 3))
+    middles *= 0.05 / np.linalg.norm(middles, axis=2, keepdims=True)
+    middles[count // 2 :] += (3, 2, 1)
+    return middles + rng.uniform(-0.02, 0.02, (count, 3, 3))
+
+
 def list_binary() -> Iterator[tuple[str, Content, Wants]]:
     yield "empty", b"", "refused"
     yield "one byte", b"s", "refused"
@@ -88,6 +97,7 @@ def list_binary() -> Iterator[tuple[str, Content, Wants]]:
     yield "Moebius strip", stl(moebius_strip()), "either"
     yield "fan of needles", stl(fan_of_needles(300)), "either"
     yield "random soup", stl(random_soup(20)), "either"
+    yield "sheets that all cross one another", stl(loose_triangles(400)), "refused"
     yield "1000 components", stl(tetrahedra(1000)), "loaded"
     yield "10000 components", lambda: stl(tetrahedra(10_000)), "loaded"
     yield (

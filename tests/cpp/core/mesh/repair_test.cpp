@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/t_vertices.h"
 #include "support/meshes.h"
 #include "support/random.h"
 
@@ -75,6 +76,22 @@ TEST(Repair, VerticesAmidTheEdgesOfOthersAreNoOpenings) {
   // True openings stay open, and all that is around them as it was.
   const TriangleMesh bowl = opened(make_icosphere(0.5, 3), 0.2).mesh();
   EXPECT_EQ(triangles_of(repair_mesh(bowl).mesh), triangles_of(bowl));
+}
+
+TEST(Repair, TrianglesAlongALineAreNotCutIntoPiecesOfPieces) {
+  // Each vertex lies amid most edges, and each piece has an edge amid which others lie.
+  Random random(73);
+  Soup wire;
+  for (int i = 0; i < 60; ++i) {
+    wire.vertices.push_back({random.unit(), 1e-9 * random.unit(), 1e-9 * random.unit()});
+  }
+  for (int i = 0; i < 120; ++i) {
+    const auto vertex = [&] { return static_cast<std::uint32_t>(random.below(60)); };
+    const Triangle t{vertex(), vertex(), vertex()};
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) wire.triangles.push_back(t);
+  }
+  const TriangleMesh mesh = wire.mesh();
+  EXPECT_EQ(cut_at_t_vertices(mesh).size(), mesh.triangles().size());
 }
 
 TEST(Repair, PartsKeepTheirSides) {

@@ -28,13 +28,15 @@ double area_of(const std::array<Vec3, 3>& t) {
 /// All that is visible of a mesh.
 std::vector<std::array<Vec3, 3>> cut_all(const TriangleMesh& mesh) {
   const SurfaceCutter cutter(mesh, true);
+  CutBudget budget(mesh.triangles().size());
   std::vector<std::array<Vec3, 3>> visible;
   for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
     bool is_hidden = false;
-    const auto pieces = cutter.cut(i, kFinest, is_hidden);
+    const auto pieces = cutter.cut(i, kFinest, budget, is_hidden);
     visible.insert(visible.end(), pieces.begin(), pieces.end());
     if (pieces.empty() && !is_hidden) visible.push_back(mesh.corners(i));
   }
+  EXPECT_FALSE(budget.is_spent());
   return visible;
 }
 
@@ -107,6 +109,18 @@ TEST(SurfaceCutter, ManyBarsTurnedAboutOneAxisLeaveAStar) {
   // Of each side, what lies beyond the last bar that crosses it, at both ends.
   const double tip = 1.0 - std::tan(0.25 * std::numbers::pi - 0.5 * kStep);
   EXPECT_NEAR(area / (4 * kBars * 2.0 * tip * 40.0), 1.0, 1e-4);
+}
+
+TEST(SurfaceCutter, StopsWhereItsBudgetIsSpent) {
+  const TriangleMesh mesh = make_pierced_box().soup().mesh();
+  const SurfaceCutter cutter(mesh, true);
+  CutBudget budget(0);
+  budget.take(budget.steps() + 1);
+  EXPECT_TRUE(budget.is_spent());
+  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
+    bool is_hidden = false;
+    EXPECT_TRUE(cutter.cut(i, kFinest, budget, is_hidden).empty());
+  }
 }
 
 TEST(SurfaceCutter, AFineMeshIsCutOutOfALargeTriangle) {

@@ -248,6 +248,7 @@ TEST(Model, RefusesBeforeItWorks) {
   expect_error_at_once(box, {.resolution = 2000}, ErrorCode::kTooLarge, "distance field");
   expect_error_at_once(box, {.voxel_size = 2e-4}, ErrorCode::kTooLarge, "at least");
   expect_error_at_once(box, {.voxel_size = 1e-9}, ErrorCode::kInvalidMesh, "single precision");
+  expect_error_at_once(box, {.tolerance = 1e-8}, ErrorCode::kInvalidMesh, "single precision");
   expect_error_at_once(box, {.resolution = 100, .point_spacing = 1e-5}, ErrorCode::kTooLarge,
                        "point shell");
   expect_error_at_once(box, {.resolution = 100, .point_spacing = 0.1, .target_points = 7},

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -195,6 +197,22 @@ TEST(SelfCrossingParts, AreRefusedAsClosed) {
     ASSERT_FALSE(model);
     EXPECT_EQ(model.error().code, ErrorCode::kInvalidMesh);
   }
+}
+
+TEST(OverlappingParts, SheetsThatAllCrossOneAnotherAreRefused) {
+  // Triangles narrower than their sheets are thick: each becomes a column that crosses all others.
+  Random random(504);
+  Soup triangles;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const Vec3 middle = random.in_cube(0.05);
+    for (int k = 0; k < 3; ++k) triangles.vertices.push_back(middle + random.in_cube(0.02));
+    triangles.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto model = Model::build(triangles.mesh(), {.resolution = 8, .open = OpenMesh::kSheet});
+  ASSERT_FALSE(model);
+  EXPECT_EQ(model.error().code, ErrorCode::kInvalidMesh);
+  EXPECT_NE(model.error().message.find("crosses itself too often"), std::string::npos)
+      << model.error().message;
 }
 
 TEST(FaultyTriangles, ATurnedOneLeavesNoHole) {

@@ -366,6 +366,16 @@ TEST(PointShell, ByTargetOnAWire) {
   EXPECT_NEAR(static_cast<double>(build(wire, {.target_points = 200}).size()), 200.0, 2.0);
 }
 
+TEST(PointShell, ByToleranceOnAWireThatHasNoThickness) {
+  // Points half its thickness apart would be ten million.
+  for (const double half : {1e-8, 1e-12, 1e-27}) {
+    const TriangleMesh wire = make_box({0.5, half, half}).mesh();
+    const std::size_t count = build(wire, {.tolerance = 0.01}).size();
+    EXPECT_GE(count, 1'000u);
+    EXPECT_LE(count, 2'100u);
+  }
+}
+
 TEST(PointShell, ByTargetOfManyPoints) {
   for (const std::size_t target : {35'596u, 50'000u}) {
     for (const std::size_t body : {0u, 5u, 6u}) {
