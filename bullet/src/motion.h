@@ -15,7 +15,7 @@ struct Motion {
   Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
   double inverse_mass = 0.0;  ///< 1/kg; 0 where it does not move, or is a link of a multibody
   Matrix3 inverse_inertia{{}, {}, {}};  ///< about the point, 1/(kg m^2); likewise
-  bool is_link = false;       ///< of a multibody, whose solver adds what forces do beforehand
+  bool is_link = false;  ///< of a multibody, whose solver adds what forces do beforehand
 
   /// At rest where the object has no velocity of its own.
   static Motion of(const btCollisionObject& object, double time_step);
@@ -28,8 +28,7 @@ struct Motion {
   Motion pushed(const Vec3& impulse, const Vec3& at) const {
     Motion after = *this;
     after.velocity = velocity + inverse_mass * impulse;
-    after.angular_velocity =
-        angular_velocity + inverse_inertia * cross(at - centre, impulse);
+    after.angular_velocity = angular_velocity + inverse_inertia * cross(at - centre, impulse);
     return after;
   }
 

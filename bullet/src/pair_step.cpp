@@ -46,8 +46,12 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.farthest_displacement =
       find_farthest_displacement(step.motion_a, step.motion_b, ball, time_step);
   step.detail = std::min(pair.a.detail(), pair.b.detail());
+  step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
+  // Inside each other the nearest surface is a face, not the edge or corner that they hit.
+  const bool rebounds = step.restitution > 0.0 && settings.mode == ContactMode::kAutomatic;
+  const double by_default = rebounds ? std::min(step.rest_margin, step.detail) : step.detail;
   const double threshold =
-      settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : step.detail;
+      settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : by_default;
   step.uses_ccd = step.farthest_displacement > threshold;
   step.margin = step.rest_margin;
   if (step.uses_ccd) step.margin = std::max(step.margin, kCcdReach * step.farthest_displacement);
@@ -67,7 +71,6 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
   step.rolls_at_rest = settings.rolling_at_rest;
 
-  step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
   step.owed_energy = owed_energy;
   step.field_from_shell = pair.field_from_shell();
   const Motion& of_shell = pair.shell_is_a ? step.motion_a : step.motion_b;

@@ -32,9 +32,15 @@ FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> conta
 
 std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
                                             std::span<const Contact> contacts) {
+  const PosedPair& pair = *step.pair;
   const bool has_link = step.motion_a.is_link || step.motion_b.is_link;
   if (!(first.time < kNever) || has_link || step.time_step == 0.0) return std::nullopt;
-  const PosedPair& pair = *step.pair;
+  // Friction and other bodies may make it another motion, which must not lead through a body.
+  const double thinnest = std::min(pair.a.thinnest(), pair.b.thinnest());
+  if (!(step.restitution > 0.0) ||
+      step.farthest_displacement > kCcdOfThickness * std::min(thinnest, step.radius)) {
+    return std::nullopt;
+  }
   const Pose& world_from_shell = pair.shell_side().world_from_geometry();
   Motion shell = pair.shell_is_a ? step.motion_a : step.motion_b;
   Motion field = pair.shell_is_a ? step.motion_b : step.motion_a;
@@ -49,7 +55,8 @@ std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTou
       };
       const double speed = speed_apart(shell, field);
       const double missing = step.restitution * impact.approach - speed;
-      const double response = speed_apart(shell.pushed(normal, at), field.pushed(-normal, at)) - speed;
+      const double response =
+          speed_apart(shell.pushed(normal, at), field.pushed(-normal, at)) - speed;
       if (!(missing > 0.0) || !(response > 0.0)) continue;
       const Vec3 impulse = missing / response * normal;
       shell = shell.pushed(impulse, at);

@@ -27,7 +27,8 @@ struct AfterTouch {
 };
 
 /// The motion with which two bodies leave the contacts that touch first, without friction and with
-/// nothing else in the way; none where those are no contacts of free bodies.
+/// nothing else in the way; none without a rebound, of links, and where the bodies move too far in
+/// the step to rely on it.
 std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
                                             std::span<const Contact> contacts);
 

@@ -94,9 +94,9 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3
     along = slide_along(*edge, field, place, fraction * way);
     return static_cast<Vec3f>(place + along * edge->along_in_field);
   };
-  const auto reached =
-      advance(way, step.touching_gap(), steps,
-              [&](double fraction) { return clearance_of(field, place_at(fraction), offset); });
+  const auto reached = advance(way, step.touching_gap(), steps, [&](double fraction) {
+    return clearance_of(field, place_at(fraction), offset);
+  });
   if (!reached) return std::nullopt;
   Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along};
   touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
@@ -132,7 +132,9 @@ void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) 
   contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
 }
 
-Element element_of(const Side& side, std::uint32_t id, const Vec3& place,
+/// Where nothing rebounds, edges are places, too: beside flush faces, a crossing has a normal that
+/// leans, and would brake what slides.
+Element element_of(const PairStep& step, const Side& side, std::uint32_t id, const Vec3& place,
                    const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
   const GridField& own = side.model()->grid();
@@ -140,7 +142,7 @@ Element element_of(const Side& side, std::uint32_t id, const Vec3& place,
     const auto normal = static_cast<Vec3>(shell.normals()[id]);
     return ShellPoint{&own, place, normal, -field_from_own.rotate(normal)};
   }
-  if (id >= shell.element_count()) return {};
+  if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
   const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
   const Vec3 along = normalized(half);
   return EdgePiece{&own, place, along, field_from_own.rotate(along),
@@ -205,16 +207,17 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   if (contact.id >= kFirstOfSecond) {
     const Vec3 place = place_of_second(contact);
     const std::uint32_t id = contact.id - kFirstOfSecond;
-    const Element element = element_of(
-        pair.field_side(), id, step.field_from_shell.transform_point(place),
-        step.field_from_shell.inverse());
+    const Element element =
+        element_of(step, pair.field_side(), id, step.field_from_shell.transform_point(place),
+                   step.field_from_shell.inverse());
     return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
       step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
   const Vec3 start = step.field_from_shell.transform_point(point);
-  const Element element = element_of(pair.shell_side(), contact.id, point, step.field_from_shell);
+  const Element element =
+      element_of(step, pair.shell_side(), contact.id, point, step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
         return find_touch(step, field, start, displacement, steps, step.thickness, element);
@@ -266,7 +269,8 @@ void allow_motion_after(const PairStep& step, const AfterTouch& after,
     feature[0].place = then_from_now.transform_point(feature[0].place);
     place.id = kFirstFeature;
   } else if (found.id >= kFirstOfSecond) {
-    const Vec3 moved = then_from_now.transform_point(place_of_second(found)) - place_of_second(found);
+    const Vec3 moved =
+        then_from_now.transform_point(place_of_second(found)) - place_of_second(found);
     place.point = found.point + static_cast<Vec3f>(moved);
   }
   if (find_speculative(rest, after.motion, feature, place, 1.0)) return;

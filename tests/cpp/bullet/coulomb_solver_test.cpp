@@ -53,8 +53,7 @@ struct Slide {
         return world.add(world.make<btBoxShape>(to_bullet(Vec3{0.1, 0.1, 0.1})), 1,
                          {{}, start + Vec3{0, 0, 0.1}});
       case Shape::kCube:
-        static const auto cube =
-            build_by_tolerance({0.1, 0.1, 0.1});
+        static const auto cube = build_by_tolerance({0.1, 0.1, 0.1});
         return world.add_model(cube, 1, {{}, start + Vec3{0, 0, 0.1}});
       case Shape::kTorus:
         break;

@@ -116,7 +116,8 @@ TEST(KeptContacts, OnBulletsShapesHoldUntilThoseChange) {
   btRigidBody& on_larger = world.add(larger, 0, {{}, {0, 0, -0.02}});
   btRigidBody& on_plane = world.add(plane, 0);
   btRigidBody& on_higher = world.add(higher, 0);
-  for (const auto& [ground, other] : {std::pair{&on_box, &on_larger}, std::pair{&on_plane, &on_higher}}) {
+  for (const auto& [ground, other] :
+       {std::pair{&on_box, &on_larger}, std::pair{&on_plane, &on_higher}}) {
     const TwoBodies bodies(cube, *ground);
     const TwoBodies others(cube, *other);
     KeptContacts kept;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "rebound.h"
+#include "support/models.h"
+#include "support/two_bodies.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -69,6 +71,28 @@ TEST(ReboundRule, TellsTheSolverWhatItAimsAt) {
   EXPECT_NEAR(rebound.restitution * 2.0 - 0.005 / kStep, rebound_of(step, first_impact).speed,
               1e-12);
   EXPECT_GT(rebound.first_impulse, 0.0);
+}
+
+TEST(ReboundRule, LeavesTheMotionOfABlow) {
+  test_support::TestWorld world({}, {0, 0, 0});
+  const auto cube = test_support::build_by_tolerance({0.05, 0.05, 0.05});
+  btRigidBody& hit = world.add_model(cube, 2, {});
+  btRigidBody& hits = world.add_model(cube, 1, {{}, {0, 0, 0.11}});
+  hit.setRestitution(1);
+  hits.setRestitution(btScalar(0.5));
+  hits.setLinearVelocity({1, 0, -2});
+  const test_support::TwoBodies bodies(hits, hit);
+  const PairStep step = bodies.step(kStep);
+  ASSERT_TRUE(step.pair->shell_is_a);
+  // A gap of 1 cm, beside the middle of the cube: half of the step is over when it is closed.
+  const std::vector<Contact> contacts{{0, -0.01f, {0.02f, 0, -0.05f}, {0, 0, 1}}};
+  const auto after = find_motion_after(step, find_first_touch(step, contacts), contacts);
+  ASSERT_TRUE(after);
+  EXPECT_NEAR(after->fraction, 0.5, 1e-6);
+  const Vec3 speed = after->motion.velocity_at({0.02, 0, -0.05});
+  EXPECT_NEAR(speed.z, 1.0, 1e-5);
+  EXPECT_GT(length(after->motion.angular_velocity), 1.0);
+  EXPECT_FALSE(find_motion_after(step, find_first_touch(step, {}), {}));
 }
 
 TEST(ReboundRule, LaterPointsOnlyStopApproaching) {
