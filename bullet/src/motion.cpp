@@ -55,9 +55,11 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
   if (body == nullptr) return {};
   const auto inverse_mass = static_cast<double>(body->getInvMass());
   const btMatrix3x3& inertia = body->getInvInertiaTensorWorld();
-  return {from_bullet(body->getCenterOfMassPosition()), from_bullet(body->getLinearVelocity()),
+  return {from_bullet(body->getCenterOfMassPosition()),
+          from_bullet(body->getLinearVelocity()),
           from_bullet(body->getAngularVelocity()),
-          time_step * inverse_mass * from_bullet(body->getTotalForce()), inverse_mass,
+          time_step * inverse_mass * from_bullet(body->getTotalForce()),
+          inverse_mass,
           {from_bullet(inertia[0]), from_bullet(inertia[1]), from_bullet(inertia[2])}};
 }
 

@@ -72,7 +72,10 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--minutes", type=float, default=10.0, help="how long, 10 by default")
     parser.add_argument(
-        "--jobs", type=int, default=cores, help=f"cases at the same time, by default {cores}: one a core"
+        "--jobs",
+        type=int,
+        default=cores,
+        help=f"cases at the same time, by default {cores}: one a core",
     )
     parser.add_argument(
         "--only", nargs="+", choices=list(TASKS), metavar="NAME", help="tasks to run"

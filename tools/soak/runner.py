@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class Shift:
     records: dict[str, Record]
     end: float
     turn: float
-    spent: Counter[str] = field(default_factory=Counter)
+    spent: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     running: Counter[str] = field(default_factory=Counter)
     idle: dict[str, list[Worker]] = field(default_factory=dict)
     made: list[Worker] = field(default_factory=list)

@@ -328,6 +328,7 @@ class Measurement {
 
   /// Of a place on the triangle.
   bool is_visible(std::uint32_t triangle, const Vec3& p) const {
+    if (!pieces_) return true;
     const double rounding = visible_->cutter->rounding();
     const std::vector<VisibleTriangle>& all = visible_->triangles;
     const auto first = std::ranges::lower_bound(all, triangle, {}, &VisibleTriangle::triangle);
