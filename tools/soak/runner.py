@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from soak.ledger import Ledger, Record
 from soak.task import Outcome, Task, UnavailableError
-from soak.worker import CaseError, Worker
+from soak.worker import CaseError, PrepareError, Worker
 
 TURNS = 4  # of each task in a run, so that a short run gives some time to all
 LONGEST_TURN = 20.0  # seconds; a kill loses at most one turn
@@ -173,6 +173,10 @@ def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: S
             if isinstance(found, UnavailableError):
                 record.unavailable = str(found)
                 record.next_case = number
+                return
+            if isinstance(found, PrepareError):
+                record.note_fault(number, str(found))
+                record.unavailable = "cannot be prepared"
                 return
             if isinstance(found, CaseError):
                 record.note_fault(number, str(found))

@@ -57,6 +57,10 @@ class CaseError(Exception):
     """What a case found, as a text."""
 
 
+class PrepareError(CaseError):
+    """The task cannot be prepared, so none of its cases can run."""
+
+
 class Worker:
     """The other end: starts the process again where it has died.
 
@@ -78,7 +82,7 @@ class Worker:
 
         Raises:
             UnavailableError: The task cannot run here.
-            CaseError: It cannot be prepared.
+            PrepareError: It cannot be prepared.
         """
         if self._process is not None:
             return
@@ -95,7 +99,7 @@ class Worker:
         try:
             said = self._read(STARTS_WITHIN)
         except CaseError as fault:
-            raise CaseError(f"cannot be prepared: {fault}") from fault
+            raise PrepareError(f"cannot be prepared: {fault}") from fault
         if "unavailable" in said:
             self.stop()
             raise UnavailableError(said["unavailable"])

@@ -51,6 +51,10 @@ def exclusive() -> Check:
     return check
 
 
+def broken() -> Check:
+    raise ValueError("no such file")
+
+
 def missing() -> Check:
     raise UnavailableError("no such tool")
 
@@ -65,5 +69,5 @@ TASKS = {
         describe=lambda totals: f"{totals.count:.0f} cases",
         patience=2.0,
     )
-    for prepare in (sound, wrong, deadly, hanging, exclusive, missing)
+    for prepare in (sound, wrong, deadly, hanging, exclusive, broken, missing)
 }

@@ -116,6 +116,13 @@ def test_a_task_that_cannot_run_says_so_and_the_others_run(ledger: Ledger):
     assert "10 cases | 10 | 0 | 10 cases" in rows[1]
 
 
+def test_a_task_that_cannot_be_prepared_is_one_finding(ledger: Ledger):
+    record = run(ledger, "broken")["broken"]
+    assert record.found == 1
+    assert "no such file" in record.faults[0]["what"]
+    assert record.unavailable == "cannot be prepared"
+
+
 def test_a_run_that_is_killed_loses_at_most_a_turn(tmp_path: Path):
     program = f"""
 import sys
