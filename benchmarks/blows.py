@@ -1,0 +1,69 @@
+"""Says how much energy two free cubes keep that hit each other with a restitution of 1.
+
+.venv/bin/python benchmarks/blows.py --help
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import trimesh
+import voxshell as vx
+from scipy.spatial.transform import Rotation
+
+SIDE = 0.1  # meters
+INERTIA = SIDE**2 / 6.0  # of a cube of 1 kg, kg m2
+SPEED = 1.0  # m/s
+SHAPES = {
+    "model": lambda: vx.Model.from_mesh(trimesh.creation.box((SIDE, SIDE, SIDE))),
+    "box": lambda: vx.Box((0.5 * SIDE, 0.5 * SIDE, 0.5 * SIDE)),
+}
+
+
+def measure_energy(bodies: list[vx.Body]) -> float:
+    """The kinetic energy of cubes of 1 kg, joules."""
+    return sum(
+        0.5 * float(body.linear_velocity @ body.linear_velocity)
+        + 0.5 * INERTIA * float(body.angular_velocity @ body.angular_velocity)
+        for body in bodies
+    )
+
+
+def blow(shape: vx.Model | vx.Box, rate: float, seed: int) -> float:
+    """The fraction of the energy that is left after a random blow and those that follow."""
+    rng = np.random.default_rng(seed)
+    world = vx.World(time_step=1.0 / rate, gravity=(0, 0, 0), sleeping=False)
+    aside = rng.uniform(-0.04, 0.04, 2)
+    start = 0.18 + rng.uniform(0.0, SPEED / rate)
+    bodies = []
+    for place, velocity in (((0.0, 0.0, 0.0), 0.0), ((start, *aside), -SPEED)):
+        pose = np.eye(4)
+        pose[:3, :3] = Rotation.random(random_state=rng.integers(1 << 30)).as_matrix()
+        pose[:3, 3] = place
+        body = world.add(shape, mass=1.0, pose=pose, restitution=1.0, friction=0.0)
+        body.linear_velocity = (velocity, 0.0, 0.0)
+        bodies.append(body)
+    before = measure_energy(bodies)
+    world.step(int(0.3 * rate / SPEED))
+    return measure_energy(bodies) / before
+
+
+def main() -> None:
+    """Prints a line for each rate."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--shape", choices=SHAPES, default="model", help="(default: model)")
+    parser.add_argument("--count", type=int, default=200, help="random blows (default: 200)")
+    options = parser.parse_args()
+    shape = SHAPES[options.shape]()
+    for rate in (1000.0, 200.0, 60.0):
+        kept = np.array([blow(shape, rate, seed) for seed in range(options.count)])
+        print(
+            f"{rate:4.0f} Hz: {np.mean(kept < 0.98):4.0%} lose more than 2 %, "
+            f"{np.mean(kept > 1.02):3.0%} gain more than 2 %, from {kept.min():.2f} to {kept.max():.2f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
