@@ -54,8 +54,11 @@ class Shift:
             self.tasks[name], self.records[name]
         )
 
-    def take_name(self) -> str | None:
-        """The task of the next turn, which is charged for it; None if there is none just now."""
+    def take(self) -> tuple[str, Worker] | None:
+        """Chooses the task of the next turn, and charges it for the turn.
+
+        Returns its name and an idle or new worker, or None if no task can run at the moment.
+        """
         free = [
             name
             for name, task in self.tasks.items()
@@ -66,14 +69,10 @@ class Shift:
         name = min(free, key=lambda name: self.spent[name])
         self.running[name] += 1
         self.spent[name] += self.turn
-        return name
-
-    def take_worker(self, name: str) -> Worker:
-        """An idle worker of a task, or a new one."""
         if self.idle.get(name):
-            return self.idle[name].pop()
+            return name, self.idle[name].pop()
         self.made.append(Worker(self.registry, name, self.tasks[name].patience))
-        return self.made[-1]
+        return name, self.made[-1]
 
 
 def run(
@@ -131,14 +130,14 @@ def take_turns(shift: Shift, ledger: Ledger, report: Callable[[str, Record], Non
     """One job: turns of the tasks until the run is over."""
     while not shift.over.is_set() and (now := time.monotonic()) < shift.end:
         with shift.lock:
-            name = shift.take_name()
-            worker = None if name is None else shift.take_worker(name)
-            nobody = not shift.running.total()
-        if name is None or worker is None:
-            if nobody:
+            taken = shift.take()
+            nobody_runs = not shift.running.total()
+        if taken is None:
+            if nobody_runs:
                 return
             shift.over.wait(IDLE)
             continue
+        name, worker = taken
         task, record = shift.tasks[name], shift.records[name]
         take_turn(task, worker, record, min(now + shift.turn, shift.end), shift)
         with shift.lock:
