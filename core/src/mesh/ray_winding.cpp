@@ -81,7 +81,8 @@ std::optional<std::array<int, 2>> RayWinding::compute(const std::array<Vec3, 2>&
   Bounds box;
   for (const Vec3& place : p) box.extend(place);
   box = widen(box, rounding_);
-  // The shorter way out: in all, a mesh is left as often as it is entered.
+  // A line leaves a mesh as often as it enters it, so both ways give the same number. This one is
+  // shorter.
   const bool is_ahead = box.lower.x + box.upper.x > bounds_.lower.x + bounds_.upper.x;
   if (is_ahead) {
     box.upper.x = std::max(box.upper.x, bounds_.upper.x);
