@@ -30,12 +30,11 @@ def measure_energy(bodies: list[vx.Body]) -> float:
     )
 
 
-def blow(shape: vx.Model | vx.Box, rate: float, seed: int) -> float:
-    """The fraction of the energy that is left after a random blow and those that follow."""
+def add_cubes(world: vx.World, shape: vx.Model | vx.Box, seed: int) -> list[vx.Body]:
+    """One cube at rest, and one that flies at it; both turned at random."""
     rng = np.random.default_rng(seed)
-    world = vx.World(time_step=1.0 / rate, gravity=(0, 0, 0), sleeping=False)
     aside = rng.uniform(-0.04, 0.04, 2)
-    start = 0.18 + rng.uniform(0.0, SPEED / rate)
+    start = 0.18 + rng.uniform(0.0, SPEED * world.time_step)
     bodies = []
     for place, velocity in (((0.0, 0.0, 0.0), 0.0), ((start, *aside), -SPEED)):
         pose = np.eye(4)
@@ -44,6 +43,13 @@ def blow(shape: vx.Model | vx.Box, rate: float, seed: int) -> float:
         body = world.add(shape, mass=1.0, pose=pose, restitution=1.0, friction=0.0)
         body.linear_velocity = (velocity, 0.0, 0.0)
         bodies.append(body)
+    return bodies
+
+
+def blow(shape: vx.Model | vx.Box, rate: float, seed: int) -> float:
+    """The fraction of the energy that is left after a random blow and those that follow."""
+    world = vx.World(time_step=1.0 / rate, gravity=(0, 0, 0), sleeping=False)
+    bodies = add_cubes(world, shape, seed)
     before = measure_energy(bodies)
     world.step(int(0.3 * rate / SPEED))
     return measure_energy(bodies) / before

@@ -4,35 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
 import voxshell as vx
-from scipy.spatial.transform import Rotation
+from blows import INERTIA, SHAPES, SIDE, SPEED, add_cubes
 
-HALF = 0.05  # metres
-INERTIA = HALF**2 * 2 / 3  # of a cube of 1 kg about any axis, kg m2
-SPEED = 1.0  # m/s
-BLOWS = 40
+HALF = 0.5 * SIDE  # metres
+BLOWS = 200
 CORNERS = HALF * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
 
 @pytest.fixture(scope="module")
 def cube() -> vx.Model:
-    return vx.Model.from_mesh(trimesh.creation.box((2 * HALF,) * 3))
-
-
-def add_cubes(world: vx.World, cube: vx.Model, seed: int) -> list[vx.Body]:
-    """One cube at rest, and one that flies at it; both turned at random."""
-    rng = np.random.default_rng(seed)
-    start = (0.18 + rng.uniform(0.0, SPEED * world.time_step), *rng.uniform(-0.04, 0.04, 2))
-    bodies = []
-    for place, velocity in (((0.0, 0.0, 0.0), 0.0), (start, -SPEED)):
-        pose = np.eye(4)
-        pose[:3, :3] = Rotation.random(random_state=rng.integers(1 << 30)).as_matrix()
-        pose[:3, 3] = place
-        body = world.add(cube, mass=1.0, pose=pose, restitution=1.0, friction=0.0)
-        body.linear_velocity = (velocity, 0.0, 0.0)
-        bodies.append(body)
-    return bodies
+    return SHAPES["model"]()
 
 
 def separate(a: np.ndarray, b: np.ndarray) -> tuple[float, np.ndarray, tuple[int, int] | None]:
