@@ -86,7 +86,7 @@ inline constexpr double kStillOfMargin = 0.15;
 /// Contacts are not searched for again while the pair, and what it moves by in a step, have changed
 /// by at most this fraction of the rest margin. 0: stacks that tremble by nanometres are searched
 /// in every step. Larger: contacts come visibly late. Decision 47.
-inline constexpr double kKeptOfMargin = 0.01;
+inline constexpr double kKeptOfMargin = 0.05;
 /// Points of a still body carry it if they are farther from the surface than the nearest by at most
 /// this fraction of the rest margin. Smaller: bodies tip from one set of points to the next.
 inline constexpr double kPatchOfMargin = 0.5;
@@ -350,6 +350,10 @@ inline constexpr double kSeamBeside = 0.1;
 /// Behind a seam the surface has the plane's normal, to this cosine: 26 degrees. Smaller: where two
 /// flush bodies carry a third by their corners, those contacts are lost.
 inline constexpr double kSeamFlush = 0.9;
+/// Contacts of a body without seams are not examined again while it and what it touches have moved
+/// by at most this fraction of the smallest one's radius, a hundredth of the reach. 0: bodies in a
+/// heap, which tremble, are examined in every step. Larger: steps at seams are noticed late.
+inline constexpr double kSeamKeptOfRadius = 1e-4;
 /// How often a contact is compared with all bodies beside it: two seams cross where four meet.
 inline constexpr int kSeamRounds = 2;
 /// Normals with at least this cosine are those of one plane.

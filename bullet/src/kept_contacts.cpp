@@ -4,31 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bounds_of_change.h"
 #include "contact_constants.h"
 #include "contact_list.h"
 
 namespace voxshell::bullet {
-namespace {
-
-/// No place within a radius of `middle` moves farther from one pose to the other, metres.
-double bound_displacement(const Pose& from, const Pose& to, const Vec3& middle, double radius) {
-  const double turn = std::sqrt(squared_length(to.rotation.row_x - from.rotation.row_x) +
-                                squared_length(to.rotation.row_y - from.rotation.row_y) +
-                                squared_length(to.rotation.row_z - from.rotation.row_z));
-  // The Frobenius norm is at least the spectral one.
-  return length(to.transform_point(middle) - from.transform_point(middle)) + turn * radius;
-}
-
-/// No velocity within a radius of `middle` differs by more between two motions, m/s.
-double bound_difference(const RelativeMotion& from, const RelativeMotion& to, const Vec3& middle,
-                        double radius) {
-  return length(to.velocity_at(middle) - from.velocity_at(middle)) +
-         length(to.angular_velocity - from.angular_velocity) * radius +
-         length(to.velocity_of_forces - from.velocity_of_forces);
-}
-
-}  // namespace
-
 KeptContacts::Question KeptContacts::Question::of(const PairStep& step) {
   return {{step.pair->a.key(), step.pair->b.key()},
           step.pair->shell_is_a,

@@ -19,6 +19,7 @@
 #include "contact_constants.h"
 #include "motion.h"
 #include "posed_pair.h"
+#include "seamless_bodies.h"
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 
@@ -299,13 +300,6 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
-/// A body, one that it touches, and a manifold of theirs.
-struct Touching {
-  const btCollisionObject* body;
-  const btCollisionObject* other;
-  btPersistentManifold* manifold;
-};
-
 /// What is to become of a contact.
 struct Correction {
   btPersistentManifold* manifold;
@@ -370,6 +364,7 @@ struct Seams::Scratch {
   std::vector<Touching> touching;
   std::vector<Neighbor> neighbors;
   std::vector<Correction> corrections;
+  SeamlessBodies seamless;
 
   void find(std::span<const Touching> of_body, double time_step);
   std::optional<Seam> seam_of(Touch touch, Neighbor& body, const btCollisionObject& other);
@@ -381,7 +376,9 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
   if (std::ranges::all_of(of_body, [&](const Touching& t) { return t.other == first_other; })) {
     return;
   }
+  if (seamless.hold(of_body, time_step)) return;
   const btCollisionObject& body = *first_body;
+  const std::size_t corrections_before = corrections.size();
   neighbors.clear();
   for (const Touching& each : of_body) {
     const bool is_known = std::ranges::any_of(
@@ -398,6 +395,7 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
       }
     }
   }
+  seamless.keep(/*has_seams=*/corrections.size() > corrections_before);
 }
 
 /// The seam that a touch of the body with one of its neighbors is at.
@@ -442,12 +440,14 @@ void Seams::correct(btDispatcher& dispatcher, double time_step) {
   std::vector<Touching>& touching = scratch_->touching;
   collect(dispatcher, touching);
   scratch_->corrections.clear();
+  scratch_->seamless.begin();
   for (auto first = touching.begin(); first != touching.end();) {
     const auto last = std::find_if(first, touching.end(),
                                    [&](const Touching& each) { return each.body != first->body; });
     scratch_->find({first, last}, time_step);
     first = last;
   }
+  scratch_->seamless.end();
   apply(scratch_->corrections);
 }
 

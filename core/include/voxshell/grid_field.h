@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -120,12 +121,13 @@ struct EightPoints {
 /// The grid consists of bricks of 8x8x8 cells. A brick near the surface holds the true distances at
 /// its 9x9x9 nodes, to 1/512 voxel. Farther away it may hold fewer nodes, down to its corners. If
 /// all its distances are those to one plane, it holds the plane. Values between nodes are
-/// trilinear. In a field by tolerance, nodes are eight times finer, and cells that trilinear
-/// exact. Outside the grid, the field extrapolates from the nearest point of the grid. Its error
-/// there is at most that point's distance from the surface, plus the point's own error. For D(q),
-/// the distance of the nearest point q of the grid, the true distance of p is between
+/// trilinear. A field by tolerance is eight times finer. Cells that trilinear values cannot follow
+/// (creases, thin walls) hold the few triangles that are nearest to them, and are exact.
+///
+/// Outside the grid, the field extrapolates from the nearest point of the grid. Its error there is
+/// at most that point's distance from the surface, plus the point's own error. For D(q), the
+/// distance of the nearest point q of the grid, the true distance of p is between
 /// sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
-/// between sqrt(|p - q|^2 + D(q)^2) and |p - q| + D(q).
 class GridField {
  public:
   /// Errors: kInvalidArgument; kInvalidMesh (the mesh encloses nothing; or it must be closed, but
@@ -135,6 +137,11 @@ class GridField {
 
   /// `data` must come from data() of a field, or have passed the same checks.
   explicit GridField(GridFieldData data);
+  GridField(const GridField& other);
+  GridField& operator=(const GridField& other);
+  GridField(GridField&& other) noexcept;
+  GridField& operator=(GridField&& other) noexcept;
+  ~GridField();
 
   float distance(const Vec3f& p) const;
 
@@ -179,18 +186,19 @@ class GridField {
   const SignReport& sign_report() const { return data_.sign; }
 
   const GridFieldData& data() const { return data_; }
-  simd::GridView view() const;
+  const simd::GridView& view() const;
 
   /// Whether any cells are exact. If so, use this view of the field.
   bool has_exact_cells() const { return !data_.exact.bricks.empty(); }
-  simd::ExactGridView exact_view() const;
+  const simd::ExactGridView& exact_view() const { return *view_; }
 
  private:
+  GridField(GridFieldData data, std::uint64_t serial);
   template <class Visit>
   auto with_view(const Visit& visit) const;
 
   GridFieldData data_;
-  std::uint64_t serial_;
+  std::unique_ptr<const simd::ExactGridView> view_;  ///< of data_, for kernels
 };
 
 }  // namespace voxshell

@@ -1,6 +1,7 @@
 #include "voxshell/grid_field.h"
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "base/serial.h"
@@ -24,9 +25,60 @@ const Row* to_rows(const EightPoints& points) {
 
 simd::portable::Triple<float> to_triple(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
+simd::ExactGridView view_of(const GridFieldData& data, std::uint64_t serial) {
+  simd::ExactGridView view{};
+  view.serial = serial;
+  view.entries = data.entries.data();
+  view.samples = data.samples.data();
+  view.planes = data.planes.data();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int cells = kBrickCells * data.bricks[static_cast<std::size_t>(axis)];
+    view.origin[axis] = static_cast<float>(data.origin[axis]);
+    view.cells[axis] = static_cast<float>(cells);
+    view.last_brick[axis] = data.bricks[static_cast<std::size_t>(axis)] - 1;
+  }
+  view.bricks_x = data.bricks[0];
+  view.bricks_xy = data.bricks[0] * data.bricks[1];
+  for (int level = 0; level < 4; ++level) {
+    const auto [row, layer] = BrickEntry{.cells = 1 << level}.strides(data.bricks);
+    view.rows[level] = static_cast<int>(row);
+    view.layers[level] = static_cast<int>(layer);
+  }
+  view.voxel_size = static_cast<float>(data.voxel_size);
+  view.inverse_voxel_size = static_cast<float>(1.0 / data.voxel_size);
+  view.quantum = static_cast<float>(data.voxel_size / data.quanta_per_voxel);
+  view.node_error = static_cast<float>(data.node_error);
+  view.fine_error = static_cast<float>(std::sqrt(0.75) * data.voxel_size + data.node_error);
+  view.spread = static_cast<float>(0.75 * data.voxel_size * data.voxel_size);
+  view.gap = static_cast<float>(data.gap());
+  view.plane_margin = static_cast<float>(data.plane_margin());
+  for (std::size_t i = 0; i < data.coarse_floors.size(); ++i) {
+    view.coarse_floors[i] = static_cast<float>(data.coarse_floors[i]);
+  }
+  view.exact_bricks = data.exact.bricks.data();
+  view.exact_masks = data.exact.masks.data();
+  view.exact_lists = data.exact.lists.data();
+  view.listed = data.exact.listed.data();
+  view.triangles = data.exact.triangles.data();
+  view.feature_normals = data.exact.feature_normals.data();
+  return view;
+}
+
 }  // namespace
 
-GridField::GridField(GridFieldData data) : data_(std::move(data)), serial_(next_serial()) {}
+GridField::GridField(GridFieldData data) : GridField(std::move(data), next_serial()) {}
+
+GridField::GridField(GridFieldData data, std::uint64_t serial)
+    : data_(std::move(data)),
+      view_(std::make_unique<const simd::ExactGridView>(view_of(data_, serial))) {}
+
+GridField::GridField(const GridField& other) : GridField(other.data_, other.view_->serial) {}
+GridField& GridField::operator=(const GridField& other) { return *this = GridField(other); }
+
+// Moved vectors keep their elements where they are, so the view holds.
+GridField::GridField(GridField&& other) noexcept = default;
+GridField& GridField::operator=(GridField&& other) noexcept = default;
+GridField::~GridField() = default;
 
 std::array<int, 3> GridField::shape() const {
   const auto [x, y, z] = data_.bricks;
@@ -39,63 +91,25 @@ std::size_t GridField::nbytes() const {
          data_.exact.nbytes();
 }
 
-simd::GridView GridField::view() const {
-  simd::GridView view{};
-  view.serial = serial_;
-  view.entries = data_.entries.data();
-  view.samples = data_.samples.data();
-  view.planes = data_.planes.data();
-  for (int axis = 0; axis < 3; ++axis) {
-    const int cells = kBrickCells * data_.bricks[static_cast<std::size_t>(axis)];
-    view.origin[axis] = static_cast<float>(data_.origin[axis]);
-    view.cells[axis] = static_cast<float>(cells);
-    view.last_brick[axis] = data_.bricks[static_cast<std::size_t>(axis)] - 1;
-  }
-  view.bricks_x = data_.bricks[0];
-  view.bricks_xy = data_.bricks[0] * data_.bricks[1];
-  for (int level = 0; level < 4; ++level) {
-    const auto [row, layer] = BrickEntry{.cells = 1 << level}.strides(data_.bricks);
-    view.rows[level] = static_cast<int>(row);
-    view.layers[level] = static_cast<int>(layer);
-  }
-  view.voxel_size = static_cast<float>(data_.voxel_size);
-  view.inverse_voxel_size = static_cast<float>(1.0 / data_.voxel_size);
-  view.quantum = static_cast<float>(data_.voxel_size / data_.quanta_per_voxel);
-  view.node_error = static_cast<float>(data_.node_error);
-  view.fine_error = static_cast<float>(std::sqrt(0.75) * data_.voxel_size + data_.node_error);
-  view.spread = static_cast<float>(0.75 * data_.voxel_size * data_.voxel_size);
-  view.gap = static_cast<float>(data_.gap());
-  view.plane_margin = static_cast<float>(data_.plane_margin());
-  for (std::size_t i = 0; i < data_.coarse_floors.size(); ++i) {
-    view.coarse_floors[i] = static_cast<float>(data_.coarse_floors[i]);
-  }
-  return view;
-}
-
-simd::ExactGridView GridField::exact_view() const {
-  return {view(),
-          data_.exact.bricks.data(),
-          data_.exact.masks.data(),
-          data_.exact.lists.data(),
-          data_.exact.listed.data(),
-          data_.exact.triangles.data(),
-          data_.exact.feature_normals.data()};
-}
-
 template <class Visit>
 auto GridField::with_view(const Visit& visit) const {
   return has_exact_cells() ? visit(exact_view()) : visit(view());
 }
 
+const simd::GridView& GridField::view() const { return *view_; }
+
 float GridField::distance(const Vec3f& p) const {
-  return with_view(
-      [&](const auto& grid) { return simd::portable::evaluate_distance(grid, to_triple(p)); });
+  return with_view([&]<class G>(const G& grid) {
+    return simd::grid_sampling<G>().measure_distance(grid, &p.x);
+  });
 }
 
 Vec3f GridField::gradient(const Vec3f& p) const {
-  const auto [x, y, z] = with_view(
-      [&](const auto& grid) { return simd::portable::evaluate_gradient(grid, to_triple(p)); });
-  return {x, y, z};
+  Vec3f gradient;
+  with_view([&]<class G>(const G& grid) {
+    simd::grid_sampling<G>().measure_gradient(grid, &p.x, &gradient.x);
+  });
+  return gradient;
 }
 
 float GridField::lower_bound(const Vec3f& centre, float radius) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -21,7 +22,7 @@ struct ViewOf;
 template <class... Fields>
 struct ViewOf<std::variant<Fields...>> {
   using Any = std::variant<std::monostate, simd::ExactGridView,
-                           decltype(std::declval<const Fields&>().view())...>;
+                           std::remove_cvref_t<decltype(std::declval<const Fields&>().view())>...>;
 };
 
 /// Memory for lists that are used side by side. Each begins with a cache line, at another place in

@@ -4,10 +4,13 @@
 
 namespace voxshell::simd {
 
-/// Values of a grid field at eight points, whose coordinates are p[0], p[1], p[2]. Metres, the
-/// field's frame.
+/// Values of a grid field at one point, or at eight points, whose coordinates are p[0], p[1], p[2].
+/// Metres, the field's frame.
 template <class G>
 struct GridSampling {
+  float (*measure_distance)(const G& grid, const float* p);
+  void (*measure_gradient)(const G& grid, const float* p, float* gradient);
+
   void (*measure_distances)(const G& grid, const float (*p)[8], float* distances);
 
   /// Of balls: the distances of their centres, and what no point within has a smaller one than.

@@ -3,9 +3,7 @@
 
 namespace voxshell::simd {
 
-const GridSampling<GridView> kAvx2GridSampling{avx2::measure_distances<GridView>,
-                                               avx2::bound_balls<GridView>};
-const GridSampling<ExactGridView> kAvx2ExactGridSampling{avx2::measure_distances<ExactGridView>,
-                                                         avx2::bound_balls<ExactGridView>};
+const GridSampling<GridView> kAvx2GridSampling = avx2::kGridSamplingOf<GridView>;
+const GridSampling<ExactGridView> kAvx2ExactGridSampling = avx2::kGridSamplingOf<ExactGridView>;
 
 }  // namespace voxshell::simd

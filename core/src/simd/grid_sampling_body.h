@@ -13,6 +13,19 @@ VOXSHELL_INLINE Triple<F8> load_points(const float (*p)[8]) {
 }
 
 template <class G>
+float measure_distance(const G& grid, const float* p) {
+  return evaluate_distance(grid, Triple<float>{p[0], p[1], p[2]});
+}
+
+template <class G>
+void measure_gradient(const G& grid, const float* p, float* gradient) {
+  const Triple<float> found = evaluate_gradient(grid, Triple<float>{p[0], p[1], p[2]});
+  gradient[0] = found.x;
+  gradient[1] = found.y;
+  gradient[2] = found.z;
+}
+
+template <class G>
 void measure_distances(const G& grid, const float (*p)[8], float* distances) {
   store(distances, evaluate_distance(grid, load_points(p)));
 }
@@ -26,5 +39,9 @@ void bound_balls(const G& grid, const float (*centres)[8], const float* radii, f
   store(lower_bounds, find_lower_bound(grid, place, value, load<F8>(radii)));
   store(distances, any(is_beyond(place.outside)) ? evaluate_distance(grid, p) : value.distance);
 }
+
+template <class G>
+inline constexpr GridSampling<G> kGridSamplingOf{&measure_distance<G>, &measure_gradient<G>,
+                                                 &measure_distances<G>, &bound_balls<G>};
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

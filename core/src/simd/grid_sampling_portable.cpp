@@ -3,9 +3,8 @@
 
 namespace voxshell::simd {
 
-const GridSampling<GridView> kPortableGridSampling{portable::measure_distances<GridView>,
-                                                   portable::bound_balls<GridView>};
-const GridSampling<ExactGridView> kPortableExactGridSampling{
-    portable::measure_distances<ExactGridView>, portable::bound_balls<ExactGridView>};
+const GridSampling<GridView> kPortableGridSampling = portable::kGridSamplingOf<GridView>;
+const GridSampling<ExactGridView> kPortableExactGridSampling =
+    portable::kGridSamplingOf<ExactGridView>;
 
 }  // namespace voxshell::simd

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cmath>
+
+#include "motion.h"
+#include "voxshell/pose.h"
+
+namespace voxshell::bullet {
+
+/// No place within a radius of `middle` moves farther from one pose to the other, metres.
+inline double bound_displacement(const Pose& from, const Pose& to, const Vec3& middle,
+                                 double radius) {
+  const double squared = squared_length(to.rotation.row_x - from.rotation.row_x) +
+                         squared_length(to.rotation.row_y - from.rotation.row_y) +
+                         squared_length(to.rotation.row_z - from.rotation.row_z);
+  // Of two rotations, the difference stretches by as much in two directions, and not in the third.
+  const double turn = std::sqrt(0.5 * squared);
+  return length(to.transform_point(middle) - from.transform_point(middle)) + turn * radius;
+}
+
+/// No velocity within a radius of `middle` differs by more between two motions, m/s.
+inline double bound_difference(const RelativeMotion& from, const RelativeMotion& to,
+                               const Vec3& middle, double radius) {
+  return length(to.velocity_at(middle) - from.velocity_at(middle)) +
+         length(to.angular_velocity - from.angular_velocity) * radius +
+         length(to.velocity_of_forces - from.velocity_of_forces);
+}
+
+}  // namespace voxshell::bullet
