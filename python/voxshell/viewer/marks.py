@@ -55,12 +55,12 @@ class MarkedContacts:
 
     def __init__(self, recording: Recording, *, up: str, limit: int) -> None:
         self._contacts, self._limit = recording.contacts, limit
-        self.body_size = plan_stage([Lane("", recording)], up=up).body_size
-        self.ball = _BALL * self.body_size
+        self.body_size: float = plan_stage([Lane("", recording)], up=up).body_size
+        self.ball: float = _BALL * self.body_size
         """Radius of a ball, meters."""
-        self.deepest = full_depth([recording])
+        self.deepest: float = full_depth([recording])
         """Depth with the darkest color, meters; 0 if nothing overlaps."""
-        self.strongest = full_force([recording])
+        self.strongest: float = full_force([recording])
         """Force of the longest arrow, newtons; 0 without forces."""
 
     def frame(self, number: int) -> Marks:
