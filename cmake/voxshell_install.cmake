@@ -1,5 +1,5 @@
-# find_package(voxshell) for an installed tree: voxshell::core and, where built, voxshell::bullet[_float64].
-# The same for pkg-config: voxshell-core and voxshell-bullet[_float64].
+# find_package(voxshell) for an installed tree: voxshell::core and, where built, voxshell::bullet[_float64],
+# each a component of its own. The same for pkg-config: voxshell-core and voxshell-bullet[_float64].
 
 include(CMakePackageConfigHelpers)
 
@@ -20,15 +20,20 @@ endforeach()
 set(component COMPONENT development)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/voxshell")
-install(TARGETS ${targets} EXPORT voxshell_targets
-        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
-        LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
-        INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+set(components "")
+foreach(target IN LISTS targets)
+  get_target_property(exported ${target} EXPORT_NAME)
+  list(APPEND components ${exported})
+  install(TARGETS ${target} EXPORT ${target}_targets
+          ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
+          LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component}
+          INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+  install(EXPORT ${target}_targets NAMESPACE voxshell:: DESTINATION "${package_dir}" ${component})
+endforeach()
 install(DIRECTORY core/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" ${component})
 if(VOXSHELL_BUILD_BULLET)
   install(DIRECTORY bullet/include/voxshell DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" ${component})
 endif()
-install(EXPORT voxshell_targets NAMESPACE voxshell:: DESTINATION "${package_dir}" ${component})
 
 configure_package_config_file(cmake/voxshell-config.cmake.in voxshell-config.cmake
                               INSTALL_DESTINATION "${package_dir}")

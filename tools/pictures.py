@@ -66,10 +66,10 @@ FILMS = {
         *("11", (), 68, 4, 60),
         {
             "azimuth": 32,
-            "elevation": 22,
-            "fill": 0.86,
+            "elevation": 20,
+            "fill": 0.94,
             "frames": (120, 240),
-            "focus": ("gripper/wrist", "mug"),
+            "focus": ("gripper/boom", "gripper/wrist", "mug"),
             "cut": ("mug",),
         },
         46,
@@ -92,7 +92,8 @@ def run_example(number: str, options: tuple[str, ...]) -> dict[str, Any]:
 
 def film(film: Film, path: Path, *, quality: float = 0.7) -> Path:
     """Writes an animated WebP of an example."""
-    recording = run_example(film.example, film.options)["recorder"].recording()
+    made = run_example(film.example, film.options)
+    recording = made["recorder"].recording(colors=made.get("colors"))
     sys.path.insert(0, str(EXAMPLES))
     from drawing import Studio  # pyright: ignore[reportMissingImports]: beside the examples
 

@@ -45,6 +45,7 @@ if __name__ == "__main__":
     world, robot, mug = build(options.out, 0.002 if options.quick else 0.001)
     fingers = [robot.links[name].body.number for name in ("outer", "inner")]
     start, recorder, rows = mug.pose, world.record(every=20), []
+    colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
         """Heights of mug and wrist, and how deep the fingers' contacts are, metres."""
@@ -59,8 +60,13 @@ if __name__ == "__main__":
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
-    view = {"frame": 230, "frames": (230,), "focus": ("gripper/wrist", "mug"), "cut": ("mug",)}
-    draw(options.out / "picture.png", recorder.recording(), azimuth=32.0, **view)
+    view = {
+        "frame": 230,
+        "frames": (230,),
+        "focus": ("gripper/boom", "gripper/wrist", "mug"),
+        "cut": ("mug",),
+    }
+    draw(options.out / "picture.png", recorder.recording(colors=colors), azimuth=32.0, **view)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
         world.step(round(1.8 * RATE), note)
@@ -77,4 +83,4 @@ if __name__ == "__main__":
     lines = {"mug": 1e3 * mug_heights, "wrist": 1e3 * wrist_heights}
     time = np.arange(1, len(rows) + 1) / RATE
     plot(options.out / "plot.png", time, lines, x_label="s", y_label="height, mm")
-    recorder.save_html(options.out / "replay.html", title="A gripper and a mug")
+    recorder.save_html(options.out / "replay.html", title="A gripper and a mug", colors=colors)

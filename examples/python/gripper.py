@@ -4,16 +4,46 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from trimesh.creation import box, cylinder, torus
+from trimesh.creation import box, cylinder, revolve, torus
 from trimesh.transformations import rotation_matrix
 
 WALL = 0.037  # metres from the mug's axis to the middle of its wall, 6 mm thick
-LINKS = {  # name: (mesh in its link's frame, metres)
-    "column": cylinder(0.05, 0.36).apply_translation((0, 0, 0.18)),
-    "boom": box(bounds=[(-0.05, -0.025, -0.02), (0.36, 0.025, 0.02)]),
-    "wrist": box(bounds=[(-0.06, -0.03, -0.02), (0.06, 0.03, 0.02)]),
-    "outer": box(bounds=[(-0.006, -0.015, -0.08), (0.006, 0.015, 0)]),
-    "inner": box(bounds=[(-0.006, -0.015, -0.08), (0.006, 0.015, 0)]),
+
+
+def block(x, y, z):
+    """A box between two values along each axis."""
+    return box(bounds=np.transpose((x, y, z)))
+
+
+def rod(radius, low, high, x=0.0):
+    """An upright cylinder."""
+    return cylinder(radius, high - low, sections=48).apply_translation((x, 0, 0.5 * (low + high)))
+
+
+COLUMN = (
+    (0, 0),
+    (0.09, 0),
+    (0.09, 0.012),
+    (0.05, 0.03),
+    (0.04, 0.33),
+    (0.055, 0.345),
+    (0.055, 0.36),
+)
+BEAM = block((0, 0.263), (-0.022, 0.022), (-0.016, 0.016))
+FINGER, KNUCKLE = block((-0.006, 0.006), (-0.015, 0.015), (-0.08, 0)), ((-0.02, 0.02), (-0.016, 0))
+LINKS = {  # name: (meshes in its link's frame, metres; color)
+    "column": ([revolve((*COLUMN, (0, 0.36)), sections=64)], "0.35 0.39 0.45 1"),
+    "boom": ([rod(0.055, -0.02, 0.03), BEAM, rod(0.032, -0.026, 0.026, 0.263)], "0.90 0.91 0.92 1"),
+    "wrist": (
+        [
+            block((-0.06, 0.06), (-0.026, 0.026), (-0.02, 0.01)),
+            rod(0.03, 0.01, 0.02),
+            rod(0.013, 0.02, 0.3),
+        ],
+        "0.36 0.55 0.81 1",
+    ),
+    "outer": ([FINGER, block((-0.018, 0.006), *KNUCKLE)], "0.27 0.31 0.37 1"),
+    "inner": ([FINGER, block((-0.006, 0.018), *KNUCKLE)], "0.27 0.31 0.37 1"),
 }
 JOINTS = """
   <joint name="turn" type="revolute"><parent link="column"/><child link="boom"/>
@@ -33,13 +63,16 @@ JOINTS = """
 def write_robot(folder: Path) -> Path:
     """The URDF file and its meshes; masses are those of the meshes at 1000 kg/m3."""
     links = ""
-    for name, mesh in LINKS.items():
+    for name, (parts, color) in LINKS.items():
+        mesh = trimesh.boolean.union(parts)
         mesh.export(folder / f"{name}.stl")
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = 1000.0 * mesh.moment_inertia
         links += f"""
   <link name="{name}">
     <inertial><origin xyz="{" ".join(map(str, mesh.center_mass))}"/><mass value="{1000 * mesh.volume}"/>
       <inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}"/></inertial>
+    <visual><geometry><mesh filename="{name}.stl"/></geometry>
+      <material name="{name}"><color rgba="{color}"/></material></visual>
     <collision><geometry><mesh filename="{name}.stl"/></geometry></collision></link>"""
     path = folder / "gripper.urdf"
     path.write_text(f'<robot name="gripper">{links}{JOINTS}\n</robot>\n')

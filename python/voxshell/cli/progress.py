@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 
 
 def open_progress(console: Console) -> Progress:
-    """Return a display of tasks with elapsed time, remaining time and current stage."""
+    """Return a display of tasks with elapsed time, remaining time and current stage.
+
+    It writes nothing where nobody looks on, such as into a log.
+    """
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(bar_width=16),
@@ -31,6 +34,7 @@ def open_progress(console: Console) -> Progress:
         TimeRemainingColumn(elapsed_when_finished=False),
         TextColumn("[dim]{task.fields[stage]}"),
         console=console,
+        disable=not console.is_terminal,
     )
 
 

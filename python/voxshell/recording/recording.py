@@ -179,16 +179,20 @@ class Recording:
 
         return save_video(place, self, **options)
 
-    def save_gltf(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+    def save_gltf(
+        self, path: str | PathLike[str], *, up: str = "+z", contacts: bool = True
+    ) -> Path:
         """Write the bodies and their motion as binary glTF for Blender, three.js, Unity and others.
 
         Each body becomes a node with a mesh, a color and an animation with a key for each frame.
-        Contacts are left out.
+        Contacts are balls in four colors of depth, and arrows along the normal forces on the moving
+        body, at most 100 of each in a frame.
 
         Args:
             path: The file, with the suffix .glb; written completely or not at all.
             up: The world axis that points up, such as "+z" or "+y". In glTF, +Y points up: the root
                 node rotates the scene.
+            contacts: Add contacts and forces.
 
         Returns:
             The path of the file.
@@ -212,18 +216,20 @@ class Recording:
         place = _as_place(path, (".glb",), "an animation for glTF")
         from voxshell.viewer.gltf import save_gltf
 
-        return save_gltf(place, self, up=up)
+        return save_gltf(place, self, up=up, contacts=contacts)
 
-    def save_usd(self, path: str | PathLike[str], *, up: str = "+z") -> Path:
+    def save_usd(self, path: str | PathLike[str], *, up: str = "+z", contacts: bool = True) -> Path:
         """Write the bodies and their motion as Universal Scene Description (USD).
 
         Each body becomes a mesh with a color, and a position and an orientation for each frame. The
-        stage is in meters. Contacts are left out.
+        stage is in meters. Contacts are points, colored by depth, and their normal forces on the
+        moving body are lines.
 
         Args:
             path: The file: .usda is text, .usdc and .usd are binary; written completely or not at
                 all.
             up: The world axis that points up, "+z" or "+y".
+            contacts: Add contacts and forces.
 
         Returns:
             The path of the file.
@@ -237,7 +243,7 @@ class Recording:
         place = _as_place(path, (".usdc", ".usda", ".usd"), "an animation for USD")
         from voxshell.viewer.usd import save_usd
 
-        return save_usd(place, self, up=up)
+        return save_usd(place, self, up=up, contacts=contacts)
 
 
 def _as_place(path: str | PathLike[str], suffixes: Sequence[str], what: str) -> Path:

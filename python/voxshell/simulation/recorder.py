@@ -91,7 +91,6 @@ class Recorder:
         Args:
             path: The page's path.
             colors: As for :meth:`recording`.
-            colors: As for :meth:`recording`.
             options: As for :meth:`Recording.save_html`.
         """
         return self.recording(colors=colors).save_html(path, **options)

@@ -25,6 +25,7 @@ _FIELD_OF_VIEW = math.radians(32.0)
 # Aspect ratio of the first view; on a narrower window, the page moves the camera back.
 VIEW_ASPECT = 1.85
 _MARGIN = 0.08  # around what moves, as a fraction of the stage's width
+_LOOKS = 24  # instants of a recording at which a camera that follows paths looks
 _THICKNESS = 0.08  # of grounds, as a fraction of the stage's width
 # Vertical range of the picture to fill, from -1 to 1: below the heading, above captions in front.
 _VIEW_LEFT, _VIEW_RIGHT, _VIEW_BOTTOM, _VIEW_TOP = -0.93, 0.93, -0.80, 0.76
@@ -145,6 +146,19 @@ def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab
             np.where(level, inner_high, ends.max(axis=0)),
         )
     return slabs
+
+
+def find_paths(recording: Recording) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Return boxes, low (3,) and high (3,) in meters, that hold all that moves at some instants."""
+    frames = np.unique(np.linspace(0, recording.frame_count - 1, _LOOKS).round().astype(np.int64))
+    boxes = []
+    for body in moving_bodies(recording):
+        low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
+        corners = np.array([np.where(bits, high, low) for bits in np.ndindex(2, 2, 2)])
+        for frame in frames:
+            places = corners @ body.poses[frame, :3, :3].T + body.poses[frame, :3, 3]
+            boxes.append((places.min(axis=0), places.max(axis=0)))
+    return boxes
 
 
 def place_camera(

@@ -1,4 +1,4 @@
-"""Recordings as Universal Scene Description: each body is a mesh with a pose for each frame."""
+"""Recordings as Universal Scene Description: meshes with a pose for each frame, and contacts as points and lines."""
 
 from __future__ import annotations
 
@@ -9,16 +9,22 @@ import numpy as np
 
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
-from voxshell.viewer.palette import choose_colors
+from voxshell.viewer.arrows import ARROW_SHAFT
+from voxshell.viewer.marks import MarkedContacts
+from voxshell.viewer.palette import FORCE_COLOR, choose_colors
 from voxshell.viewer.quaternions import as_steady, rotations_as_wxyz
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from voxshell.recording import BodyTrack, Recording
 
+_MOST_CONTACTS = 400
 
-def save_usd(path: Path, recording: Recording, *, up: str = "+z") -> Path:
+
+def save_usd(path: Path, recording: Recording, *, up: str = "+z", contacts: bool = True) -> Path:
     """Write a recording as USD; see :meth:`voxshell.recording.Recording.save_usd`."""
     if up not in ("+z", "+y"):
         raise SettingsError(f"up must be '+z' or '+y' in USD, not {up!r}")
@@ -35,6 +41,10 @@ def save_usd(path: Path, recording: Recording, *, up: str = "+z") -> Path:
         stage.SetDefaultPrim(root.GetPrim())
         for number, body in enumerate(recording.bodies):
             _add_body(usd, stage, body, number, choose_colors(recording)[number])
+        if contacts and recording.contacts.counts.any():
+            _add_contacts(
+                usd, stage, recording, MarkedContacts(recording, up=up, limit=_MOST_CONTACTS)
+            )
         if not stage.Export(str(temporary)):
             raise FileAccessError(f"cannot write {path}: USD gives no reason; is the disk full?")
     return path
@@ -70,9 +80,7 @@ def _add_body(
     mesh.CreateDoubleSidedAttr(True)
     extent = np.stack([body.vertices.min(axis=0), body.vertices.max(axis=0)])
     mesh.CreateExtentAttr(usd.Vt.Vec3fArray.FromNumpy(extent.astype(np.float32)))
-    share = np.array(color) / 255.0
-    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-    mesh.CreateDisplayColorAttr([usd.Gf.Vec3f(*light.tolist())])
+    mesh.CreateDisplayColorAttr(_as_light(usd, np.array([color])))
     move = mesh.AddTranslateOp(usd.UsdGeom.XformOp.PrecisionDouble)
     turn = mesh.AddOrientOp(usd.UsdGeom.XformOp.PrecisionDouble)
     turns = as_steady(rotations_as_wxyz(body.poses[:, :3, :3]))
@@ -86,3 +94,34 @@ def _add_body(
         else:
             move.Set(usd.Gf.Vec3d(*place), float(frame))
             turn.Set(quaternion, float(frame))
+
+
+def _add_contacts(usd: Any, stage: Any, recording: Recording, marked: MarkedContacts) -> None:
+    """Add balls at contacts, colored by depth, and lines along their normal forces."""
+    balls = usd.UsdGeom.Points.Define(stage, "/recording/contacts")
+    lines = usd.UsdGeom.BasisCurves.Define(stage, "/recording/forces")
+    lines.CreateTypeAttr(usd.UsdGeom.Tokens.linear)
+    lines.CreateDisplayColorAttr(_as_light(usd, np.array([FORCE_COLOR])))
+    lines.CreateWidthsAttr([2.0 * ARROW_SHAFT * marked.body_size])
+    lines.SetWidthsInterpolation(usd.UsdGeom.Tokens.constant)
+    colors = balls.CreateDisplayColorPrimvar(usd.UsdGeom.Tokens.vertex)
+    for frame in range(recording.frame_count):
+        marks, time = marked.frame(frame), float(frame)
+        balls.CreatePointsAttr().Set(_as_vectors(usd, marks.points), time)
+        widths = np.full(len(marks.points), 2.0 * marked.ball, dtype=np.float32)
+        balls.CreateWidthsAttr().Set(usd.Vt.FloatArray.FromNumpy(widths), time)
+        colors.Set(_as_light(usd, marks.colors), time)
+        lines.CreatePointsAttr().Set(_as_vectors(usd, marks.arrows.reshape(-1, 3)), time)
+        ends = np.full(len(marks.arrows), 2, dtype=np.int32)
+        lines.CreateCurveVertexCountsAttr().Set(usd.Vt.IntArray.FromNumpy(ends), time)
+
+
+def _as_vectors(usd: Any, values: NDArray[np.float64]) -> Any:
+    return usd.Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, dtype=np.float32))
+
+
+def _as_light(usd: Any, colors: NDArray[Any]) -> Any:
+    """Return linear intensities of colors (sRGB, 0 to 255), (k, 3)."""
+    share = colors / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return _as_vectors(usd, light)

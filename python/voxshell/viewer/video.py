@@ -12,13 +12,15 @@ import numpy as np
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
-from voxshell.viewer.lanes import Lane, view_axes
+from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
+from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.page import metric
-from voxshell.viewer.palette import choose_colors
-from voxshell.viewer.pins import color_depths, full_depth
-from voxshell.viewer.stage import Stage, find_slabs, place_camera, plan_stage
-from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
+from voxshell.viewer.pins import color_depths
+from voxshell.viewer.stage import Stage, find_paths, find_slabs, place_camera, plan_stage
+from voxshell.viewer.surface import split_creases
 from voxshell.viewer.timeline import plan_timeline
+from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,10 +33,10 @@ if TYPE_CHECKING:
 
 _SLAB_COLOR, _GRID_COLOR = (214, 218, 224), (170, 177, 187)
 _INK = "#1e2733"
-_BALL = 0.012
-"""Radius of a contact's ball, in diameters of a typical body."""
 _DEFAULT_RATES = {".mp4": 30.0, ".gif": 25.0}
 _MOST_CONTACTS = 400
+_FINER = 1.5
+"""Pixels drawn for one of the video, along a side. VTK's own smoothing of edges costs twice as much here."""
 
 
 def save_video(
@@ -49,8 +51,8 @@ def save_video(
 ) -> Path:
     """Write a video of a recording.
 
-    Bodies, grounds and the camera are those of the offline page. Contacts are balls, colored by
-    depth.
+    Bodies have the colors of the offline page, and the camera sees their whole paths. Contacts are balls, colored by
+    depth, with arrows of the normal forces on the moving body.
 
     Args:
         path: The file, with the suffix .mp4 or .gif; written completely or not at all.
@@ -83,7 +85,7 @@ def save_video(
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
     pyvista, imageio = _import_libraries()
     with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
-        film = _Film(pyvista, plotter, recording, timeline, up=up, title=title)
+        film = _Film(pyvista, plotter, recording, timeline, size=pixels, up=up, title=title)
         try:
             with _open_writer(imageio, temporary, pause) as writer:
                 for instant in range(len(timeline.times)):
@@ -129,7 +131,8 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
     core.vtkObject.GlobalWarningDisplayOff()
     try:
         try:
-            plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="three lights")
+            finer = [round(_FINER * side) for side in size]
+            plotter = pyvista.Plotter(off_screen=True, window_size=finer, lighting="none")
         except Exception as error:
             raise MissingExtraError(
                 f"VTK cannot draw on this machine ({error}); install OpenGL's libraries "
@@ -177,6 +180,7 @@ class _Film:
         plotter: The plotter.
         recording: The recording.
         timeline: The instants to show.
+        size: Width and height of the pictures, pixels.
         up: The world axis that points up.
         title: Text at the top left.
     """
@@ -188,27 +192,40 @@ class _Film:
         recording: Recording,
         timeline: Timeline,
         *,
+        size: tuple[int, int],
         up: str,
         title: str,
     ) -> None:
+        self._size = size
         self._pyvista, self._plotter, self._recording = pyvista, plotter, recording
         self._frames = timeline.frames(recording)
         self._contact_frames = timeline.contact_frames(recording)
-        self._deepest = full_depth([recording])
+        self._marked = MarkedContacts(recording, up=up, limit=_MOST_CONTACTS)
         self._title = title
+        self._images = import_module("PIL.Image")  # imageio needs it, too
         lane = Lane("", recording)
         stage = plan_stage([lane], up=up)
-        self._ball = _BALL * stage.body_size
-        self._moving: list[tuple[Any, BodyTrack]] = []
-        plotter.set_background("#dfe6ee", top="#ffffff")
+        self._moving: list[tuple[Any, BodyTrack, NDArray[np.float64]]] = []
+        self._ground: Ground | None = None
+        plotter.set_background(BACKGROUND)
+        add_light(pyvista, plotter, up=up)
         slabs = find_slabs(recording, stage, up=up)
+        level = view_axes(up)[2] == 0.0
         for body, color in zip(recording.bodies, choose_colors(recording), strict=True):
-            if body.name in slabs:
-                slab = slabs[body.name]
-                self._add_slab(slab.low, slab.high, body.color or _SLAB_COLOR, stage, up)
+            slab = slabs.get(body.name)
+            if slab is None:
+                points = sample_surface(body.vertices, body.faces)
+                self._moving.append((self._add_body(body, color), body, points))
+            elif (slab.low[level] <= stage.low[level]).all() and (
+                slab.high[level] >= stage.high[level]
+            ).all():
+                self._add_ground(slab.low, slab.high, body.color or FLOOR_COLOR, stage, up)
             else:
-                self._moving.append((self._add_body(body, color), body))
-        camera = place_camera([(stage.low, stage.high)], rows=1, up=up)
+                self._add_slab(slab.low, slab.high, body.color or _SLAB_COLOR, stage, up)
+        if not slabs:  # for shadows and for scale
+            low, high = activity_bounds(recording)
+            self._add_ground(low, low if up[0] == "+" else high, FLOOR_COLOR, stage, up)
+        camera = place_camera(find_paths(recording), rows=1, up=up)
         plotter.camera_position = [
             tuple(camera.position),
             tuple(camera.target),
@@ -216,43 +233,74 @@ class _Film:
         ]
         plotter.camera.view_angle = math.degrees(camera.field_of_view)
         plotter.renderer.ResetCameraClippingRange()
-        plotter.enable_anti_aliasing("msaa", multi_samples=4)
-        self._contacts: Any = None
+        plotter.enable_ssao(
+            radius=0.3 * stage.body_size, bias=0.01 * stage.body_size, kernel_size=16
+        )
+        self._marks: list[Any] = []
         self._overlay = self._add_overlay()
-        if self._deepest > 0.0:
-            self._write(f"contact depth 0 to {metric(self._deepest)}", "upper_right")
+        legend = []
+        if self._marked.deepest > 0.0:
+            legend.append(f"contact depth 0 to {metric(self._marked.deepest)}")
+        if self._marked.strongest > 0.0:
+            legend.append(f"longest arrow {self._marked.strongest:g} N")
+        self._write("\n".join(legend), "upper_right")
 
     def draw(self, instant: int) -> NDArray[np.uint8]:
         """Return the picture of an instant of the timeline, (h, w, 3)."""
         frame = int(self._frames[instant])
-        for actor, body in self._moving:
+        for actor, body, _ in self._moving:
             actor.user_matrix = body.poses[frame]
+        if self._ground is not None:
+            self._ground.cast([(points, body.poses[frame]) for _, body, points in self._moving])
         self._draw_contacts(int(self._contact_frames[instant]))
         seconds = frame * self._recording.time_step
         count = int(self._recording.contacts.counts[frame])
         text = f"{seconds:.3f} s, {count} contact{'' if count == 1 else 's'}"
         self._write(f"{self._title}\n{text}" if self._title else text, "upper_left")
         self._plotter.render()
-        picture = np.array(self._plotter.screenshot(return_img=True))
-        if self._deepest > 0.0:
+        drawn = self._images.fromarray(np.array(self._plotter.screenshot(return_img=True)))
+        picture = np.array(drawn.resize(self._size, self._images.Resampling.LANCZOS))
+        if self._marked.deepest > 0.0:
             self._paint_scale(picture)
         return picture
 
     @property
     def _font_size(self) -> int:
-        return max(6, round(self._plotter.window_size[1] / 60))
+        return max(6, round(_FINER * self._size[1] / 75))
 
     def _add_body(self, body: BodyTrack, color: tuple[int, int, int]) -> Any:
-        surface = self._as_surface(body.vertices, body.faces)
-        faceted = is_faceted(body.vertices, body.faces)
+        surface = self._pyvista.make_tri_mesh(*split_creases(body.vertices, body.faces))
         return self._plotter.add_mesh(
             surface,
             color=color,
-            smooth_shading=not faceted,
-            ambient=0.25,
-            diffuse=0.65,
+            smooth_shading=True,
+            ambient=0.3,
+            diffuse=0.75,
+            specular=0.12,
+            specular_power=24,
             render=False,
         )
+
+    def _add_ground(
+        self,
+        low: NDArray[np.float64],
+        high: NDArray[np.float64],
+        color: tuple[int, int, int],
+        stage: Stage,
+        up: str,
+    ) -> None:
+        """Add the ground whose top is that of a box; of several, the first."""
+        if self._ground is None:
+            self._ground = Ground(
+                self._pyvista,
+                self._plotter,
+                up=up,
+                place=high if up[0] == "+" else low,
+                low=stage.low,
+                high=stage.high,
+                cell=stage.cell,
+                color=color,
+            )
 
     def _add_slab(
         self,
@@ -285,28 +333,40 @@ class _Film:
             )
 
     def _draw_contacts(self, frame: int) -> None:
-        contacts = self._recording.contacts.frame(frame)
-        if self._contacts is not None:
-            self._overlay.RemoveActor(self._contacts)
-            self._contacts = None
-        if len(contacts.points) == 0:
-            return
-        chosen = np.unique(
-            np.linspace(0, len(contacts.points) - 1, _MOST_CONTACTS).round().astype(np.int64)
-        )
-        points = self._pyvista.PolyData(contacts.points[chosen])
-        shares = contacts.depths[chosen] / self._deepest if self._deepest > 0.0 else 0.0 * chosen
-        points["color"] = color_depths(shares).round().astype(np.uint8)
-        ball = self._pyvista.Sphere(radius=self._ball, theta_resolution=12, phi_resolution=12)
-        mapper = self._pyvista.DataSetMapper(
-            points.glyph(geom=ball, scale=False, orient=False, color_mode="scalar")
-        )
-        mapper.SetScalarModeToUsePointFieldData()
-        mapper.SelectColorArray("color")
-        mapper.SetColorModeToDirectScalars()
-        self._contacts = self._pyvista.Actor(mapper=mapper)
-        self._contacts.prop.lighting = False
-        self._overlay.AddActor(self._contacts)
+        for actor in self._marks:
+            self._overlay.RemoveActor(actor)
+        self._marks = []
+        marks = self._marked.frame(frame)
+        if len(marks.arrows):
+            ways = marks.arrows[:, 1] - marks.arrows[:, 0]
+            starts = self._pyvista.PolyData(marks.arrows[:, 0])
+            starts["way"], starts["length"] = ways, np.linalg.norm(ways, axis=1)
+            arrow = self._pyvista.Arrow(
+                tip_length=0.2, tip_radius=0.06, tip_resolution=16, shaft_radius=0.022
+            )
+            arrows = starts.glyph(geom=arrow, orient="way", scale="length")
+            mapper = self._pyvista.DataSetMapper(arrows)
+            mapper.ScalarVisibilityOff()
+            self._add_marks(mapper).prop.color = FORCE_COLOR
+        if len(marks.points):
+            points = self._pyvista.PolyData(marks.points)
+            points["color"] = marks.colors.round().astype(np.uint8)
+            radius = self._marked.ball
+            ball = self._pyvista.Sphere(radius=radius, theta_resolution=12, phi_resolution=12)
+            mapper = self._pyvista.DataSetMapper(
+                points.glyph(geom=ball, scale=False, orient=False, color_mode="scalar")
+            )
+            mapper.SetScalarModeToUsePointFieldData()
+            mapper.SelectColorArray("color")
+            mapper.SetColorModeToDirectScalars()
+            self._add_marks(mapper)
+
+    def _add_marks(self, mapper: Any) -> Any:
+        actor = self._pyvista.Actor(mapper=mapper)
+        actor.prop.lighting = False
+        self._overlay.AddActor(actor)
+        self._marks.append(actor)
+        return actor
 
     def _add_overlay(self) -> Any:
         """Return a layer in front of all bodies, so that bodies do not hide contacts."""
@@ -327,9 +387,8 @@ class _Film:
         """Draw a bar in the colors of depths below the text at the top right."""
         height, width = picture.shape[:2]
         long, thick = width // 6, max(2, height // 60)
-        top, right = 3 * self._font_size, width - self._font_size
+        lines = 2 if self._marked.strongest > 0.0 else 1
+        letter = self._font_size / _FINER
+        top, right = round((1 + 2 * lines) * letter), width - round(letter)
         bar = color_depths(np.linspace(0.0, 1.0, long)).round().astype(np.uint8)
         picture[top : top + thick, right - long : right] = bar
-
-    def _as_surface(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
-        return self._pyvista.make_tri_mesh(vertices, faces)

@@ -119,6 +119,7 @@ def _run_missing(studies: list[Study], options: Options, console: Console) -> No
         TimeRemainingColumn(elapsed_when_finished=False),
         TextColumn("[dim]{task.fields[last]}"),
         console=console,
+        disable=not console.is_terminal,
     ) as progress:
         known = count - len(missing)
         task = progress.add_task(

@@ -1,5 +1,5 @@
-# Installs voxshell into WORK_DIR, builds the example against it with find_package alone, and runs it; then
-# moves what was installed and does the same with pkg-config alone.
+# Installs voxshell into WORK_DIR, builds the example against it with find_package alone, and runs it; asks for
+# single components; then moves what was installed and builds the example with pkg-config alone.
 # Wants BUILD_DIR, SOURCE_DIR (the example's), WORK_DIR, CXX and PKG_CONFIG.
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
@@ -14,6 +14,38 @@ run("${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}/build" "-DCMAKE_BUILD_
     "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_PREFIX_PATH=${WORK_DIR}/installed")
 run("${CMAKE_COMMAND}" --build "${WORK_DIR}/build")
 run("${WORK_DIR}/build/falling_ring")
+
+# configure_with(COMPONENT TARGETS...): configures a project that asks for a component, and expects exactly TARGETS.
+function(configure_with component)
+  set(source "${WORK_DIR}/${component}")
+  file(WRITE "${source}/CMakeLists.txt"
+       "cmake_minimum_required(VERSION 3.22)\nproject(components LANGUAGES CXX)\n"
+       "find_package(voxshell REQUIRED COMPONENTS ${component})\n"
+       "foreach(target IN ITEMS core bullet bullet_float64)\n"
+       "  if(TARGET voxshell::\${target})\n    list(APPEND found \${target})\n  endif()\n"
+       "endforeach()\n"
+       "if(NOT \"\${found}\" STREQUAL \"${ARGN}\")\n  message(FATAL_ERROR \"found '\${found}'\")\nendif()\n"
+       "if(TARGET PkgConfig::BULLET AND \"${component}\" STREQUAL core)\n"
+       "  message(FATAL_ERROR \"the core asked for Bullet\")\nendif()\n")
+  execute_process(
+    COMMAND "${CMAKE_COMMAND}" -S "${source}" -B "${source}/build" "-DCMAKE_CXX_COMPILER=${CXX}"
+            "-DCMAKE_PREFIX_PATH=${WORK_DIR}/installed"
+    RESULT_VARIABLE code ERROR_VARIABLE errors)
+  set(code "${code}" PARENT_SCOPE)
+  set(errors "${errors}" PARENT_SCOPE)
+endfunction()
+configure_with(core core)
+if(code)
+  message(FATAL_ERROR "the component core is not found: ${errors}")
+endif()
+configure_with(bullet core bullet)
+if(code)
+  message(FATAL_ERROR "the component bullet is not found: ${errors}")
+endif()
+configure_with(haptics)
+if(NOT code OR NOT errors MATCHES "'haptics' is not[ \n]+installed; installed[ \n]+components: core")
+  message(FATAL_ERROR "an unknown component is not refused: ${errors}")
+endif()
 
 file(RENAME "${WORK_DIR}/installed" "${WORK_DIR}/moved")
 file(GLOB_RECURSE packages "${WORK_DIR}/moved/*/voxshell-*.pc")

@@ -1,4 +1,4 @@
-"""A recording for exports: bodies of one shape, a body that stays, and contacts that grow deeper."""
+"""A recording for exports: bodies of one shape, a body that stays, and contacts that grow deeper and stronger."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def turn_and_fall() -> Recording:
     ground = trimesh.creation.box((4.0, 4.0, 0.2))
     under = np.tile(np.eye(4), (FRAMES, 1, 1))
     under[:, 2, 3] = -0.1
-    frames = [([[x, 0, 0]], [[0, 0, 1]], [0.001 * x + 0.001]) for x in poses[:, 0, 3]]
+    frames = [
+        ([[x, 0, 0]], [[0, 0, 1]], [0.001 * x + 0.001], [[0, 0, 1 + x]]) for x in poses[:, 0, 3]
+    ]
     return Recording(
         TIME_STEP,
         (

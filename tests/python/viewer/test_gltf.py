@@ -42,7 +42,7 @@ def values_of(document: dict, binary: bytes, number: int) -> np.ndarray:
 
 def test_an_animation_moves_nodes_as_the_recording_moves_bodies(tmp_path: Path):
     recording = turn_and_fall()
-    path = recording.save_gltf(tmp_path / "fall.glb")
+    path = recording.save_gltf(tmp_path / "fall.glb", contacts=False)
     document, binary = read_glb(path)
     (animation,) = document["animations"]
     assert len(animation["channels"]) == 4  # the ground stays
@@ -66,7 +66,7 @@ def test_an_animation_moves_nodes_as_the_recording_moves_bodies(tmp_path: Path):
 @pytest.mark.parametrize("up", ["+z", "-y", "+x"])
 def test_trimesh_reads_the_first_frame_with_y_up(tmp_path: Path, up: str):
     recording = turn_and_fall()
-    scene = trimesh.load(recording.save_gltf(tmp_path / "fall.glb", up=up))
+    scene = trimesh.load(recording.save_gltf(tmp_path / "fall.glb", up=up, contacts=False))
     heights = scene.to_geometry().vertices[:, 1]
     axis = "xyz".index(up[1])
     sign = 1.0 if up[0] == "+" else -1.0
@@ -78,6 +78,45 @@ def test_trimesh_reads_the_first_frame_with_y_up(tmp_path: Path, up: str):
     )
     assert (heights.min(), heights.max()) == pytest.approx((wanted.min(), wanted.max()), abs=1e-6)
     assert len(scene.to_geometry().faces) == sum(len(body.faces) for body in recording.bodies)
+
+
+def test_contacts_and_forces_are_where_they_were_recorded_and_of_size_zero_elsewhere(
+    tmp_path: Path,
+):
+    recording = turn_and_fall()
+    document, binary = read_glb(recording.save_gltf(tmp_path / "fall.glb"))
+    (animation,) = document["animations"]
+    assert document["nodes"][0]["children"] == list(range(1, len(document["nodes"])))
+    states: dict[int, dict[str, np.ndarray]] = {}
+    for number, node in enumerate(document["nodes"]):
+        if node["name"].startswith(("contact", "force")):
+            states[number] = {
+                key: np.tile(node[key], (FRAMES, 1)) for key in ("translation", "rotation", "scale")
+            }
+    for channel in animation["channels"]:
+        if channel["target"]["node"] not in states:
+            continue
+        sampler = animation["samplers"][channel["sampler"]]
+        assert sampler["interpolation"] == "STEP"
+        times = values_of(document, binary, sampler["input"])[:, 0]
+        values = values_of(document, binary, sampler["output"])
+        last = np.searchsorted(times, np.arange(FRAMES) * TIME_STEP + 1e-6) - 1
+        states[channel["target"]["node"]][channel["target"]["path"]] = values[last]
+    balls = [s for number, s in states.items() if "contact" in document["nodes"][number]["name"]]
+    assert len(balls) > 1, "balls of several depths"
+    sizes = np.array([state["scale"][:, 0] for state in balls])
+    assert (sizes.sum(axis=0) == 1.0).all(), "one in each frame, of the color of its depth"
+    shown = balls[0]["translation"] * 0.0
+    for state in balls:
+        shown += state["translation"] * state["scale"]
+    assert shown == pytest.approx(recording.contacts.points, abs=1e-6)
+    (arrow,) = (s for number, s in states.items() if "force" in document["nodes"][number]["name"])
+    assert arrow["translation"] == pytest.approx(recording.contacts.points, abs=1e-6)
+    assert arrow["scale"][:, 0] == pytest.approx(
+        arrow["scale"][-1, 0] * np.linspace(0.5, 1, FRAMES)
+    )
+    turn = trimesh.transformations.quaternion_matrix(np.roll(arrow["rotation"][0], 1))
+    assert turn[:3, 2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
 
 
 def test_bodies_of_one_shape_share_their_arrays(tmp_path: Path):
@@ -96,7 +135,9 @@ def test_bodies_of_one_shape_share_their_arrays(tmp_path: Path):
 def test_pygltflib_reads_the_file(tmp_path: Path):
     library = pytest.importorskip("pygltflib", reason="needs pygltflib")
     document = library.GLTF2().load(turn_and_fall().save_gltf(tmp_path / "fall.glb"))
-    assert [node.name for node in document.nodes] == ["recording", "ball", "a ball/2", "Boden ü"]
+    names = [node.name for node in document.nodes]
+    assert names[:4] == ["recording", "ball", "a ball/2", "Boden ü"]
+    assert set(names[4:]) == {"contact 1", "force 1"}
     assert document.animations[0].channels[0].target.path == "translation"
 
 

@@ -38,6 +38,26 @@ def test_usd_reads_what_was_recorded(tmp_path: Path, suffix: str):
     assert (suffix == ".usda") == (tmp_path / f"fall{suffix}").read_bytes().startswith(b"#usda")
 
 
+def test_usd_reads_contacts_and_forces_of_each_frame(tmp_path: Path):
+    pytest.importorskip("pxr", reason="needs usd-core")
+    usd, geometry = (importlib.import_module(f"pxr.{name}") for name in ("Usd", "UsdGeom"))
+    recording = turn_and_fall()
+    path = tmp_path / "fall.usdc"
+    stage = usd.Stage.Open(str(recording.save_usd(path)))
+    balls = geometry.Points(stage.GetPrimAtPath("/recording/contacts"))
+    lines = geometry.BasisCurves(stage.GetPrimAtPath("/recording/forces"))
+    for frame in (0, 20, FRAMES - 1):
+        point = recording.contacts.frame(frame).points
+        assert np.array(balls.GetPointsAttr().Get(frame)) == pytest.approx(point, abs=1e-6)
+        start, tip = np.array(lines.GetPointsAttr().Get(frame))
+        assert start == pytest.approx(point[0], abs=1e-6)
+        assert tip[2] - start[2] == pytest.approx(0.1039 * (1 + frame / (FRAMES - 1)), rel=0.01)
+    first, last = (balls.GetDisplayColorAttr().Get(frame)[0] for frame in (0, FRAMES - 1))
+    assert sum(last) < sum(first), "deeper contacts are darker"
+    bare = usd.Stage.Open(str(recording.save_usd(tmp_path / "bare.usdc", contacts=False)))
+    assert not bare.GetPrimAtPath("/recording/contacts")
+
+
 def test_usd_knows_two_axes(tmp_path: Path):
     with pytest.raises(vx.SettingsError, match=r"up must be '\+z' or '\+y' in USD, not '\+x'"):
         turn_and_fall().save_usd(tmp_path / "fall.usda", up="+x")
