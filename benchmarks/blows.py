@@ -1,4 +1,4 @@
-"""Says how much energy two free cubes keep that hit each other with a restitution of 1.
+"""Says how much energy two free cubes keep that hit each other.
 
 .venv/bin/python benchmarks/blows.py --help
 """
@@ -30,8 +30,25 @@ def measure_energy(bodies: list[vx.Body]) -> float:
     )
 
 
-def add_cubes(world: vx.World, shape: vx.Model | vx.Box, seed: int) -> list[vx.Body]:
-    """One cube at rest, and one that flies at it; both turned at random."""
+def add_cubes(
+    world: vx.World,
+    shape: vx.Model | vx.Box,
+    seed: int,
+    *,
+    restitution: float = 1.0,
+    friction: float = 0.0,
+    spin: float = 0.0,
+) -> list[vx.Body]:
+    """One cube at rest, and one that flies at it; both turned at random.
+
+    Args:
+        world: Bodies fly at each other along its x axis.
+        shape: Of both.
+        seed: Of a generator of random numbers.
+        restitution: Of the pair.
+        friction: Of the pair.
+        spin: Standard deviation of each component of the angular velocities, rad/s.
+    """
     rng = np.random.default_rng(seed)
     aside = rng.uniform(-0.04, 0.04, 2)
     start = 0.18 + rng.uniform(0.0, SPEED * world.time_step)
@@ -40,16 +57,26 @@ def add_cubes(world: vx.World, shape: vx.Model | vx.Box, seed: int) -> list[vx.B
         pose = np.eye(4)
         pose[:3, :3] = Rotation.random(random_state=rng.integers(1 << 30)).as_matrix()
         pose[:3, 3] = place
-        body = world.add(shape, mass=1.0, pose=pose, restitution=1.0, friction=0.0)
+        body = world.add(
+            shape,
+            mass=1.0,
+            pose=pose,
+            restitution=float(np.sqrt(restitution)),
+            friction=float(np.sqrt(friction)),
+        )
         body.linear_velocity = (velocity, 0.0, 0.0)
+        body.angular_velocity = spin * rng.standard_normal(3)
         bodies.append(body)
     return bodies
 
 
-def blow(shape: vx.Model | vx.Box, rate: float, seed: int) -> float:
-    """The fraction of the energy that is left after a random blow and those that follow."""
+def blow(shape: vx.Model | vx.Box, rate: float, seed: int, **of_pair: float) -> float:
+    """The fraction of the energy that is left after a random blow and those that follow.
+
+    `of_pair` as in add_cubes().
+    """
     world = vx.World(time_step=1.0 / rate, gravity=(0, 0, 0), sleeping=False)
-    bodies = add_cubes(world, shape, seed)
+    bodies = add_cubes(world, shape, seed, **of_pair)
     before = measure_energy(bodies)
     world.step(int(0.3 * rate / SPEED))
     return measure_energy(bodies) / before
@@ -60,13 +87,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--shape", choices=SHAPES, default="model", help="(default: model)")
     parser.add_argument("--count", type=int, default=200, help="random blows (default: 200)")
+    parser.add_argument("--restitution", type=float, default=1.0, help="(default: 1)")
+    parser.add_argument("--friction", type=float, default=0.0, help="(default: 0)")
+    parser.add_argument("--spin", type=float, default=0.0, help="rad/s (default: 0)")
     options = parser.parse_args()
     shape = SHAPES[options.shape]()
+    of_pair = {name: getattr(options, name) for name in ("restitution", "friction", "spin")}
     for rate in (1000.0, 200.0, 60.0):
-        kept = np.array([blow(shape, rate, seed) for seed in range(options.count)])
+        kept = np.array([blow(shape, rate, seed, **of_pair) for seed in range(options.count)])
         print(
             f"{rate:4.0f} Hz: {np.mean(kept < 0.98):4.0%} lose more than 2 %, "
-            f"{np.mean(kept > 1.02):3.0%} gain more than 2 %, from {kept.min():.2f} to {kept.max():.2f}",
+            f"{np.mean(kept > 1.02):3.0%} gain more than 2 %, "
+            f"from {kept.min():.2f} to {kept.max():.2f}, mean {kept.mean():.3f}",
             flush=True,
         )
 

@@ -185,7 +185,7 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const btScalar of_forces = velocity_of_forces();
   const btScalar reference = of_forces > 0 ? of_forces : first;
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
-  if (residual <= converged) return;
+  if (residual <= converged || rebounds_with_friction(of_forces)) return;
   const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
   if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged, reference))
     return;
@@ -232,6 +232,26 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
   }
   best_->write(rows);
   return best <= static_cast<double>(converged);
+}
+
+/// Whether bodies are to leave a contact with friction faster than forces move them in the step.
+/// What several contacts aim at may then be impossible: two that face each other, and hold by
+/// friction, brace a body between them, and the nearer a solver comes to their aims, the more
+/// energy it adds. Without friction, rebounds add none.
+bool CoulombSolver::rebounds_with_friction(btScalar of_forces) const {
+  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+    const btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
+    if (!(row.m_jacDiagABInv > 0) || !(row.m_friction > 0)) continue;
+    const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
+    const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+    const btScalar before =
+        row.m_contactNormal1.dot(a.m_linearVelocity + a.m_externalForceImpulse) +
+        row.m_relpos1CrossNormal.dot(a.m_angularVelocity + a.m_externalTorqueImpulse) +
+        row.m_contactNormal2.dot(b.m_linearVelocity + b.m_externalForceImpulse) +
+        row.m_relpos2CrossNormal.dot(b.m_angularVelocity + b.m_externalTorqueImpulse);
+    if (before + row.m_rhs / row.m_jacDiagABInv > of_forces) return true;
+  }
+  return false;
 }
 
 /// The largest change of a body's velocity by the forces of this step, m/s.

@@ -1,6 +1,7 @@
 #include "seamless_bodies.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include <gtest/gtest.h>
@@ -15,7 +16,8 @@ using namespace test_support;
 
 constexpr double kTimeStep = 0.005;
 constexpr double kRadius = 0.1;
-constexpr double kMost = kSeamKeptOfRadius * kRadius;
+// Bullet's bounding sphere of a ball is that of its box.
+const double kMost = kSeamKeptOfRadius * std::sqrt(3.0) * kRadius;
 
 /// A ball between two others, which it touches at a point each.
 struct BallBetweenTwo {

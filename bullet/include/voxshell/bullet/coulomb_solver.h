@@ -67,6 +67,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   void solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info);
   template <class Sweep>
   bool solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference);
+  bool rebounds_with_friction(btScalar of_forces) const;
   btScalar velocity_of_forces() const;
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
