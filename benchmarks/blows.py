@@ -1,4 +1,4 @@
-"""Says how much energy two free cubes keep that hit each other.
+"""Says how much energy and angular momentum two free cubes keep that hit each other.
 
 .venv/bin/python benchmarks/blows.py --help
 """
@@ -27,6 +27,17 @@ def measure_energy(bodies: list[vx.Body]) -> float:
         0.5 * float(body.linear_velocity @ body.linear_velocity)
         + 0.5 * INERTIA * float(body.angular_velocity @ body.angular_velocity)
         for body in bodies
+    )
+
+
+def measure_angular_momentum(bodies: list[vx.Body]) -> np.ndarray:
+    """Of cubes of 1 kg, about the origin, kg m2/s."""
+    return np.sum(
+        [
+            np.cross(body.position, body.linear_velocity) + INERTIA * body.angular_velocity
+            for body in bodies
+        ],
+        axis=0,
     )
 
 
@@ -70,16 +81,18 @@ def add_cubes(
     return bodies
 
 
-def blow(shape: vx.Model | vx.Box, rate: float, seed: int, **of_pair: float) -> float:
-    """The fraction of the energy that is left after a random blow and those that follow.
+def blow(shape: vx.Model | vx.Box, rate: float, seed: int, **of_pair: float) -> tuple[float, float]:
+    """What a random blow and those that follow change; `of_pair` as in add_cubes().
 
-    `of_pair` as in add_cubes().
+    Returns:
+        The fraction of the energy that is left, and the change of angular momentum relative to what it was.
     """
     world = vx.World(time_step=1.0 / rate, gravity=(0, 0, 0), sleeping=False)
     bodies = add_cubes(world, shape, seed, **of_pair)
-    before = measure_energy(bodies)
+    energy, momentum = measure_energy(bodies), measure_angular_momentum(bodies)
     world.step(int(0.3 * rate / SPEED))
-    return measure_energy(bodies) / before
+    change = np.linalg.norm(measure_angular_momentum(bodies) - momentum)
+    return measure_energy(bodies) / energy, float(change / np.linalg.norm(momentum))
 
 
 def main() -> None:
@@ -94,11 +107,13 @@ def main() -> None:
     shape = SHAPES[options.shape]()
     of_pair = {name: getattr(options, name) for name in ("restitution", "friction", "spin")}
     for rate in (1000.0, 200.0, 60.0):
-        kept = np.array([blow(shape, rate, seed, **of_pair) for seed in range(options.count)])
+        blows = [blow(shape, rate, seed, **of_pair) for seed in range(options.count)]
+        kept, changes = np.array(blows).T
         print(
             f"{rate:4.0f} Hz: {np.mean(kept < 0.98):4.0%} lose more than 2 %, "
             f"{np.mean(kept > 1.02):3.0%} gain more than 2 %, "
-            f"from {kept.min():.2f} to {kept.max():.2f}, mean {kept.mean():.3f}",
+            f"from {kept.min():.2f} to {kept.max():.2f}, mean {kept.mean():.3f}; "
+            f"angular momentum changes by {np.median(changes):.2%} in the median",
             flush=True,
         )
 
