@@ -25,6 +25,7 @@ void SeamlessBodies::describe(std::span<const Touching> of_body, double time_ste
   const Pose body_from_world = world_from_body.inverse();
   const Motion motion = Motion::of(body, time_step);
   radius_ = smallest_ = reach_of(body);
+  has_parts_ = body.getCollisionShape()->isCompound();
   now_.shape = body.getCollisionShape();
   now_.time_step = time_step;
   now_.others.clear();
@@ -38,6 +39,7 @@ void SeamlessBodies::describe(std::span<const Touching> of_body, double time_ste
           {&other, body_from_world * from_bullet(other.getWorldTransform()),
            RelativeMotion::of(Motion::of(other, time_step), motion, world_from_body)});
       smallest_ = std::min(smallest_, reach_of(other));
+      has_parts_ = has_parts_ || other.getCollisionShape()->isCompound();
     }
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
       const btManifoldPoint& point = each.manifold->getContactPoint(i);
@@ -57,7 +59,7 @@ bool SeamlessBodies::are_as_now(const Surroundings& then) const {
   const auto is_same_point = [](const Point& before, const Point& now) {
     return before.id == now.id && dot(before.normal, now.normal) >= kSeamAligned;
   };
-  return then.shape == now_.shape && then.time_step == now_.time_step &&
+  return !has_parts_ && then.shape == now_.shape && then.time_step == now_.time_step &&
          std::ranges::equal(then.points, now_.points, is_same_point) &&
          std::ranges::equal(then.others, now_.others, is_same_other);
 }

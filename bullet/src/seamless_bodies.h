@@ -28,7 +28,8 @@ class SeamlessBodies {
  public:
   /// Call it once a step, before hold().
   void begin() { ++step_; }
-  /// Whether a body, whose touches these are, was kept and may be passed over in this step.
+  /// Whether a body, whose touches these are, was kept and may be passed over in this step. Never
+  /// of compounds, whose parts may move unseen.
   bool hold(std::span<const Touching> of_body, double time_step);
   /// Keeps or forgets the body that hold() was last called for.
   void keep(bool has_seams);
@@ -61,8 +62,9 @@ class SeamlessBodies {
   std::uint64_t step_ = 0;
   /// Of the body that hold() was last called for.
   const btCollisionObject* body_ = nullptr;
-  double radius_ = 0.0;    ///< about the body's origin, metres
-  double smallest_ = 0.0;  ///< radius of it and what it touches, metres
+  bool has_parts_ = false;  ///< it, or something that it touches, is a compound
+  double radius_ = 0.0;     ///< about the body's origin, metres
+  double smallest_ = 0.0;   ///< radius of it and what it touches, metres
   Surroundings now_;
 };
 

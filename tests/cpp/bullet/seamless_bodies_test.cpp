@@ -110,6 +110,15 @@ TEST(SeamlessBodies, WithSeamsAreExaminedInEveryStep) {
   }
 }
 
+TEST(SeamlessBodies, OfPartsAreExaminedInEveryStep) {
+  BallBetweenTwo scene;
+  auto& compound = scene.world.make<btCompoundShape>();
+  compound.addChildShape(btTransform::getIdentity(), scene.body->getCollisionShape());
+  scene.others[0]->setCollisionShape(&compound);
+  EXPECT_FALSE(scene.is_passed_over());
+  EXPECT_FALSE(scene.is_passed_over());
+}
+
 // Another body may come to be at the address of one that was removed.
 TEST(SeamlessBodies, AreForgottenWhenTheyTouchNothing) {
   BallBetweenTwo scene;
