@@ -86,7 +86,7 @@ inline constexpr double kStillOfMargin = 0.15;
 /// Contacts are not searched for again while the pair, and what it moves by in a step, have changed
 /// by at most this fraction of the rest margin. 0: heaps that creep by micrometres are searched
 /// in every step. Larger: contacts come visibly late. Decision 47.
-inline constexpr double kKeptOfMargin = 0.05;
+inline constexpr double kKeptOfMargin = 0.03;
 /// Points of a still body carry it if they are farther from the surface than the nearest by at most
 /// this fraction of the rest margin. Smaller: bodies tip from one set of points to the next.
 inline constexpr double kPatchOfMargin = 0.5;

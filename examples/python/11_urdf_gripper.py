@@ -48,24 +48,19 @@ if __name__ == "__main__":
     colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
-        """Heights of mug and wrist, and how deep the fingers' contacts are, metres."""
+        # Heights of mug and wrist, and how deep the fingers' contacts are, metres.
         found = world.contacts()
         held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
-        wrist = robot.links["wrist"].pose[2, 3]
-        rows.append((mug.pose[2, 3], wrist, found["depth"][held].max(initial=0.0)))
+        heights = (body.pose[2, 3] for body in (mug, robot.links["wrist"]))
+        rows.append((*heights, found["depth"][held].max(initial=0.0)))
 
     take(world, robot, note=note)
-    # In the frame of a finger: both may give way together with the mug.
+    # In a finger's frame, as both may give way.
     held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
-    view = {
-        "frame": 230,
-        "frames": (230,),
-        "focus": ("gripper/boom", "gripper/wrist", "mug"),
-        "cut": ("mug",),
-    }
+    view = {"frame": 230, "frames": (230,), "focus": ("gripper/boom", "mug"), "cut": ("mug",)}
     draw(options.out / "picture.png", recorder.recording(colors=colors), azimuth=32.0, **view)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
@@ -81,6 +76,6 @@ if __name__ == "__main__":
     }
     tell(options.out, figures)
     lines = {"mug": 1e3 * mug_heights, "wrist": 1e3 * wrist_heights}
-    time = np.arange(1, len(rows) + 1) / RATE
-    plot(options.out / "plot.png", time, lines, x_label="s", y_label="height, mm")
+    axes = {"x_label": "s", "y_label": "height, mm"}
+    plot(options.out / "plot.png", np.arange(1, len(rows) + 1) / RATE, lines, **axes)
     recorder.save_html(options.out / "replay.html", title="A gripper and a mug", colors=colors)

@@ -26,7 +26,8 @@ NOT_RUN = {
     r"\.venv/bin/voxshell reproduce all ": "takes minutes; tests/python/cli runs its parts",
     r"voxshell reproduce geometry ": "takes minutes; tests/python/cli runs it small",
     r"voxshell reproduce everyday ": "takes minutes; tests/python/cli runs it small",
-    r"pip install \"\$\(ls build/dist/": "./dev wheel installs what it makes",
+    r"pip install --find-links build/dist ": "./dev wheel installs what it makes",
+    r"docker (build|run) ": "needs a program that builds containers",
     r"voxshell simulate examples/": "tests/python/cli/test_simulate_scene.py runs the scenes",
 }
 # Blocks that stand four to the right and are no commands, by how they begin.
