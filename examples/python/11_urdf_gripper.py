@@ -48,15 +48,14 @@ if __name__ == "__main__":
     colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
-        # Heights of mug and wrist, and how deep the fingers' contacts are, metres.
+        """Heights of mug and wrist, and how deep the fingers' contacts are, metres."""
         found = world.contacts()
         held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
         heights = (body.pose[2, 3] for body in (mug, robot.links["wrist"]))
         rows.append((*heights, found["depth"][held].max(initial=0.0)))
 
     take(world, robot, note=note)
-    # In a finger's frame, as both may give way.
-    held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose
+    held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose  # in a finger's frame
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
