@@ -10,11 +10,10 @@ namespace voxshell::bullet {
 /// No place within a radius of `middle` moves farther from one pose to the other, metres.
 inline double bound_displacement(const Pose& from, const Pose& to, const Vec3& middle,
                                  double radius) {
-  const double squared = squared_length(to.rotation.row_x - from.rotation.row_x) +
-                         squared_length(to.rotation.row_y - from.rotation.row_y) +
-                         squared_length(to.rotation.row_z - from.rotation.row_z);
-  // Of two rotations, the difference stretches by as much in two directions, and not in the third.
-  const double turn = std::sqrt(0.5 * squared);
+  const double turn = std::sqrt(squared_length(to.rotation.row_x - from.rotation.row_x) +
+                                squared_length(to.rotation.row_y - from.rotation.row_y) +
+                                squared_length(to.rotation.row_z - from.rotation.row_z));
+  // The Frobenius norm is at least the spectral one.
   return length(to.transform_point(middle) - from.transform_point(middle)) + turn * radius;
 }
 
