@@ -9,16 +9,15 @@ from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 from rendering import make_surface, place_camera, render
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.viewer.arrows import find_arrows, full_force
 from voxshell.viewer.lanes import Lane
+from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.page import metric
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FORCE_COLOR, choose_colors
-from voxshell.viewer.pins import color_depths, full_depth
+from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_slabs, nice_length, plan_stage
 
 SIZE = 960, 600  # pixels
 INK, FAINT = (30, 39, 51), (91, 104, 120)
-BALL, ARROW = 0.012, 0.6  # a contact's ball and its longest arrow, in diameters of a typical body
 MOST_CONTACTS = 400
 
 
@@ -86,9 +85,9 @@ class Studio:
         if slabs:
             self.ground = max(slab.high[2] for slab in slabs.values())
         self.cell = nice_length(0.06 * float(np.linalg.norm(high - low)))
-        self._body_size = stage.body_size
-        self._deepest = full_depth([recording])
-        self._strongest = full_force([recording]) if forces else 0.0
+        self._marked = MarkedContacts(recording, up="+z", limit=MOST_CONTACTS)
+        self._deepest = self._marked.deepest
+        self._strongest = self._marked.strongest if forces else 0.0
 
     def picture(self, frame=-1):
         """The bodies and contacts of a frame, and the legend, as a PIL image."""
@@ -102,7 +101,7 @@ class Studio:
             self._size,
             ground=self.ground,
             cell=self.cell,
-            marks=self._find_marks(self._recording.contacts.frame(frame)),
+            marks=self._find_marks(frame),
             suns=max(6, round(16 * self._quality)),
             skies=max(16, round(48 * self._quality)),
         )
@@ -127,24 +126,14 @@ class Studio:
         left = kept.to_mesh64()
         return make_surface(left.vert_properties[:, :3], left.tri_verts, surface.color)
 
-    def _find_marks(self, contacts):
+    def _find_marks(self, frame):
         """A ball for each contact, in the color of its depth, and an arrow for each force."""
-        chosen = np.arange(len(contacts.points))
-        if len(chosen) > MOST_CONTACTS:
-            chosen = np.unique(np.linspace(0, len(chosen) - 1, MOST_CONTACTS).astype(int))
-        marks = []
-        if self._strongest > 0.0:
-            arrows = find_arrows(
-                contacts.points,
-                contacts.forces,
-                strongest=self._strongest,
-                longest=ARROW * self._body_size,
-                limit=MOST_CONTACTS,
-            )
-            marks += [make_arrow(a, b, 0.01 * self._body_size, FORCE_COLOR) for a, b in arrows]
-        ball = trimesh.creation.icosphere(2, BALL * self._body_size)
-        shares = contacts.depths[chosen] / self._deepest if self._deepest else 0.0 * chosen
-        for point, color in zip(contacts.points[chosen], color_depths(shares), strict=True):
+        found = self._marked.frame(frame)
+        arrows = found.arrows if self._strongest > 0.0 else ()
+        radius = 0.01 * self._marked.body_size
+        marks = [make_arrow(a, b, radius, FORCE_COLOR) for a, b in arrows]
+        ball = trimesh.creation.icosphere(2, self._marked.ball)
+        for point, color in zip(found.points, found.colors, strict=True):
             pose = np.eye(4)
             pose[:3, 3] = point
             marks.append((make_surface(ball.vertices, ball.faces, tuple(color), dots=1), pose))

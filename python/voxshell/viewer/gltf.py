@@ -252,7 +252,7 @@ def _add_contacts(animation: _Animation, marked: MarkedContacts, recording: Reco
     """Add a node for each contact that a frame has at most: balls, and arrows."""
     frames = [marked.frame(number) for number in range(recording.frame_count)]
     steps = [
-        np.clip((marks.shares * _DEPTH_STEPS).astype(np.int64), 0, _DEPTH_STEPS - 1)
+        np.clip((marks.fractions * _DEPTH_STEPS).astype(np.int64), 0, _DEPTH_STEPS - 1)
         for marks in frames
     ]
     vertices, faces = build_pin_mesh(marked.ball, stem=False)

@@ -30,18 +30,18 @@ class Marks:
 
     Args:
         points: (k, 3) meters, world frame; the centers of the balls.
-        shares: (k,) depths, in shares of the deepest color's; above 1 for a few.
+        fractions: (k,) depths as fractions of that with the darkest color; above 1 for a few.
         arrows: (m, 2, 3) meters; start and tip of each.
     """
 
     points: NDArray[np.float64]
-    shares: NDArray[np.float64]
+    fractions: NDArray[np.float64]
     arrows: NDArray[np.float64]
 
     @property
     def colors(self) -> NDArray[np.float64]:
         """(k, 3) sRGB, 0 to 255, of the balls."""
-        return color_depths(self.shares)
+        return color_depths(self.fractions)
 
 
 class MarkedContacts:
@@ -69,7 +69,9 @@ class MarkedContacts:
         chosen = np.arange(len(contacts.points))
         if len(chosen) > self._limit:
             chosen = np.linspace(0, len(chosen) - 1, self._limit).round().astype(np.int64)
-        shares = contacts.depths[chosen] / self.deepest if self.deepest else np.zeros(len(chosen))
+        fractions = (
+            contacts.depths[chosen] / self.deepest if self.deepest else np.zeros(len(chosen))
+        )
         arrows = np.zeros((0, 2, 3))
         if self.strongest > 0.0:
             arrows = find_arrows(
@@ -79,4 +81,4 @@ class MarkedContacts:
                 longest=LONGEST_ARROW * self.body_size,
                 limit=self._limit,
             )
-        return Marks(contacts.points[chosen], shares, arrows)
+        return Marks(contacts.points[chosen], fractions, arrows)

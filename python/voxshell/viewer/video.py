@@ -17,7 +17,7 @@ from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.page import metric
 from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
-from voxshell.viewer.stage import Stage, find_paths, find_slabs, place_camera, plan_stage
+from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.surface import split_creases
 from voxshell.viewer.timeline import plan_timeline
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.recording import BodyTrack, Recording
+    from voxshell.viewer.stage import Slab
     from voxshell.viewer.timeline import Timeline
 
 _SLAB_COLOR, _GRID_COLOR = (214, 218, 224), (170, 177, 187)
@@ -205,6 +206,7 @@ class _Film:
         self._images = import_module("PIL.Image")  # imageio needs it, too
         lane = Lane("", recording)
         stage = plan_stage([lane], up=up)
+        self._stage, self._up = stage, up
         self._moving: list[tuple[Any, BodyTrack, NDArray[np.float64]]] = []
         self._ground: Ground | None = None
         plotter.set_background(BACKGROUND)
@@ -219,12 +221,13 @@ class _Film:
             elif (slab.low[level] <= stage.low[level]).all() and (
                 slab.high[level] >= stage.high[level]
             ).all():
-                self._add_ground(slab.low, slab.high, body.color or FLOOR_COLOR, stage, up)
+                top = slab.high if up[0] == "+" else slab.low
+                self._add_ground(top, body.color or FLOOR_COLOR)
             else:
-                self._add_slab(slab.low, slab.high, body.color or _SLAB_COLOR, stage, up)
+                self._add_slab(slab, body.color or _SLAB_COLOR)
         if not slabs:  # for shadows and for scale
             low, high = activity_bounds(recording)
-            self._add_ground(low, low if up[0] == "+" else high, FLOOR_COLOR, stage, up)
+            self._add_ground(low if up[0] == "+" else high, FLOOR_COLOR)
         camera = place_camera(find_paths(recording), rows=1, up=up)
         plotter.camera_position = [
             tuple(camera.position),
@@ -281,47 +284,35 @@ class _Film:
             render=False,
         )
 
-    def _add_ground(
-        self,
-        low: NDArray[np.float64],
-        high: NDArray[np.float64],
-        color: tuple[int, int, int],
-        stage: Stage,
-        up: str,
-    ) -> None:
-        """Add the ground whose top is that of a box; of several, the first."""
+    def _add_ground(self, place: NDArray[np.float64], color: tuple[int, int, int]) -> None:
+        """Add the ground at the height of a place; of several, the first."""
         if self._ground is None:
             self._ground = Ground(
                 self._pyvista,
                 self._plotter,
-                up=up,
-                place=high if up[0] == "+" else low,
-                low=stage.low,
-                high=stage.high,
-                cell=stage.cell,
+                up=self._up,
+                place=place,
+                low=self._stage.low,
+                high=self._stage.high,
+                cell=self._stage.cell,
                 color=color,
             )
 
-    def _add_slab(
-        self,
-        low: NDArray[np.float64],
-        high: NDArray[np.float64],
-        color: tuple[int, int, int],
-        stage: Stage,
-        up: str,
-    ) -> None:
+    def _add_slab(self, slab: Slab, color: tuple[int, int, int]) -> None:
         """Add a plate, and lines on it that cross at multiples of the stage's cell."""
+        low, high, cell = slab.low, slab.high, self._stage.cell
         box = self._pyvista.Box(np.stack([low, high], axis=1).reshape(-1))
         self._plotter.add_mesh(box, color=color, lighting=False, render=False)
-        _, _, upward = view_axes(up)
+        _, _, upward = view_axes(self._up)
         first, second = np.flatnonzero(upward == 0.0)
-        top = np.where(upward > 0.0, high, low) * np.abs(upward) + 0.01 * stage.body_size * upward
+        top = (
+            np.where(upward > 0.0, high, low) * np.abs(upward)
+            + 0.01 * self._stage.body_size * upward
+        )
         ends = []
         for along, across in ((first, second), (second, first)):
-            cells = np.arange(
-                math.ceil(low[across] / stage.cell), math.floor(high[across] / stage.cell) + 1
-            )
-            for place in cells * stage.cell:
+            cells = np.arange(math.ceil(low[across] / cell), math.floor(high[across] / cell) + 1)
+            for place in cells * cell:
                 for end in (low[along], high[along]):
                     point = top.copy()
                     point[along], point[across] = end, place
@@ -338,13 +329,13 @@ class _Film:
         self._marks = []
         marks = self._marked.frame(frame)
         if len(marks.arrows):
-            ways = marks.arrows[:, 1] - marks.arrows[:, 0]
+            along = marks.arrows[:, 1] - marks.arrows[:, 0]
             starts = self._pyvista.PolyData(marks.arrows[:, 0])
-            starts["way"], starts["length"] = ways, np.linalg.norm(ways, axis=1)
+            starts["along"], starts["length"] = along, np.linalg.norm(along, axis=1)
             arrow = self._pyvista.Arrow(
                 tip_length=0.2, tip_radius=0.06, tip_resolution=16, shaft_radius=0.022
             )
-            arrows = starts.glyph(geom=arrow, orient="way", scale="length")
+            arrows = starts.glyph(geom=arrow, orient="along", scale="length")
             mapper = self._pyvista.DataSetMapper(arrows)
             mapper.ScalarVisibilityOff()
             self._add_marks(mapper).prop.color = FORCE_COLOR

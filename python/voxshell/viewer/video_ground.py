@@ -19,7 +19,7 @@ _LINE_COLOR = (176, 184, 194)
 _REACH = 2.5  # half of the ground's side, in sides of the stage
 _TEXELS = 480  # along a side, of shadows
 _SUN = np.array([0.42, 0.30, -1.0])  # along right, forward and up: where its light goes
-_DARKEST = 0.36  # share of light that a shadow takes
+_DARKEST = 0.36  # fraction of the light that a shadow takes
 _SOFT = 5  # texels that edges of shadows are blurred by, three times
 _SAMPLES = 6000  # points of a body that cast its shadow
 
@@ -57,7 +57,7 @@ class Ground:
         self._height = float(upward @ place)
         ticks = np.linspace(-self._reach, self._reach, _TEXELS)
         across, along = np.meshgrid(ticks, ticks)
-        self._share = self._fade(np.hypot(across, along))[..., None]
+        self._color_fraction = self._fade(np.hypot(across, along))[..., None]
         self._base = np.array(color, dtype=np.float64)
         ends = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
         corners = self._lift(self._middle + self._reach * ends, 0.0)
@@ -80,15 +80,17 @@ class Ground:
             inside = (np.minimum(columns, rows) >= 0) & (np.maximum(columns, rows) < _TEXELS)
             shadow[rows[inside], columns[inside]] = 1.0
         light = 1.0 - _DARKEST * np.minimum(1.4 * _blur(shadow), 1.0)
-        color = self._base * light[..., None] * self._share + BACKGROUND * (1.0 - self._share)
+        color = self._base * light[..., None] * self._color_fraction + BACKGROUND * (
+            1.0 - self._color_fraction
+        )
         image = self._picture.to_image()
         image.point_data.active_scalars[:] = color.round().astype(np.uint8).reshape(-1, 3)
         self._picture.Modified()
 
     def _fade(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how much of the ground's color is seen at a distance from the middle, 1 to 0."""
-        share = np.clip((0.95 * self._reach - distance) / (0.7 * self._reach), 0.0, 1.0)
-        return share * share * (3.0 - 2.0 * share)
+        fraction = np.clip((0.95 * self._reach - distance) / (0.7 * self._reach), 0.0, 1.0)
+        return fraction * fraction * (3.0 - 2.0 * fraction)
 
     def _lift(self, level: NDArray[np.float64], by: float) -> NDArray[np.float64]:
         """Return (k, 3) world points from (k, 2) coordinates along right and forward."""
@@ -111,8 +113,8 @@ class Ground:
             return
         level = np.concatenate(ends)
         lines = pyvista.line_segments_from_points(self._lift(level, 0.0005 * self._reach))
-        share = self._fade(np.linalg.norm(level - self._middle, axis=1))[:, None]
-        color = np.array(_LINE_COLOR) * share + np.array(BACKGROUND) * (1.0 - share)
+        fraction = self._fade(np.linalg.norm(level - self._middle, axis=1))[:, None]
+        color = np.array(_LINE_COLOR) * fraction + np.array(BACKGROUND) * (1.0 - fraction)
         lines["color"] = color.round().astype(np.uint8)
         plotter.add_mesh(
             lines, scalars="color", rgb=True, line_width=1, lighting=False, render=False
@@ -140,9 +142,11 @@ def sample_surface(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> N
     if total[-1] <= 0.0:
         return vertices
     # Multiples of these irrational numbers fill a cube evenly.
-    shares = np.arange(1, _SAMPLES + 1)[:, None] * (0.8191725134, 0.6710436067, 0.5497004779) % 1.0
-    chosen = np.searchsorted(total, shares[:, 0] * total[-1]).clip(max=len(faces) - 1)
-    root, second = np.sqrt(shares[:, 1:2]), shares[:, 2:]
+    fractions = (
+        np.arange(1, _SAMPLES + 1)[:, None] * (0.8191725134, 0.6710436067, 0.5497004779) % 1.0
+    )
+    chosen = np.searchsorted(total, fractions[:, 0] * total[-1]).clip(max=len(faces) - 1)
+    root, second = np.sqrt(fractions[:, 1:2]), fractions[:, 2:]
     a, b, c = np.moveaxis(corners[chosen], 1, 0)
     return (1.0 - root) * a + root * (1.0 - second) * b + root * second * c
 

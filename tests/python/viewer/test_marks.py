@@ -16,7 +16,7 @@ def test_balls_lie_at_contacts_and_arrows_begin_there_and_grow_with_forces():
     assert marked.strongest == pytest.approx(2.0)
     first, last = marked.frame(0), marked.frame(FRAMES - 1)
     assert first.points.tolist() == [[0.0, 0.0, 0.0]]
-    assert (first.shares[0], last.shares[0]) == pytest.approx((0.5, 1.0))
+    assert (first.fractions[0], last.fractions[0]) == pytest.approx((0.5, 1.0))
     lengths = [np.linalg.norm(each.arrows[0, 1] - each.arrows[0, 0]) for each in (first, last)]
     assert lengths[1] == pytest.approx(2.0 * lengths[0])
     assert (last.arrows[0, 0] == last.points[0]).all()
@@ -31,5 +31,5 @@ def test_of_many_contacts_an_even_sample_is_shown_and_without_forces_no_arrow():
     recording = Recording(0.1, bodies, ContactTrack.from_frames(contacts))
     marks = MarkedContacts(recording, up="+z", limit=5).frame(0)
     assert marks.points[:, 0].tolist() == [0.0, 250.0, 500.0, 749.0, 999.0]
-    assert marks.shares.tolist() == [0.0] * 5
+    assert marks.fractions.tolist() == [0.0] * 5
     assert len(marks.arrows) == 0
