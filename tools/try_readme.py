@@ -3,8 +3,8 @@
 
 usage: tools/try_readme.py
 
-Reads part.stl of the current folder, in millimeters. Where there is none, it makes a mug of 90 mm. Writes
-replay.html beside it.
+The lines read part.stl in the current folder, in millimeters, and write replay.html there. If there is no
+part.stl, this program makes a mug of 90 mm first.
 """
 
 from __future__ import annotations
