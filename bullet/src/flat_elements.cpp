@@ -46,10 +46,12 @@ void FlatElements::align(std::vector<Contact>& contacts, const Field& field,
       if (distance > scale.thickness) contact.normal = -outwards;
       return true;
     }
-    // At that depth the nearest surface of the shell's body must still be this one.
-    if (*depth > 0.0) {
+    // At that depth the nearest surface of the shell's body must still be this one, as far as its
+    // field tells: at its points, the field is not quite 0.
+    if (*depth > kDepthPrecision * scale.margin) {
       const auto inside = static_cast<Vec3f>(place - *depth * normal);
-      if (static_cast<double>(own.distance(inside)) > -kOwnDepth * *depth) return true;
+      const float deeper = own.distance(contact.point) - own.distance(inside);
+      if (static_cast<double>(deeper) < kOwnDepth * *depth) return true;
     }
     contact.normal = -outwards;
     contact.depth = static_cast<float>(*depth - scale.thickness);

@@ -235,7 +235,9 @@ bool PosedPair::swap_roles_if_enclosed() {
 
 WorldContact PosedPair::to_world(const Contact& contact) const {
   const Pose& world_from_shell = shell_side().world_from_geometry();
-  const Vec3 out_of_field = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
+  // Made a unit vector in double precision: with one friction direction, Bullet's solvers take what
+  // a longer normal leaves of the velocity for sliding, and friction then acts along the normal.
+  const Vec3 out_of_field = world_from_shell.rotate(normalized(static_cast<Vec3>(contact.normal)));
   const auto depth = static_cast<double>(contact.depth) + thickness();
   const Vec3 on_shell = world_from_shell.transform_point(static_cast<Vec3>(contact.point)) -
                         shell_side().thickness() * out_of_field;

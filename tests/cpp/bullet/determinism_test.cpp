@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0xfa344b94f30bf592, 0x418ae27dd49c3aec, 0xf342eba055f80df8, 0xa38a44b923e5d4d7,
-        0x28b28a7379542abc, 0x73af22cd1c4af29}},
+       {0xb0774fa160ffd952, 0xedb4ce2b8bd4f44b, 0xfb8d53a4897c9054, 0x19e9114fe2bce07d,
+        0xeac2e468f3f43b68, 0x6fc3b2f896058746}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x88f3d78c36a71919, 0x9f6b81b7ff95999f, 0xd0cc363f2bfcb0bd, 0x319a7a7c20f58512,
-        0xfba3ed962c18d066, 0x685fcb339fa0fc65}},
+       {0x6f3ff9058ed13833, 0xbbbdc2ca0f15f70c, 0x1dae05ab8684e7ac, 0x4dd51a1e20c19da1,
+        0x91d9f9eef5229595, 0x4c301186dc3436e0}},
   };
   return hashes;
 }

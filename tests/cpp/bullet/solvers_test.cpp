@@ -114,6 +114,26 @@ TEST_P(Solvers, LetADroppedModelRebound) {
   }
 }
 
+// Without spin, nothing slides before the blow: with one friction direction, Bullet's solvers take
+// the direction of friction from what is left of the velocity beside the normal.
+TEST(OneFrictionDirection, GainsNoEnergyInAStraightDrop) {
+  for (const Solver which : {Solver::kCoulomb, Solver::kSequentialImpulse}) {
+    for (const int iterations : {10, 50}) {
+      SCOPED_TRACE(std::string(to_string(which)) + ", " + std::to_string(iterations));
+      Random random(51);
+      for (int i = 0; i < 12; ++i) {
+        const Matrix3 rotation = random.rotation();
+        for (const auto& model : {blob_model(), torus_model()}) {
+          SCOPED_TRACE(std::to_string(i) + (model == blob_model() ? ", blob" : ", torus"));
+          Drop drop(which, Ground::kPlane, ContactMode::kAutomatic, model, rotation, 0.5);
+          drop.world.world.getSolverInfo().m_numIterations = iterations;
+          expect_true_landing(drop.world, drop.body, 100);
+        }
+      }
+    }
+  }
+}
+
 TEST_P(Solvers, BringADroppedModelToRest) {
   const auto& [which, ground, mode] = GetParam();
   int rocking = 0;
