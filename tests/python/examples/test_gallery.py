@@ -14,8 +14,8 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples/python"
 PROGRAMS = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
 LINES_AT_MOST = 80
-# Lighting a picture of the full size takes longer than most examples. test_rendering.py draws one, and the documentation
-# draws all of them, each example in a process of its own.
+# Lighting a picture of the full size takes longer than most examples. `./dev docs` draws these, and runs each example in
+# a process of its own.
 SMALL = {"size": (160, 100), "quality": 0.1}
 
 
