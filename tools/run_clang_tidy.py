@@ -9,6 +9,9 @@ usage: tools/run_clang_tidy.py [--deep] CLANG_TIDY BUILD_DIR
 
 BUILD_DIR is a finished Ninja build: it knows the compile commands and which headers each source
 includes. The tests are not analysed: they are compiled with all warnings, and run.
+
+What passed is noted in ~/.cache/voxshell/clang-tidy, for all checkouts: by a hash of the source, of all headers that it
+includes, the system's among them, of its compile command and of the settings.
 """
 
 from __future__ import annotations
@@ -20,14 +23,17 @@ import re
 import shlex
 import subprocess
 import sys
+import time
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 ANALYSED = ("core/", "bullet/", "python/bindings/")
-# A new version of the tool, of a third-party header or of the settings asks for a new look.
+# A new version of the tool or of the settings asks for a new look.
 SETTINGS = (".clang-tidy", "tools/constraints.txt", "tools/run_clang_tidy.py")
+KEPT_DAYS = 60  # after which nobody has asked for what passed
 
 
 def own_path(path: str, build: Path) -> str | None:
@@ -39,18 +45,18 @@ def own_path(path: str, build: Path) -> str | None:
     return name if name.startswith(ANALYSED) else None
 
 
-def included_by_object(build: Path) -> dict[str, set[str]]:
-    """Our own files that went into each object, from Ninja's log of the build."""
+def included_by_object(build: Path) -> dict[str, set[Path]]:
+    """Files that went into each object, from Ninja's log of the build."""
     log = subprocess.run(
         ["ninja", "-C", str(build), "-t", "deps"], check=True, capture_output=True, text=True
     ).stdout
-    files: dict[str, set[str]] = defaultdict(set)
+    files: dict[str, set[Path]] = defaultdict(set)
     target = ""
     for line in log.splitlines():
         if match := re.match(r"^(\S+): #deps ", line):
             target = match[1]
-        elif line.startswith("    ") and (name := own_path(line.strip(), build)):
-            files[target].add(name)
+        elif line.startswith("    "):
+            files[target].add(Path(os.path.normpath(build / line.strip())))
     return files
 
 
@@ -63,6 +69,13 @@ def commands_by_source(build: Path) -> dict[str, dict[str, str]]:
     return commands
 
 
+@cache
+def digest_of(file: Path) -> bytes:
+    """A hash of name and content. Those of a checkout do not depend on where it is."""
+    name = file.relative_to(ROOT) if file.is_relative_to(ROOT) else file
+    return hashlib.sha256(f"{name}\0".encode() + file.read_bytes()).digest()
+
+
 def keys_by_source(
     build: Path, commands: dict[str, dict[str, str]], checks: list[str]
 ) -> dict[str, str]:
@@ -70,12 +83,26 @@ def keys_by_source(
     included = included_by_object(build)
     keys: dict[str, str] = {}
     for name, entry in commands.items():
-        command = shlex.split(entry["command"])
-        digest = hashlib.sha256("\0".join([entry["command"], *checks]).encode())
-        for file in sorted({*SETTINGS, name, *included[command[command.index("-o") + 1]]}):
-            digest.update(file.encode() + b"\0" + (ROOT / file).read_bytes())
+        words = shlex.split(entry["command"])
+        command = entry["command"].replace(f"{ROOT}/", "")
+        digest = hashlib.sha256("\0".join([command, *checks]).encode())
+        files = {ROOT / file for file in (*SETTINGS, name)}
+        files |= included[words[words.index("-o") + 1]]
+        digest.update(b"".join(sorted(map(digest_of, files))))
         keys[name] = digest.hexdigest()
     return keys
+
+
+def find_passed() -> Path:
+    """The folder of empty files that are named by the keys of what passed."""
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    passed = caches / "voxshell/clang-tidy"
+    passed.mkdir(parents=True, exist_ok=True)
+    oldest = time.time() - KEPT_DAYS * 86_400
+    for stamp in passed.iterdir():
+        if stamp.stat().st_mtime < oldest:
+            stamp.unlink(missing_ok=True)
+    return passed
 
 
 def main(arguments: list[str]) -> int:
@@ -83,8 +110,7 @@ def main(arguments: list[str]) -> int:
     checks = [] if "--deep" in arguments else ["--checks=-clang-analyzer-*"]
     clang_tidy, folder = (each for each in arguments if each != "--deep")
     build = (ROOT / folder).resolve()
-    passed = build / "clang-tidy-passed"
-    passed.mkdir(exist_ok=True)
+    passed = find_passed()
     commands = commands_by_source(build)
     keys = keys_by_source(build, commands, checks)
     # clang-tidy analyses a source once for each entry that it finds.
@@ -94,9 +120,6 @@ def main(arguments: list[str]) -> int:
     if not keys:
         print(f"{build}/compile_commands.json names none of our sources")
         return 1
-    for stamp in passed.iterdir():
-        if stamp.name not in keys.values():
-            stamp.unlink()
 
     def analyse(name: str) -> bool:
         # Warnings are the compiler's: clang does not know all of them, and has others.
@@ -117,7 +140,12 @@ def main(arguments: list[str]) -> int:
         print(complaints.replace(f"{ROOT}/", ""), end="", flush=True)
         return False
 
-    changed = [name for name, key in keys.items() if not (passed / key).exists()]
+    changed = []
+    for name, key in keys.items():
+        if (passed / key).exists():
+            (passed / key).touch()
+        else:
+            changed.append(name)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         good = list(pool.map(analyse, changed))
     return 0 if all(good) else 1

@@ -13,14 +13,13 @@ import pytest
 import trimesh
 
 
-def voxshell(*arguments, **options):
+def run_program(*arguments):
     return subprocess.run(
         [sys.executable, "-c", "from voxshell.cli import main; main()", *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=120,
         env={**os.environ, "COLUMNS": "80", "NO_COLOR": "1"},
-        **options,
     )
 
 
@@ -39,7 +38,7 @@ SMALL += ("--fine-points", "1000", "--coarse-points", "200")
 def dropped(tmp_path_factory, cone):
     """A small drop with all methods: what it printed, and the folder that it wrote."""
     out = tmp_path_factory.mktemp("drop") / "a" / "b"
-    result = voxshell(
+    result = run_program(
         "simulate", "drop", cone, "--out", out, *SMALL, "--steps", 300, "--slow-steps", 60
     )
     return result, out
@@ -68,13 +67,13 @@ def test_page_plays_offline(dropped, play):
     assert player.fetched == [(out / "index.html").as_uri()]
 
 
-def test_json_is_all_that_stdout_holds(tmp_path, cone):
+def test_json_is_all_that_stdout_holds(voxshell, tmp_path, cone):
     result = voxshell(
         *("simulate", "drop", cone, "--out", tmp_path, *SMALL),
         *("--steps", 260, "--methods", "vps-fine", "hull", "--json"),
     )
-    assert result.returncode == 0, result.stderr
-    rows = json.loads(result.stdout)
+    assert result.code == 0, result.err
+    rows = result.json
     assert [row["key"] for row in rows] == ["vps-fine", "hull"]
     assert rows[0]["ratio"] == 1.0
 
@@ -90,32 +89,32 @@ def test_json_is_all_that_stdout_holds(tmp_path, cone):
         (["--methods", "magic"], "magic"),
     ],
 )
-def test_bad_input_is_an_error_that_names_it(tmp_path, arguments, part):
+def test_bad_input_is_an_error_that_names_it(voxshell, tmp_path, arguments, part):
     result = voxshell("simulate", "drop", *arguments, "--out", tmp_path / "out")
-    assert result.returncode != 0
+    assert result.code != 0
     assert list(tmp_path.iterdir()) == []
-    said = " ".join((result.stdout + result.stderr).split())
+    said = " ".join((result.out + result.err).split())
     assert part in said
     assert "Traceback" not in said
 
 
-def test_mesh_without_area_is_refused_with_its_path(tmp_path):
+def test_mesh_without_area_is_refused_with_its_path(voxshell, tmp_path):
     path = tmp_path / "line.stl"
     corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
     trimesh.Trimesh(corners, [[0, 1, 2]], process=False).export(path)
     result = voxshell("simulate", "drop", path, "--out", tmp_path / "out", *SMALL)
-    assert result.returncode == 2
-    said = result.stderr.replace("\n", "")
+    assert result.code == 2
+    said = result.err.replace("\n", "")
     assert "area" in said
     assert "line.stl" in said
 
 
-def test_help_teaches():
+def test_help_teaches(voxshell):
     result = voxshell("simulate", "drop", "--help")
-    assert result.returncode == 0
+    assert result.code == 0
     for word in ("--fine-points", "part.stl", "results.json", "meters"):
-        assert word in result.stdout
-    assert "simulate" in voxshell("--help").stdout
+        assert word in result.out
+    assert "simulate" in voxshell("--help").out
 
 
 @pytest.mark.parametrize(

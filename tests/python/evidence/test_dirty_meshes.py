@@ -5,10 +5,7 @@ Which of the two is stated for each. None hangs, crashes or becomes a field that
 
 from __future__ import annotations
 
-import json
 import re
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +14,11 @@ import dirty_meshes
 import numpy as np
 import pytest
 import trimesh
+from build_and_tell import build_and_tell
 from mesh_judges import is_farther, make_surface
 
 RESOLUTION = 40
 HANGS_AFTER = 120.0  # seconds; takes one or two
-TELL = Path(dirty_meshes.__file__).with_name("build_and_tell.py")
 
 REFUSED = None
 
@@ -77,19 +74,9 @@ def load(path: Path) -> trimesh.Trimesh:
     return mesh
 
 
-def build(
-    path: Path, places: np.ndarray, tmp_path: Path, resolution: int = RESOLUTION
-) -> dict[str, Any]:
+def build(path: Path, places: np.ndarray, resolution: int = RESOLUTION) -> dict[str, Any]:
     """What build_and_tell says; a crash or a hang fails."""
-    np.save(tmp_path / "places.npy", places)
-    done = subprocess.run(
-        [sys.executable, TELL, path, str(resolution), tmp_path / "places.npy"],
-        capture_output=True,
-        text=True,
-        timeout=HANGS_AFTER,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return build_and_tell(path, resolution, places, HANGS_AFTER)
 
 
 def far_places(mesh: trimesh.Trimesh) -> np.ndarray:
@@ -116,7 +103,7 @@ def certain_places(mesh: trimesh.Trimesh, voxel_size: float) -> tuple[np.ndarray
 
 
 @pytest.mark.parametrize("name", EDGE_FAULTS)
-def test_faulty_edges_are_counted_and_located(name: str, folder: Path, tmp_path: Path):
+def test_faulty_edges_are_counted_and_located(name: str, folder: Path):
     mesh = load(folder / name)
     expected = EDGE_FAULTS[name]
     faults = dirty_meshes.find_faults(mesh.vertices, mesh.faces)
@@ -127,7 +114,7 @@ def test_faulty_edges_are_counted_and_located(name: str, folder: Path, tmp_path:
     )
     far = far_places(mesh)
     inside, outside = certain_places(mesh, mesh.extents.max() / RESOLUTION)
-    told = build(folder / name, np.concatenate([far, inside, outside]), tmp_path)
+    told = build(folder / name, np.concatenate([far, inside, outside]))
 
     if expected.confidence is REFUSED:
         assert told.get("error") == "MeshError", "built"
@@ -156,10 +143,10 @@ def test_faulty_edges_are_counted_and_located(name: str, folder: Path, tmp_path:
     assert gaps.min() <= 1e-3 * np.abs(mesh.bounds).max(), "no fault is there"
 
 
-def test_a_vertex_that_is_no_number_is_refused_by_its_name(folder: Path, tmp_path: Path):
+def test_a_vertex_that_is_no_number_is_refused_by_its_name(folder: Path):
     mesh = load(folder / NOT_FINITE)
     wrong = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
-    told = build(folder / NOT_FINITE, np.zeros((1, 3)), tmp_path)
+    told = build(folder / NOT_FINITE, np.zeros((1, 3)))
     assert told["error"] == "MeshError"
     named = re.search(r"not finite \(first: vertex (\d+)\)", told["refused"])
     assert named, told["refused"]
@@ -172,32 +159,28 @@ def test_an_inverted_mesh_is_turned_with_a_warning(folder: Path, tmp_path: Path)
     mesh.invert()
     path = tmp_path / "inverted.obj"
     mesh.export(path)
-    told = build(path, far_places(mesh), tmp_path)
+    told = build(path, far_places(mesh))
     (warning,) = told["warnings"]
     assert "inside out as a whole" in warning
     assert (np.array(told["distances"]) > 0.0).all()
 
 
-def test_the_mesh_decides_whether_its_inside_is_in_doubt_and_not_the_voxels(
-    folder: Path, tmp_path: Path
-):
+def test_the_mesh_decides_whether_its_inside_is_in_doubt_and_not_the_voxels(folder: Path):
     sheet, part = "terrain.obj", "racecar/meshes/hokuyo.obj"
     for resolution in (10, 160):
-        assert (
-            "in doubt" in build(folder / sheet, np.zeros((1, 3)), tmp_path, resolution)["refused"]
-        )
-        told = build(folder / part, np.zeros((1, 3)), tmp_path, resolution)
+        assert "in doubt" in build(folder / sheet, np.zeros((1, 3)), resolution)["refused"]
+        told = build(folder / part, np.zeros((1, 3)), resolution)
         assert told["confidence"] == pytest.approx(EDGE_FAULTS[part].confidence, abs=0.005)
 
 
-def test_a_clean_mesh_of_the_same_source_is_built_without_a_word(folder: Path, tmp_path: Path):
+def test_a_clean_mesh_of_the_same_source_is_built_without_a_word(folder: Path):
     mesh = load(folder / CLOSED)
     assert len(dirty_meshes.find_faults(mesh.vertices, mesh.faces).places) == 0
     far = far_places(mesh)
     inside, outside = certain_places(mesh, mesh.extents.max() / RESOLUTION)
     assert len(inside) > 5
     assert len(outside) > 5
-    told = build(folder / CLOSED, np.concatenate([far, outside, inside]), tmp_path)
+    told = build(folder / CLOSED, np.concatenate([far, outside, inside]))
     assert told["warnings"] == []
     assert (np.array(told["distances"])[: -len(inside)] > 0.0).all()
     assert (np.array(told["distances"])[-len(inside) :] < 0.0).all()

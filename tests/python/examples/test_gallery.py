@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
+import runpy
 import sys
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,9 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples/python"
 PROGRAMS = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
 LINES_AT_MOST = 80
+# Lighting a picture of the full size takes longer than most examples. `./dev docs` draws these, and runs each example in
+# a process of its own.
+SMALL = {"size": (160, 100), "quality": 0.1}
 
 
 def hold_rings(figures: dict[str, Any]) -> None:
@@ -107,18 +110,25 @@ def test_the_gallery_is_numbered_without_gaps():
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
-def test_an_example_runs_and_holds(program: Path, tmp_path: Path):
+def test_an_example_runs_and_holds(
+    program: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
     assert len(program.read_text().splitlines()) <= LINES_AT_MOST
-    done = subprocess.run(
-        [sys.executable, str(program), "--quick", "--out", str(tmp_path)],
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    monkeypatch.setattr(sys, "argv", [str(program), "--quick", "--out", str(tmp_path)])
+    import drawing
+
+    options = drawing.Studio.__init__.__kwdefaults__
+    monkeypatch.setattr(drawing.Studio.__init__, "__kwdefaults__", {**options, **SMALL})
+    runpy.run_path(str(program), run_name="__main__")
     made = {path.name for path in tmp_path.iterdir()}
     assert {"picture.png", "plot.png", "replay.html", "figures.json"} <= made
     figures = json.loads((tmp_path / "figures.json").read_text())
     assert figures
+    said = capsys.readouterr().out
     for name in figures:
-        assert name.replace("_", " ") in done.stdout
+        assert name.replace("_", " ") in said
     HOLDS.get(program.stem, lambda figures: None)(figures)

@@ -692,6 +692,32 @@ def test_a_budget_says_what_it_may_have_missed(ball: vx.Model, cube: vx.Model, s
     assert inexact >= 8
 
 
+def count_nodes(a: vx.Model, b: vx.Model, pose: np.ndarray) -> int:
+    """The least budget with which contacts are complete."""
+    too_few, enough = 0, 2**20
+    while enough - too_few > 1:
+        middle = (too_few + enough) // 2
+        if vx.contacts(a, b, pose, shell="a", budget=middle).exact:
+            enough = middle
+        else:
+            too_few = middle
+    return enough
+
+
+def test_work_grows_less_than_the_points(cube: vx.Model):
+    """A flat loop looks at all points: the exponent of its work is 1."""
+    mesh = trimesh.creation.icosphere(4, radius=0.1)
+    pose = moved(0.05, 0.02, 0.5982)
+    points, nodes = [], []
+    for target_points in (1_000, 4_000, 16_000, 64_000):
+        model = vx.Model.from_mesh(mesh, voxel_size=0.005, target_points=target_points)
+        assert len(vx.contacts(model, cube, pose, shell="a")) > 0
+        points.append(len(model.shell))
+        nodes.append(count_nodes(model, cube, pose))
+    assert nodes[-1] < points[-1] / 8 / 20, "a node is eight points"
+    assert np.polyfit(np.log(points), np.log(nodes), 1)[0] < 0.7
+
+
 def test_a_scratch_changes_no_answer(ball: vx.Model, cube: vx.Model):
     scratch = vx.QueryScratch()
     contacts = 0

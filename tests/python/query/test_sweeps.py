@@ -132,13 +132,17 @@ def test_a_thin_plate_is_hit_at_any_speed(box):
         assert not vx.collide(box, plate, translation_matrix((0, 0, 0.05 - way)))
 
 
-@pytest.mark.parametrize(("aside", "touches"), [(0.0, False), (0.00015, False), (0.00025, True)])
-def test_a_peg_passes_through_a_hole_with_two_tenths_of_play(aside, touches):
-    plate = trimesh.creation.annulus(r_min=0.01, r_max=0.03, height=0.02, sections=256)
+@pytest.fixture(scope="module")
+def peg_and_plate():
     peg = trimesh.creation.cylinder(radius=0.0098, height=0.05, sections=256)
+    plate = trimesh.creation.annulus(r_min=0.01, r_max=0.03, height=0.02, sections=256)
+    return vx.Model.from_mesh(peg), vx.Model.from_mesh(plate)
+
+
+@pytest.mark.parametrize(("aside", "touches"), [(0.0, False), (0.00015, False), (0.00025, True)])
+def test_a_peg_passes_through_a_hole_with_two_tenths_of_play(peg_and_plate, aside, touches):
     found = vx.sweep(
-        vx.Model.from_mesh(peg),
-        vx.Model.from_mesh(plate),
+        *peg_and_plate,
         translation_matrix((aside, 0, 0.05)),
         a_end=translation_matrix((aside, 0, -0.05)),
         tolerance=1e-5,

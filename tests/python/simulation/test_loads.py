@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,9 +24,14 @@ def at(x, z):
     return pose
 
 
+@cache
+def build_box(*size: float) -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.box(extents=size))
+
+
 @pytest.fixture(scope="module")
 def brick():
-    return vx.Model.from_mesh(trimesh.creation.box(extents=BRICK))
+    return build_box(*BRICK)
 
 
 def stack(brick, masses, rate):
@@ -68,8 +74,7 @@ def test_towers_are_calm(brick, count, rate):
 def test_a_stack_that_falls_off_an_edge_gains_no_energy(rate, speed):
     """Solves that ended early drove each other apart: bodies left at 60 m/s to 30,000 km/s."""
     size, mass = (0.19, 0.19, 0.15), 3.0
-    box = vx.Model.from_mesh(trimesh.creation.box(extents=size))
-    slab = vx.Model.from_mesh(trimesh.creation.box(extents=(0.8, 0.6, 0.07)))
+    box, slab = build_box(*size), build_box(0.8, 0.6, 0.07)
     world = vx.World(time_step=1.0 / rate)
     world.add(slab, mass=0, friction=0.4, pose=at(0.0, 0.035))
     world.add(vx.Plane(offset=-1.5), mass=0)
@@ -131,8 +136,7 @@ def carry(rate, velocity, friction, seconds, yaw=0.0):
     """A cube on a belt that is turned by `yaw`: speeds along the belt after each step, m/s."""
     world = vx.World(time_step=1.0 / rate)
     way = trimesh.transformations.rotation_matrix(yaw, (0, 0, 1))
-    belt = vx.Model.from_mesh(trimesh.creation.box(extents=(3.0, 0.4, 0.05)))
-    cube = vx.Model.from_mesh(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
+    belt, cube = build_box(3.0, 0.4, 0.05), build_box(0.1, 0.1, 0.1)
     world.add(
         belt,
         motion="kinematic",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import trimesh
@@ -20,6 +22,11 @@ SHORTEST = {
     "ball": 0.0996,
     "torus": 0.03,
 }  # m, ways out of a body's own place
+
+
+@cache
+def build(name: str) -> vx.Model:
+    return vx.Model.from_mesh(MESHES[name])
 
 
 def depth_between(model, a, b):
@@ -45,7 +52,7 @@ def run(model, offset, rate=200, turn=None):
 )
 @pytest.mark.parametrize("name", MESHES)
 def test_bodies_in_nearly_the_same_place_part_by_the_shortest_way(name, offset, rate):
-    model = vx.Model.from_mesh(MESHES[name])
+    model = build(name)
     a, b = run(model, offset, rate)
     assert depth_between(model, a, b) < 1e-4
     assert np.linalg.norm(a.pose[:3, 3] - b.pose[:3, 3]) < 1.1 * SHORTEST[name] + 1e-3
@@ -56,7 +63,7 @@ def test_bodies_in_nearly_the_same_place_part_by_the_shortest_way(name, offset, 
 @pytest.mark.parametrize("offset", [(0.02, 0, 0), (0, 0.03, 0), (0.02, 0.02, 0)], ids=str)
 @pytest.mark.parametrize("name", MESHES)
 def test_bodies_that_overlap_by_most_of_their_size_part(name, offset, turn):
-    model = vx.Model.from_mesh(MESHES[name])
+    model = build(name)
     a, b = run(model, offset, turn=turn)
     assert depth_between(model, a, b) < 2e-4
     assert np.linalg.norm([a.linear_velocity, b.linear_velocity]) < 1e-3
@@ -83,7 +90,7 @@ def test_a_ball_in_the_wall_of_a_room_leaves_the_wall_not_the_room():
     "shape", [vx.Box((0.05, 0.05, 0.05)), vx.Sphere(0.05), vx.Cylinder(0.05, 0.1)]
 )
 def test_a_model_leaves_a_shape_in_whose_place_it_is(shape):
-    model = vx.Model.from_mesh(MESHES["cube"])
+    model = build("cube")
     world = vx.World(gravity=(0, 0, 0))
     body = world.add(model)
     other = world.add(shape, mass=1)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import trimesh
@@ -188,8 +190,15 @@ def test_wrong_queries_are_refused(ring):
 
 
 CUBE = trimesh.creation.box(extents=(0.2, 0.2, 0.2))
+
+
+@cache
+def build_cube() -> vx.Model:
+    return vx.Model.from_mesh(CUBE, voxel_size=0.01)
+
+
 CUBES = {
-    "model": lambda: vx.Model.from_mesh(CUBE, voxel_size=0.01),
+    "model": build_cube,
     "box": lambda: vx.Box((0.1, 0.1, 0.1)),
     "cylinder": lambda: vx.Cylinder(0.1, 0.2),
     "capsule": lambda: vx.Capsule(0.1, 0.1),
@@ -200,7 +209,7 @@ CUBES = {
     "compound": lambda: vx.Compound(
         [(vx.Box((0.05, 0.1, 0.1)), at(x=0.05)), (vx.Box((0.05, 0.1, 0.1)), at(x=-0.05))]
     ),
-    "compound of models": lambda: vx.Compound([(CUBES["model"](), at()), (vx.Sphere(0.05), at())]),
+    "compound of models": lambda: vx.Compound([(build_cube(), at()), (vx.Sphere(0.05), at())]),
 }
 
 
