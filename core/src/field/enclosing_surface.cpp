@@ -67,12 +67,14 @@ std::vector<std::array<Vec3, 3>> find_faulty_edges(const TriangleMesh& mesh) {
 struct Crossings {
   std::vector<Vec3> points;
   unsigned faces = 0;
+  BrickSides sides;  ///< of its nodes
 };
 
 Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGrid& grid,
                          const InsideByWindingNumbers& inside, std::span<const float> distances) {
   constexpr std::size_t kCount = kNodes * kNodes * kNodes;
   constexpr std::array<std::size_t, 3> kStrides{1, kNodes, kNodes * kNodes};
+  std::array<Vec3, kCount> nodes;
   std::array<double, kCount> numbers;
   const auto node_at = [&](const std::array<std::size_t, 3>& place) {
     return grid.node(kBrickCells * brick[0] + place[0], kBrickCells * brick[1] + place[1],
@@ -81,16 +83,16 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
   const auto place_of = [](std::size_t node) {
     return std::array{node % kNodes, node / kNodes % kNodes, node / (kNodes * kNodes)};
   };
-  for (std::size_t node = 0; node < kCount; ++node) {
-    numbers[node] = inside.compute(node_at(place_of(node)));
-  }
+  for (std::size_t node = 0; node < kCount; ++node) nodes[node] = node_at(place_of(node));
+  inside.compute(nodes, numbers);
   Crossings found;
+  found.sides = decide_sides(numbers);
   for (std::size_t node = 0; node < kCount; ++node) {
     const auto place = place_of(node);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (place[axis] == kBrickCells) continue;
       const std::size_t next = node + kStrides[axis];
-      if ((numbers[node] > 0.5) == (numbers[next] > 0.5)) continue;
+      if (found.sides.is_inside[node] == found.sides.is_inside[next]) continue;
       if (distances[node] + distances[next] <= 1.0f + 1e-3f) continue;
       bool is_on_upper_face = false;
       for (std::size_t other = 0; other < 3; ++other) {
@@ -102,11 +104,9 @@ Crossings find_crossings(const std::array<std::size_t, 3>& brick, const BrickGri
         }
       }
       if (is_on_upper_face) continue;
-      auto end = place;
-      ++end[axis];
       const double fraction = (0.5 - numbers[node]) / (numbers[next] - numbers[node]);
-      const Vec3 from = node_at(place);
-      found.points.push_back(from + std::clamp(fraction, 0.0, 1.0) * (node_at(end) - from));
+      found.points.push_back(nodes[node] +
+                             std::clamp(fraction, 0.0, 1.0) * (nodes[next] - nodes[node]));
     }
   }
   return found;
@@ -211,6 +211,7 @@ std::optional<EnclosingSurface> find_enclosing_surface(
     const std::array<std::size_t, 3> strides{1, grid.bricks[0], grid.bricks[0] * grid.bricks[1]};
     for (std::size_t i = 0; i < bricks.size(); ++i) {
       caps.insert(caps.end(), found[i].points.begin(), found[i].points.end());
+      surface.sides.emplace(bricks[i], found[i].sides);
       const auto place = grid.place(bricks[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (const bool upper : {false, true}) {

@@ -22,6 +22,7 @@ struct EnclosingSurface {
   /// 0, or the steps that were too few to cut the mesh where it crosses itself: all there is then.
   std::size_t spent_steps = 0;
   std::size_t caps = 0;  ///< specks, about one a voxel of the surface across holes
+  KnownSides sides;      ///< of the bricks through which the boundary was followed
   double confidence =
       0.0;  ///< fraction of the mesh's area that has no doubtful place on either side
 };

@@ -1,9 +1,11 @@
 #include "field/feature_normals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -27,9 +29,15 @@ double angle_between(const Vec3& u, const Vec3& v) {
 /// change along it: that which bends most tells the sides of all.
 Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
                          const Vec3& to) {
+  constexpr std::array kFractions{0.5, 0.1, 0.3, 0.7, 0.9};
+  std::array<Vec3, kFractions.size()> places;
+  std::ranges::transform(kFractions, places.begin(),
+                         [&](double fraction) { return from + fraction * (to - from); });
+  std::array<Vec3, kFractions.size()> normals;
+  around.compute(places, normals);
   Vec3 normal = face;
-  for (const double fraction : {0.5, 0.1, 0.3, 0.7, 0.9}) {
-    const Vec3 here = normalized(around.compute(from + fraction * (to - from)));
+  for (const Vec3& each : normals) {
+    const Vec3 here = normalized(each);
     if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
   }
   return normal;
@@ -94,6 +102,7 @@ Features combine(const TriangleMesh& mesh, const TriangleMesh& pieces,
                  const std::vector<bool>& is_vertex_in_doubt, double rounding) {
   const std::vector<float> of_mesh = compute_by_mesh(mesh);
   const AngleNormals around(pieces, rounding);
+  std::vector<std::optional<Vec3>> of_corners(pieces.vertices().size());
   Features features;
   features.normals.reserve(simd::kFeatureNormalFloats * of_pieces.size());
   const auto append = [&](const Vec3& normal) {
@@ -118,7 +127,11 @@ Features combine(const TriangleMesh& mesh, const TriangleMesh& pieces,
     for (std::size_t k = 0; k < 3; ++k) {
       append(compute_side_normal(around, face, corners[k], corners[(k + 1) % 3]));
     }
-    for (const Vec3& corner : corners) append(around.compute(corner));
+    for (const std::uint32_t vertex : pieces.triangles()[i]) {
+      std::optional<Vec3>& normal = of_corners[vertex];
+      if (!normal) normal = around.compute(pieces.vertices()[vertex]);
+      append(*normal);
+    }
   }
   return features;
 }

@@ -120,7 +120,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
                   format_point(report.defects.first_location).c_str())};
   const Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
   const BrickGrid& grid = plan.grid;
-  const InsideByWindingNumbers inside(grid, mesh.bounds(), *cutter);
+  InsideByWindingNumbers inside(grid, mesh.bounds(), *cutter);
   bool was_stopped = false;
   const Progress watched = [&](std::string_view stage, double /*fraction*/) {
     was_stopped = was_stopped || (progress && !progress(stage, 0.0));
@@ -146,6 +146,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
   }
   // In a cell that the limit of the inside cuts it crosses an edge.
   report.cap_error = surface->caps > 0 ? std::sqrt(3.0) * grid.voxel_size : 0.0;
+  inside.remember(std::move(surface->sides));
   const BrickGridPlan of_surface{grid, find_least_cells(surface->mesh, grid)};
   // Only of closed surfaces do the normals of edges and corners tell inside from outside.
   GridFieldSettings of_field = settings;

@@ -1,9 +1,13 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
+#include <map>
 #include <span>
+#include <utility>
 
+#include "field/brick_entry.h"
 #include "field/brick_grid.h"
 #include "mesh/row_winding.h"
 #include "mesh/surface_cutter.h"
@@ -46,6 +50,19 @@ class InsideByRows : public Inside {
   double rounding_ = 0.0;
 };
 
+/// Which nodes of a brick are inside, by their winding numbers.
+struct BrickSides {
+  static constexpr std::size_t kNodes = cube(std::size_t{simd::kBrickCells} + 1);
+  std::bitset<kNodes> is_inside;
+  std::bitset<kNodes> is_clear;  ///< the number is not near a half
+};
+
+/// By the winding numbers of the nodes, x fastest.
+BrickSides decide_sides(std::span<const double> numbers);
+
+/// Those of some bricks, by the bricks' numbers in the grid.
+using KnownSides = std::map<std::size_t, BrickSides>;
+
 /// Of any mesh, by generalised winding numbers: inside is what has one above a half. Nodes that are
 /// nearer to one another than to the surface lie on one side of it, so that few need their own.
 class InsideByWindingNumbers : public Inside {
@@ -53,8 +70,11 @@ class InsideByWindingNumbers : public Inside {
   InsideByWindingNumbers(const BrickGrid& grid, const Bounds& bounds, const SurfaceCutter& surface)
       : grid_(grid), bounds_(bounds), surface_(surface) {}
 
-  /// The winding number at a place, metres, where it may be above a half, and 0 elsewhere.
-  double compute(const Vec3& p) const;
+  /// Sides that need not be found again.
+  void remember(KnownSides sides) { known_ = std::move(sides); }
+
+  /// The winding numbers at places, metres, where they may be above a half, and 0 elsewhere.
+  void compute(std::span<const Vec3> places, std::span<double> numbers) const;
 
   void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;
   void find_nodes(const std::array<std::size_t, 3>& brick, std::span<const float> distances,
@@ -64,6 +84,7 @@ class InsideByWindingNumbers : public Inside {
   const BrickGrid& grid_;
   Bounds bounds_;
   const SurfaceCutter& surface_;
+  KnownSides known_;
 };
 
 }  // namespace voxshell

@@ -14,27 +14,6 @@ namespace {
 constexpr std::size_t kCorners = 3;
 std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }
 
-/// How much of the directions around a place of its plane a triangle takes up; 0 where it does not
-/// reach the place.
-double measure_angle(const std::array<Vec3, 3>& corners, const Vec3& normal, const Vec3& place,
-                     double rounding) {
-  if (std::abs(dot(place - corners[0], normal)) > rounding) return 0.0;
-  for (std::size_t i = 0; i < kCorners; ++i) {
-    if (squared_length(place - corners[i]) > rounding * rounding) continue;
-    const Vec3 u = corners[next(i)] - corners[i];
-    const Vec3 v = corners[next(next(i))] - corners[i];
-    return portable_atan2(length(cross(u, v)), dot(u, v));
-  }
-  double angle = 2.0 * std::numbers::pi;
-  for (std::size_t i = 0; i < kCorners; ++i) {
-    const Vec3 inward = normalized(cross(normal, corners[next(i)] - corners[i]));
-    const double height = dot(place - corners[i], inward);
-    if (height < -rounding) return 0.0;
-    if (height <= rounding) angle = std::numbers::pi;
-  }
-  return angle;
-}
-
 }  // namespace
 
 double measure_height(const std::array<Vec3, 3>& corners) {
@@ -46,18 +25,74 @@ double measure_height(const std::array<Vec3, 3>& corners) {
   return doubled > 0.0 ? doubled / longest : 0.0;
 }
 
+AngleNormals::AngleNormals(const TriangleMesh& mesh, double rounding)
+    : rounding_(rounding), finder_(bound_triangles(mesh)) {
+  facets_.reserve(mesh.triangles().size());
+  for (std::size_t triangle = 0; triangle < mesh.triangles().size(); ++triangle) {
+    Facet facet{.corners = mesh.corners(triangle), .normal{}, .weight = 0.0, .inwards{}, .angles{}};
+    const auto& corners = facet.corners;
+    facet.normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    // As little as it covers of what is within the rounding.
+    facet.weight = std::min(1.0, measure_height(corners) / rounding);
+    for (std::size_t i = 0; i < kCorners; ++i) {
+      const Vec3 u = corners[next(i)] - corners[i];
+      const Vec3 v = corners[next(next(i))] - corners[i];
+      facet.inwards[i] = normalized(cross(facet.normal, u));
+      facet.angles[i] = portable_atan2(length(cross(u, v)), dot(u, v));
+    }
+    facets_.push_back(facet);
+  }
+}
+
+/// How much of the directions around a place of its plane it takes up; 0 where it does not reach
+/// the place.
+double AngleNormals::Facet::measure_angle(const Vec3& place, double rounding) const {
+  if (std::abs(dot(place - corners[0], normal)) > rounding) return 0.0;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    if (squared_length(place - corners[i]) <= rounding * rounding) return angles[i];
+  }
+  double angle = 2.0 * std::numbers::pi;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    const double height = dot(place - corners[i], inwards[i]);
+    if (height < -rounding) return 0.0;
+    if (height <= rounding) angle = std::numbers::pi;
+  }
+  return angle;
+}
+
+/// Its part in the normal of a place.
+Vec3 AngleNormals::Facet::weigh(const Vec3& place, double rounding) const {
+  return weight * measure_angle(place, rounding) * normal;
+}
+
 Vec3 AngleNormals::compute(const Vec3& place) const {
-  Bounds box;
-  box.extend(place);
   Vec3 sum{};
-  finder_.visit(widen(box, rounding_), [&](std::uint32_t triangle) {
-    const std::array<Vec3, 3> corners = mesh_.corners(triangle);
-    const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    // Needles face anywhere, and count as little as they cover of what is within the rounding.
-    const double weight = std::min(1.0, measure_height(corners) / rounding_);
-    sum += weight * measure_angle(corners, normal, place, rounding_) * normal;
-  });
+  finder_.visit(widen({place, place}, rounding_),
+                [&](std::uint32_t triangle) { sum += facets_[triangle].weigh(place, rounding_); });
   return sum;
+}
+
+void AngleNormals::compute(std::span<const Vec3> places, std::span<Vec3> normals) const {
+  Bounds around;
+  for (const Vec3& place : places) around.extend(place);
+  // Of places that are far apart, what is between them is more than what is around each.
+  constexpr std::size_t kMost = 512;
+  std::vector<std::uint32_t> near;
+  const bool are_near = finder_.find(widen(around, rounding_), kMost, near);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec3& place = places[i];
+    normals[i] = {};
+    if (!are_near) {
+      normals[i] = compute(place);
+      continue;
+    }
+    const Bounds box = widen({place, place}, rounding_);
+    for (const std::uint32_t triangle : near) {
+      if (do_meet(box, finder_.box(triangle))) {
+        normals[i] += facets_[triangle].weigh(place, rounding_);
+      }
+    }
+  }
 }
 
 }  // namespace voxshell

@@ -35,9 +35,40 @@ class BoxFinder {
   explicit BoxFinder(std::vector<Bounds> boxes)
       : boxes_(std::move(boxes)), order_(order(boxes_)), hierarchy_(sort(boxes_, order_), 0.0) {}
 
-  /// Calls `visit(i)` for the boxes that meet `box`, in any order.
+  /// Calls `visit(i)` for the boxes that meet `box`. The order does not depend on it: boxes that
+  /// meet two boxes come in the same order for both.
   template <class Visit>
   void visit(const Bounds& box, const Visit& visit_box) const {
+    search(box, [&](std::size_t begin, std::size_t end, float& /*limit*/) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (do_meet(box, boxes_[order_[i]])) visit_box(order_[i]);
+      }
+    });
+  }
+
+  /// Finds the boxes that meet `box`, in the order of visit(). False, with some of them, where it
+  /// would have to look at more than about `most`.
+  bool find(const Bounds& box, std::size_t most, std::vector<std::uint32_t>& found) const {
+    std::size_t looked_at = 0;
+    found.clear();
+    search(box, [&](std::size_t begin, std::size_t end, float& limit) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (do_meet(box, boxes_[order_[i]])) found.push_back(order_[i]);
+      }
+      looked_at += end - begin;
+      if (looked_at > most) limit = -1.0f;  // nothing is as near
+    });
+    return looked_at <= most;
+  }
+
+  const Bounds& box(std::uint32_t i) const { return boxes_[i]; }
+
+ private:
+  /// Calls `visit_run(begin, end, limit)` for runs of the order that may hold boxes which meet
+  /// `box`. Those that do hold some come in descending order: all the boxes around them meet it
+  /// after the rounding, too, and of what is equally near the hierarchy takes the last first.
+  template <class VisitRun>
+  void search(const Bounds& box, const VisitRun& visit_run) const {
     const auto lower = static_cast<Vec3f>(box.lower);
     const auto upper = static_cast<Vec3f>(box.upper);
     const auto measure = [&](const BoxHierarchy::Node& node) {
@@ -50,17 +81,13 @@ class BoxFinder {
       return gap;
     };
     // Rounding of the box itself to float32.
-    const float limit = 1e-6f * static_cast<float>(length(box.lower) + length(box.upper));
+    float limit = 1e-6f * static_cast<float>(length(box.lower) + length(box.upper));
     hierarchy_.search(limit, measure, [&](std::size_t run) {
       const std::size_t begin = run * BoxHierarchy::kEach;
-      const std::size_t end = std::min(begin + BoxHierarchy::kEach, order_.size());
-      for (std::size_t i = begin; i < end; ++i) {
-        if (do_meet(box, boxes_[order_[i]])) visit_box(order_[i]);
-      }
+      visit_run(begin, std::min(begin + BoxHierarchy::kEach, order_.size()), limit);
     });
   }
 
- private:
   static std::vector<std::uint32_t> order(const std::vector<Bounds>& boxes) {
     std::vector<Vec3> middles;
     middles.reserve(boxes.size());

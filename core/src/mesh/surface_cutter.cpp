@@ -252,7 +252,9 @@ SurfaceSides SurfaceCutter::look_from(const Vec3& front, const Vec3& back,
   }
   constexpr std::size_t kMostNear = 1024;  // solid angles, about; the rest counts in groups
   steps += std::min(crossings_.size(), kMostNear);
-  return {compute_number(front), compute_number(back)};
+  std::array<double, 2> numbers{};
+  winding_.compute(std::array{front, back}, numbers);
+  return {numbers[0], numbers[1]};
 }
 
 SurfaceSides SurfaceCutter::look_at(const Vec3& place, const Vec3& normal) const {

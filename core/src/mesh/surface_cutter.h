@@ -72,7 +72,10 @@ class SurfaceCutter {
   double rounding() const { return crossings_.rounding(); }
   bool is_balanced() const { return is_balanced_; }
 
-  double compute_number(const Vec3& p) const { return winding_.compute(p); }
+  /// Generalised winding numbers.
+  void compute_numbers(std::span<const Vec3> places, std::span<double> numbers) const {
+    winding_.compute(places, numbers);
+  }
 
   /// Just off a place of the surface that faces along `normal`, unit length.
   SurfaceSides look_at(const Vec3& place, const Vec3& normal) const;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "simd/winding.h"
 #include "voxshell/triangle_mesh.h"
 
 namespace voxshell {
@@ -16,22 +18,16 @@ class WindingNumberTree {
  public:
   explicit WindingNumberTree(const TriangleMesh& mesh);
 
+  /// At each of some places, at less cost where those that follow one another are near.
+  void compute(std::span<const Vec3> places, std::span<double> numbers) const;
   double compute(const Vec3& p) const;
 
  private:
-  struct Node {
-    Vec3 centre;          ///< of the triangles' area
-    Vec3 area;            ///< sum of the triangles' normals, as long as their areas
-    double radius;        ///< no triangle reaches farther from the centre
-    std::uint32_t first;  ///< a leaf's first triangle in corners_; an inner node's right child
-    std::uint32_t count;  ///< a leaf's triangles; 0 for an inner node, whose left child is next
-  };
-
   void build_node(const TriangleMesh& mesh, std::uint32_t begin, std::uint32_t end,
                   std::vector<std::uint32_t>& order, const std::vector<Vec3>& centres);
 
-  std::vector<Node> nodes_;
-  std::vector<std::array<Vec3, 3>> corners_;
+  std::vector<simd::WindingNode> nodes_;
+  std::vector<double> triangles_;  ///< see simd/winding.h
 };
 
 }  // namespace voxshell

@@ -174,7 +174,8 @@ inline ExactValue<float> evaluate_triangles(const ListedTriangles& list, float x
   return evaluate_triangle(list, static_cast<uint32_t>(least_index[lane]), x, y, z);
 }
 
-/// The same of eight places with one list of at most as many triangles: triangle by triangle.
+/// The same of eight places with one list: triangle by triangle, of which the first of the nearest
+/// counts, as in evaluate_triangles() where there are at most eight.
 inline ExactValue<F8> evaluate_triangles_at(const ListedTriangles& list, const Triple<F8>& places) {
   NearestOnTriangle<F8> nearest{};
   Triple<F8> normal{};

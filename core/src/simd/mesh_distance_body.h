@@ -391,7 +391,27 @@ inline void evaluate_listed(const float* records, const float* feature_normals,
                             const uint32_t* listed, uint32_t count, const float* places,
                             uint32_t place_count, float* distances) {
   const ListedTriangles list{listed, count, records, feature_normals};
-  for (uint32_t i = 0; i < place_count; ++i) {
+  constexpr uint32_t kMost = 256;
+  uint32_t first = 0;
+  if (count <= kMost) {
+    // Of triangles that are equally near, evaluate_triangles() takes the first in this order.
+    uint32_t ordered[kMost];
+    uint32_t next = 0;
+    for (uint32_t lane = 0; lane < kLanes; ++lane) {
+      for (uint32_t i = lane; i < count; i += kLanes) ordered[next++] = listed[i];
+    }
+    const ListedTriangles in_order{ordered, count, records, feature_normals};
+    for (; first + kLanes <= place_count; first += kLanes) {
+      float by_axis[3][kLanes];
+      for (uint32_t lane = 0; lane < kLanes; ++lane) {
+        const float* p = places + 3 * uint64_t{first + lane};
+        for (int axis = 0; axis < 3; ++axis) by_axis[axis][lane] = p[axis];
+      }
+      const Triple<F8> eight{load<F8>(by_axis[0]), load<F8>(by_axis[1]), load<F8>(by_axis[2])};
+      store(distances + first, evaluate_triangles_at(in_order, eight).distance);
+    }
+  }
+  for (uint32_t i = first; i < place_count; ++i) {
     const float* p = places + 3 * uint64_t{i};
     distances[i] = evaluate_triangles(list, p[0], p[1], p[2]).distance;
   }
