@@ -95,7 +95,7 @@ def make_table(title: str) -> Table:
 
 
 def make_query_table(cases: dict[str, dict[str, Any]]) -> Table:
-    """One row a query case; the answer is the mean number of contacts, or share of yes."""
+    """One row a query case; the answer is the mean number of contacts, or the fraction of yes."""
     table = make_table("queries, microseconds")
     for heading in ("answer", "median", "least", "p99", "bar", "flat/this", "holds"):
         table.add_column(heading, justify="right")
@@ -204,7 +204,7 @@ def print_results(results: dict[str, Any], console: Console) -> None:
         console.print(
             f"73.6 mm deep, the deepest contact is off the true depth by {depth['median_voxels']:.2f} "
             f"voxels, {depth['voxels']:.2f} at worst, by one at most in "
-            f"{depth['share_within_voxel']:.0%} of the poses (bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
+            f"{depth['fraction_within_voxel']:.0%} of the poses (bar {BARS['pair_deepest/depth_error', 'voxels'].most:g})"
         )
     for query in ("contacts", "manifold", "segments"):
         exponent = growth(cases, query)

@@ -73,7 +73,7 @@ def make_rows(questions: dict[str, Any]) -> dict[str, Any]:
     return {
         "cases": cases,
         "ways": ways,
-        "share_that_agree": float((answers[OURS] == usual).mean()),
+        "fraction_that_agree": float((answers[OURS] == usual).mean()),
     }
 
 

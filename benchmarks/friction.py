@@ -153,10 +153,17 @@ def run_out(speed: float, friction: float, rate: float) -> float:
 
 
 def creep(
-    name: str, ground: str, *, share: float = 0.95, friction: float = 0.5, seconds=60.0, rate, **k
+    name: str,
+    ground: str,
+    *,
+    fraction: float = 0.95,
+    friction: float = 0.5,
+    seconds=60.0,
+    rate,
+    **k,
 ):
     """How far the body gets below the angle of friction, from a second after the ground has leaned on."""
-    slope = share * math.atan(friction)
+    slope = fraction * math.atan(friction)
     world, body, _ = place(name, ground, slope=slope, friction=friction, rate=rate, **k)
     world.step(round(rate))
     start = centre(body)

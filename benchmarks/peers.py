@@ -109,9 +109,9 @@ def print_results(results: dict[str, Any]) -> None:
     print(results["model"])
     for name, measured in results["sets"].items():
         print(
-            f"\n{results['poses']} poses, {name}: {measured['share_in_contact']:.0%} in contact, "
-            f"same answer as coal {results['coal']}\nin {measured['share_that_agree_in_cpp']:.1%} "
-            f"from C++, in {measured['share_that_agree']:.1%} from Python"
+            f"\n{results['poses']} poses, {name}: {measured['fraction_in_contact']:.0%} in contact, "
+            f"same answer as coal {results['coal']}\nin {measured['fraction_that_agree_in_cpp']:.1%} "
+            f"from C++, in {measured['fraction_that_agree']:.1%} from Python"
         )
         print(f"{'microseconds':27} {'median':>8} {'mean':>8} {'p99':>8}  coal / this")
         for label, case in measured["cases"].items():
@@ -200,9 +200,9 @@ def main(arguments: list[str]) -> int:
                         case[f"coal_over_{figure}"] = group[peer][figure] / case[figure]
         return {
             "build": {name: program[name] for name in ("compiler", "flags")},
-            "share_in_contact": float(coal_answers.mean()),
-            "share_that_agree": float((answers == coal_answers).mean()),
-            "share_that_agree_in_cpp": rows["share_that_agree"],
+            "fraction_in_contact": float(coal_answers.mean()),
+            "fraction_that_agree": float((answers == coal_answers).mean()),
+            "fraction_that_agree_in_cpp": rows["fraction_that_agree"],
             "cases": rows["cases"] | cases,
             "coal_ways": rows["ways"],
         }

@@ -82,7 +82,7 @@ void register_depth_error(Bodies& bodies, const char* name, std::size_t points =
     std::ranges::sort(errors);
     state.counters["voxels"] = errors.back();
     state.counters["median_voxels"] = errors[errors.size() / 2];
-    state.counters["share_within_voxel"] =
+    state.counters["fraction_within_voxel"] =
         static_cast<double>(std::ranges::upper_bound(errors, 1.0) - errors.begin()) /
         static_cast<double>(errors.size());
     state.counters["spacing_voxels"] = shell.spacing() / bodies.settings().voxel_size();

@@ -17,10 +17,10 @@ double microseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
-/// The smallest value that at least `share` of all do not exceed; reorders them.
-double quantile(std::vector<double>& values, double share) {
+/// The smallest value that at least `fraction` of all do not exceed; reorders them.
+double quantile(std::vector<double>& values, double fraction) {
   if (values.empty()) return 0.0;
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const double rank = std::ceil(fraction * static_cast<double>(values.size()));
   const auto at = static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];

@@ -36,7 +36,7 @@ tell(
     options.out,
     {
         "poses": len(poses),
-        "free_share": float(1.0 - hit.mean()),
+        "free_fraction": float(1.0 - hit.mean()),
         "microseconds_a_pose": 1e6 * seconds / len(poses),
         "contacts_of_a_hundred": len(contacts.depths),
         "agrees_with_single_calls": all(
@@ -49,7 +49,7 @@ free = 1.0 - hit.reshape(turns, side, side).mean(axis=0)
 figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")
 shades = axes.pcolormesh(1e3 * places, 1e3 * places, free, cmap="viridis")
 axes.set(aspect="equal", xlabel="x, mm", ylabel="y, mm")
-figure.colorbar(shades, label="share of turns that are free")
+figure.colorbar(shades, label="fraction of turns that are free")
 figure.savefig(options.out / "plot.png", dpi=110)
 draw(options.out / "picture.png", [(ring, np.eye(4)), (hook, np.eye(4))], elevation=30)
 line = poses.reshape(turns, side, side, 4, 4)[0, side // 2]  # straight across the ring

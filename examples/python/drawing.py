@@ -32,11 +32,11 @@ class Studio:
         frames: In which the camera sees bodies whole.
         focus: Names of these bodies; all by default.
         floor: Where there is no ground, one is drawn so far below all bodies, in their height.
-        fill: The share of the picture that the bodies fill.
+        fill: The fraction of the picture that the bodies fill.
         forces: Whether to draw the arrows of forces.
         hidden: Names of bodies that are not drawn.
         cut: Names of bodies of which the quarter in front is not drawn.
-        quality: Less is faster: a share of the directions that light comes from.
+        quality: Less is faster: a fraction of the directions that light comes from.
         legend: Whether to write what colors, arrows and lines mean.
     """
 

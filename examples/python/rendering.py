@@ -53,9 +53,9 @@ def make_surface(vertices, faces, color, *, dots=300_000):
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     total = np.cumsum(0.5 * np.linalg.norm(normals, axis=1))
     # Multiples of these irrational numbers fill a cube evenly from the first on.
-    shares = (np.arange(1, dots + 1)[:, None] * (0.8191725134, 0.6710436067, 0.5497004779)) % 1.0
-    chosen = np.searchsorted(total, shares[:, 0] * total[-1]).clip(max=len(corners) - 1)
-    first, second = np.sqrt(shares[:, 1:2]), shares[:, 2:]
+    fractions = (np.arange(1, dots + 1)[:, None] * (0.8191725134, 0.6710436067, 0.5497004779)) % 1.0
+    chosen = np.searchsorted(total, fractions[:, 0] * total[-1]).clip(max=len(corners) - 1)
+    first, second = np.sqrt(fractions[:, 1:2]), fractions[:, 2:]
     a, b, c = np.moveaxis(corners[chosen].astype(np.float32), 1, 0)
     spread = (1.0 - first) * a + first * (1.0 - second) * b + first * second * c
     area = float(total[-1])
@@ -122,8 +122,8 @@ def render(bodies, camera, size, *, ground=None, cell=None, marks=(), finer=2, s
 
 def to_light(color):
     """Amounts of light, 0 to 1, of a color in sRGB, 0 to 255."""
-    share = np.asarray(color, float) / 255.0
-    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    fraction = np.asarray(color, float) / 255.0
+    return np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)
 
 
 def _to_srgb(light):
@@ -153,8 +153,8 @@ def _smooth(corners, normals):
 
 
 def _paint_background(width, height):
-    share = np.clip(np.linspace(0.0, 1.45, height), 0.0, 1.0)[:, None]
-    column = to_light(SKY_TOP) * (1.0 - share) + to_light(SKY_FOOT) * share
+    fraction = np.clip(np.linspace(0.0, 1.45, height), 0.0, 1.0)[:, None]
+    column = to_light(SKY_TOP) * (1.0 - fraction) + to_light(SKY_FOOT) * fraction
     return np.repeat(column, width, axis=0)
 
 
@@ -307,7 +307,7 @@ def _spread(bodies, center, texel):
 
 
 def _cast(dots, places, radius, direction, side):
-    """(n,) the share of light from a direction that arrives at places (n, 3), past the dots (k, 3)."""
+    """(n,) the fraction of light from a direction that arrives at places (n, 3), past the dots (k, 3)."""
     axes = _aim(direction).T * np.float32(0.5 * side / radius)
     middle = np.float32(0.5 * side)
     flat = dots @ axes
@@ -339,7 +339,7 @@ def _close(heights):
 
 
 def _light(bodies, ground, place, normal, body, seen, size, suns, skies):
-    """Light from all over (k, 3) and share of the sun (k,) of the pixels seen.
+    """Light from all over (k, 3) and the fraction of the sun (k,) of the pixels seen.
 
     Of four samples of a pixel that are alike, one is lit for all; of sixteen on the ground.
     """

@@ -242,9 +242,9 @@ def _find_way_out(scene: GeometryScene, index: int, touch: float, depth: float) 
     normals, which = np.unique(
         (areas[sound] / sizes[sound, None]).round(6), axis=0, return_inverse=True
     )
-    shares = np.bincount(which.ravel(), sizes[sound])
+    face_sizes = np.bincount(which.ravel(), sizes[sound])
     lengths = [depth]
-    for normal in normals[np.argsort(-shares, kind="stable")[:_FACES]]:
+    for normal in normals[np.argsort(-face_sizes, kind="stable")[:_FACES]]:
         into = normal / np.linalg.norm(normal)
         into *= 1.0 if into @ scene.direction > 0.0 else -1.0
         # When the body is moved out and back along the normal, it touches before this pose.

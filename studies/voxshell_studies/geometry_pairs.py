@@ -139,8 +139,8 @@ def meet(a: Mesh, b: Mesh, rng: np.random.Generator) -> Meeting | None:
 
 def _pick(mesh: Mesh, rng: np.random.Generator) -> NDArray[np.float64]:
     """Return a random place on a random face, (3,)."""
-    shares = rng.dirichlet(np.ones(3))
-    return shares @ mesh.vertices[mesh.faces[rng.integers(len(mesh.faces))]]
+    fractions = rng.dirichlet(np.ones(3))
+    return fractions @ mesh.vertices[mesh.faces[rng.integers(len(mesh.faces))]]
 
 
 def _miss_shallow(pair: Pair, order: int, meetings: list[Meeting]) -> list[_Missed]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 TIE = 1e-5
 """Excess distance at which a face still counts as nearest, meters."""
 
-TIE_SHARE = 0.01
+TIE_FRACTION = 0.01
 """Likewise, as a fraction of the distance."""
 
 _PAIRS_AT_ONCE = 500_000
@@ -67,7 +67,7 @@ class Surface:
         places: NDArray[np.float64],
     ) -> tuple[float, list[NDArray[np.float64]]]:
         least = float(distances.min())
-        near = distances <= least + TIE + TIE_SHARE * least
+        near = distances <= least + TIE + TIE_FRACTION * least
         groups: list[tuple[NDArray[np.float64], list[int]]] = []
         for face, closest in zip(faces[near], places[near], strict=True):
             for where, members in groups:
@@ -116,7 +116,7 @@ class Surface:
             # The face whose box is nearest bounds the distance of the nearest face.
             closest = find_closest(some, self._corners[bound.argmin(axis=1)])
             reach = np.linalg.norm(closest - some, axis=1)
-            reach += slack + TIE_SHARE * reach + _SAME_PLACE
+            reach += slack + TIE_FRACTION * reach + _SAME_PLACE
             which, faces = np.nonzero(bound <= reach[:, None] ** 2)
             closest = find_closest(some[which], self._corners[faces])
             distances = np.linalg.norm(closest - some[which], axis=1)
@@ -144,9 +144,9 @@ def find_closest(places: NDArray[np.float64], corners: NDArray[np.float64]) -> N
         along = end - start
         length = np.einsum("ij,ij->i", along, along)
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.einsum("ij,ij->i", places - start, along) / length
-        share = np.clip(np.nan_to_num(share), 0.0, 1.0)
-        on_edge = start + share[:, None] * along
+            fraction = np.einsum("ij,ij->i", places - start, along) / length
+        fraction = np.clip(np.nan_to_num(fraction), 0.0, 1.0)
+        on_edge = start + fraction[:, None] * along
         distance = np.linalg.norm(on_edge - places, axis=1)
         nearer = distance < best
         best[nearer], closest[nearer] = distance[nearer], on_edge[nearer]

@@ -131,7 +131,7 @@ def test_builds_give_the_same_bits_whatever_progress_leaves_behind(tmp_path):
     try:
         changed = vx.Model.from_mesh(
             mesh,
-            progress=lambda stage, share: write_mxcsr(before | FLUSH_TO_ZERO | 0x4000),
+            progress=lambda stage, fraction: write_mxcsr(before | FLUSH_TO_ZERO | 0x4000),
             **settings,
         )
         after = read_mxcsr()

@@ -25,8 +25,8 @@ URDF = """<robot name="lamp">
 def make_model() -> vx.Model:
     stages: list[str] = []
 
-    def note(stage: str, share: float) -> None:
-        stages.append(f"{stage} {share:.0%}")
+    def note(stage: str, fraction: float) -> None:
+        stages.append(f"{stage} {fraction:.0%}")
 
     return vx.Model.from_mesh((VERTICES, FACES), resolution=20, progress=note)
 

@@ -41,7 +41,7 @@ class Totals:
         for name, number in outcome.peaks.items():
             self.peaks[name] = max(self.peaks.get(name, number), number)
 
-    def share(self, part: str, whole: str) -> float:
+    def fraction(self, part: str, whole: str) -> float:
         """One tally as a fraction of another; NaN where there is none yet."""
         total = self.tallies.get(whole, 0)
         return self.tallies.get(part, 0) / total if total else float("nan")

@@ -54,12 +54,12 @@ def as_not_negative(value: Any, name: str) -> float:
     return number
 
 
-def as_share(value: float, name: str) -> float:
+def as_fraction(value: float, name: str) -> float:
     """Return a number from 0 to 1."""
-    share = as_real(value, name)
-    if not 0.0 <= share <= 1.0:
-        raise SettingsError(f"{name} must be from 0 to 1, not {share:g}")
-    return share
+    fraction = as_real(value, name)
+    if not 0.0 <= fraction <= 1.0:
+        raise SettingsError(f"{name} must be from 0 to 1, not {fraction:g}")
+    return fraction
 
 
 def as_length(value: Any, name: str) -> float:

@@ -83,14 +83,14 @@ def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy)
 
 def _describe_openings(core: CoreModel, open_as: str) -> str:
     """Return how openings were handled; empty if there are none or the caller chose that."""
-    loops, share, mouths, diameter, first, thickness = core.openings
+    loops, fraction, mouths, diameter, first, thickness = core.openings
     if loops == 0 or open_as != "auto":
         return ""
     place = ", ".join(f"{coordinate:.4g}" for coordinate in first)
     count = "1 opening" if loops == 1 else f"{loops} openings"
     where = (
         f"{count}, the largest {diameter:.3g} m across, the first near [{place}] meters; caps would "
-        f"have {100.0 * share:.3g} % of the surface's area"
+        f"have {100.0 * fraction:.3g} % of the surface's area"
     )
     if thickness > 0.0:
         tube = f", and {mouths} of them are ends of a tube" if mouths > 1 else ""

@@ -36,14 +36,14 @@ class Missing(NamedTuple):
     shell: str
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """The missed depth as a fraction of the length."""
         return self.miss / self.length
 
     def __str__(self) -> str:
         by = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
         return (
-            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.share:.3g} % of "
+            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.fraction:.3g} % of "
             f"{self.of} of {self.length * 1e3:.3g} mm"
         )
 
@@ -77,7 +77,7 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     found = [missing for missing in map(measure, parts) if missing is not None]
     if not found:
         return
-    worst = max(found, key=lambda missing: missing.share)
+    worst = max(found, key=lambda missing: missing.fraction)
     count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
     _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
 

@@ -36,8 +36,8 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
     meshes: dict[str, Shape] = {}
     for index, (name, settings) in enumerate(scene.meshes.items()):
 
-        def report(stage: str, share: float, name: str = name, index: int = index) -> None:
-            progress(f"{name}: {stage}" if stage else name, (index + share) / len(scene.meshes))
+        def report(stage: str, fraction: float, name: str = name, index: int = index) -> None:
+            progress(f"{name}: {stage}" if stage else name, (index + fraction) / len(scene.meshes))
 
         try:
             with scene.naming("meshes", name, "file"):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_integer, as_not_negative, as_share, as_vector
+from voxshell.base.arguments import as_fraction, as_integer, as_not_negative, as_vector
 from voxshell.simulation.material import Material, as_material
 from voxshell.simulation.motion import check_surface
 from voxshell.simulation.part import WorldPart
@@ -137,7 +137,7 @@ class BodyProperties(WorldPart):
 
     @restitution.setter
     def restitution(self, value: float) -> None:
-        self._set(restitution=as_share(value, "restitution"))
+        self._set(restitution=as_fraction(value, "restitution"))
 
     @property
     def linear_damping(self) -> float:
@@ -146,7 +146,7 @@ class BodyProperties(WorldPart):
 
     @linear_damping.setter
     def linear_damping(self, value: float) -> None:
-        self._set(linear_damping=as_share(value, "linear_damping"))
+        self._set(linear_damping=as_fraction(value, "linear_damping"))
 
     @property
     def angular_damping(self) -> float:
@@ -155,7 +155,7 @@ class BodyProperties(WorldPart):
 
     @angular_damping.setter
     def angular_damping(self, value: float) -> None:
-        self._set(angular_damping=as_share(value, "angular_damping"))
+        self._set(angular_damping=as_fraction(value, "angular_damping"))
 
     @property
     def surface_velocity(self) -> NDArray[np.float64]:
@@ -251,8 +251,8 @@ def make_properties(
     properties = _bullet.BodyMaterial()
     for name, value in asdict(material).items():
         setattr(properties, name, value)
-    properties.linear_damping = as_share(linear_damping, "linear_damping")
-    properties.angular_damping = as_share(angular_damping, "angular_damping")
+    properties.linear_damping = as_fraction(linear_damping, "linear_damping")
+    properties.angular_damping = as_fraction(angular_damping, "angular_damping")
     properties.surface_velocity = as_vector(surface_velocity, "surface_velocity")
     properties.group = as_groups(group, "group")
     properties.mask = as_groups(mask, "mask")

@@ -197,7 +197,7 @@ def _combine(shape: Compound, mass: float, kind: Literal["solid", "surface"]) ->
         mesh = mesh_of(part)
         body = Trimesh(mesh.vertices, mesh.faces, process=False)
         sizes.append(abs(float(body.volume if kind == "solid" else body.area)))
-    shares = np.array(sizes) / sum(sizes)
+    fractions = np.array(sizes) / sum(sizes)
     matters = [compute_mass_properties(part, 1.0, kind) for part, _ in shape.parts]
     centers = np.array(
         [
@@ -205,13 +205,13 @@ def _combine(shape: Compound, mass: float, kind: Literal["solid", "surface"]) ->
             for matter, (_, pose) in zip(matters, shape.parts, strict=True)
         ]
     )
-    center = shares @ centers
+    center = fractions @ centers
     tensor = np.zeros((3, 3))
-    for share, matter, place, (_, pose) in zip(
-        shares, matters, centers - center, shape.parts, strict=True
+    for fraction, matter, place, (_, pose) in zip(
+        fractions, matters, centers - center, shape.parts, strict=True
     ):
         turned = pose[:3, :3] @ matter.inertia @ pose[:3, :3].T
-        tensor += share * (turned + place @ place * np.eye(3) - np.outer(place, place))
+        tensor += fraction * (turned + place @ place * np.eye(3) - np.outer(place, place))
     return MassProperties(mass, center, mass * tensor)
 
 

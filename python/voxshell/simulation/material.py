@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from voxshell.base.arguments import as_not_negative, as_share
+from voxshell.base.arguments import as_fraction, as_not_negative
 from voxshell.errors import InputTypeError
 
 
@@ -43,7 +43,7 @@ class Material:
     def __post_init__(self) -> None:
         for name in ("friction", "rolling_friction", "spinning_friction"):
             object.__setattr__(self, name, as_not_negative(getattr(self, name), name))
-        object.__setattr__(self, "restitution", as_share(self.restitution, "restitution"))
+        object.__setattr__(self, "restitution", as_fraction(self.restitution, "restitution"))
 
 
 def as_material(material: Material, **given: float | None) -> Material:

@@ -30,8 +30,8 @@ _POSE_GRAIN = 2.0**-16  # display units, and components of a quaternion; a tenth
 _PIN_GRAIN = 2.0**-13
 _LABEL_WIDTH = 130  # characters that fit side by side below all lanes of a row
 _SHORT_ROW = 3
-_LETTER_SHARE = 0.0205  # fraction of the picture's height; 14 of 680 pixels
-_BALL_SHARE = 0.012  # fraction of a body's diagonal
+_LETTER_FRACTION = 0.0205  # fraction of the picture's height; 14 of 680 pixels
+_BALL_FRACTION = 0.012  # fraction of a body's diagonal
 _FLOOR = 4.5  # distance at which a floor has faded out, in sides of the stage
 
 
@@ -180,7 +180,7 @@ class _ContactActor:
             return None
         # Start with the fullest of all instants, so that the player never has to grow its buffers.
         pins = _pins(lane, int(frames[np.argmax(counts)]), script)
-        ball = _BALL_SHARE * script.stage.body_size * script.stage.scale
+        ball = _BALL_FRACTION * script.stage.body_size * script.stage.scale
         vertices, faces = build_pin_mesh(ball, stem=script.strongest == 0.0)
         node = scene.add_batched_meshes_simple(
             name,
@@ -355,7 +355,7 @@ def _add_caption(scene: viser.SceneApi, root: str, script: Script) -> viser.Labe
         anchor="top-center",
         font_size_mode="scene" if script.stage.columns > _SHORT_ROW else "screen",
         font_screen_scale=1.15,
-        font_scene_height=_LETTER_SHARE * script.camera.view_height,
+        font_scene_height=_LETTER_FRACTION * script.camera.view_height,
         depth_test=False,
     )
 

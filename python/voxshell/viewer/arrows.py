@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 LONGEST_ARROW, ARROW_SHAFT = 0.6, 0.008
 """Length of the longest arrow of a recording, and radius of all shafts, in diameters of a typical body."""
 
-_LEAST_SHARE = 2.5e-4
+_LEAST_FRACTION = 2.5e-4
 """Of the force of the longest arrow: smaller forces have none."""
 _FULL_FORCE_QUANTILE = 0.98
 """The blow of one landing should not shorten all other arrows."""
@@ -58,7 +58,7 @@ def find_arrows(
     """
     sizes = np.linalg.norm(forces, axis=1)
     chosen = np.argsort(-sizes, kind="stable")[:limit]
-    chosen = np.sort(chosen[sizes[chosen] > _LEAST_SHARE * strongest])
+    chosen = np.sort(chosen[sizes[chosen] > _LEAST_FRACTION * strongest])
     lengths = np.minimum(sizes[chosen] / max(strongest, 1e-300), 1.0) * longest
     directions = forces[chosen] / np.maximum(sizes[chosen], 1e-300)[:, None]
     return np.stack([points[chosen], points[chosen] + lengths[:, None] * directions], axis=1)

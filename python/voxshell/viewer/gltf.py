@@ -297,8 +297,8 @@ def _make_arrow() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
 
 
 def _describe_material(color: tuple[int, int, int]) -> dict[str, Any]:
-    share = np.array(color) / 255.0
-    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    fraction = np.array(color) / 255.0
+    light = np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)
     return {
         "doubleSided": True,
         "pbrMetallicRoughness": {

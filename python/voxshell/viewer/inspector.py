@@ -174,15 +174,15 @@ class Inspector:
         show_slice()
         show_level()
 
-    def _draw_slice(self, axis: Axis, share: float) -> Any:
+    def _draw_slice(self, axis: Axis, fraction: float) -> Any:
         low, high = find_box(self._model)
         across = "xyz".index(axis)
         width, height = (float((high - low)[i]) for i in range(3) if i != across)
         middle = 0.5 * (low + high)
-        middle[across] = low[across] + share * (high - low)[across]
+        middle[across] = low[across] + fraction * (high - low)[across]
         return self._server.scene.add_image(
             f"{self._root}/slice",
-            paint_slice(self._model, axis, share),
+            paint_slice(self._model, axis, fraction),
             render_width=width * self._scale,
             render_height=height * self._scale,
             format="png",
@@ -262,9 +262,9 @@ class Inspector:
         if isinstance(other, Plane):
             # The plate has the size of the scene: the whole plane would hide it.
             middle = mesh.vertices.mean(axis=0)
-            share = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
+            factor = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
             surface = other.offset * other.normal
-            mesh = mesh._replace(vertices=surface + share * (mesh.vertices - middle))
+            mesh = mesh._replace(vertices=surface + factor * (mesh.vertices - middle))
             start = np.eye(4) if pose is None else pose
             # In the direction of a corner, the model and the controls leave space.
             corner = mesh.vertices[np.argmax(mesh.vertices @ (-1.0, -1.0, 1.0))]

@@ -36,13 +36,13 @@ def find_box(model: Model) -> NDArray[np.float64]:
     return np.stack([low - around, high + around])
 
 
-def paint_slice(model: Model, axis: Axis, share: float) -> NDArray[np.uint8]:
+def paint_slice(model: Model, axis: Axis, fraction: float) -> NDArray[np.uint8]:
     """Return the field in a plane normal to an axis, in bands of color, with a black surface.
 
     Args:
         model: The model.
         axis: The normal of the plane.
-        share: Position along that side of :func:`find_box`, 0 to 1.
+        fraction: Position along that side of :func:`find_box`, 0 to 1.
 
     Returns:
         (h, w, 3): blue inside, red outside. Of the other two axes, in the order x, y, z, columns
@@ -54,7 +54,7 @@ def paint_slice(model: Model, axis: Axis, share: float) -> NDArray[np.uint8]:
     sides = (high - low)[[first, second]]
     width, height = np.maximum(np.round(_PIXELS * sides / sides.max()), 2).astype(int).tolist()
     points = np.empty((height, width, 3))
-    points[..., across] = low[across] + share * (high - low)[across]
+    points[..., across] = low[across] + fraction * (high - low)[across]
     points[..., first] = np.linspace(low[first], high[first], width)
     points[..., second] = np.linspace(low[second], high[second], height)[:, None]
     distances = model.field.sample(points.reshape(-1, 3)).reshape(height, width)

@@ -101,19 +101,19 @@ def build_pins(
     if len(contacts.points) > limit:
         chosen = np.linspace(0, len(contacts.points) - 1, limit).round().astype(np.int64)
     positions = np.round(contacts.points[chosen] * (scale / grain)) * grain
-    share = contacts.depths[chosen] / deepest if deepest > 0.0 else np.zeros(len(positions))
+    fraction = contacts.depths[chosen] / deepest if deepest > 0.0 else np.zeros(len(positions))
     return Pins(
         positions.astype(np.float32),
         (np.round(normals_as_wxyz(contacts.normals[chosen]) * _TURNS) / _TURNS).astype(np.float32),
-        _as_light(color_depths(share)),
+        _as_light(color_depths(fraction)),
     )
 
 
-def color_depths(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+def color_depths(fractions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return colors (sRGB, 0 to 255), (k, 3), of depths as fractions of the deepest, (k,)."""
     stops = np.linspace(0.0, 1.0, len(DEPTH_COLORS))
     channels = np.array(DEPTH_COLORS, dtype=np.float64).T
-    return np.stack([np.interp(shares, stops, channel) for channel in channels], axis=1)
+    return np.stack([np.interp(fractions, stops, channel) for channel in channels], axis=1)
 
 
 def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -121,6 +121,6 @@ def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
 
     Unconverted colors would look pale.
     """
-    share = colors / 255.0
-    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    fraction = colors / 255.0
+    light = np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)
     return (255.0 * light).round().astype(np.uint8)

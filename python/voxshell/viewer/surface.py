@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SHARP_COSINE = 0.82  # 35 degrees between neighboring faces
-_SHARP_SHARE = 0.2
+_SHARP_FRACTION = 0.2
 """Fraction of the area in faces with a sharp edge; areas make a few long faces count."""
 
 
@@ -27,7 +27,7 @@ def is_faceted(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bool:
     first, second = (corner // 3 for corner in _find_neighbors(faces))
     sharp = _find_cosines(normals, first, second) < _SHARP_COSINE
     edged = np.unique([first[sharp], second[sharp]])
-    return bool(areas[edged].sum() > _SHARP_SHARE * areas.sum())
+    return bool(areas[edged].sum() > _SHARP_FRACTION * areas.sum())
 
 
 def split_creases(

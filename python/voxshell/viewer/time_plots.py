@@ -70,12 +70,12 @@ def _draw(title: str, lines: Sequence[NDArray[np.float64]], top: float) -> str:
     )
 
 
-def _points(shares: NDArray[np.float64]) -> str:
+def _points(fractions: NDArray[np.float64]) -> str:
     """Return a line's points, each the maximum over a pixel's width."""
-    last = len(shares) - 1
+    last = len(fractions) - 1
     first = np.unique(np.linspace(0, last, int(_WIDTH) + 1).astype(int))
     across = first * (_WIDTH / last)
-    up = (_HEIGHT - 1.0) * (1.0 - np.maximum.reduceat(shares, first)) + 0.5
+    up = (_HEIGHT - 1.0) * (1.0 - np.maximum.reduceat(fractions, first)) + 0.5
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, up, strict=True))
 
 

@@ -122,6 +122,6 @@ def _as_vectors(usd: Any, values: NDArray[np.float64]) -> Any:
 
 def _as_light(usd: Any, colors: NDArray[Any]) -> Any:
     """Return linear intensities of colors (sRGB, 0 to 255), (k, 3)."""
-    share = colors / 255.0
-    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    fraction = colors / 255.0
+    light = np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)
     return _as_vectors(usd, light)

@@ -25,7 +25,7 @@ ENGINE_NAMES: dict[Engine, str] = {
     "mujoco": "MuJoCo",
 }
 
-_SHARE_OF_BAR = 1e-9
+_FRACTION_OF_BAR = 1e-9
 """Fraction of a bar below which errors count as equal."""
 
 
@@ -73,14 +73,14 @@ class Line:
             if rate not in self.by_rate[engine]:
                 return None
             error = self.by_rate[engine][rate]
-        return error <= self.measure.bar * (1.0 + _SHARE_OF_BAR)
+        return error <= self.measure.bar * (1.0 + _FRACTION_OF_BAR)
 
     @property
     def is_best(self) -> bool:
         """True if no other engine that ran has a smaller worst error than voxshell."""
         others = [worst.error for engine, worst in self.worst.items() if engine != "voxshell"]
         ours = self.worst["voxshell"].error
-        return bool(others) and ours <= min(others) * (1.0 + _SHARE_OF_BAR)
+        return bool(others) and ours <= min(others) * (1.0 + _FRACTION_OF_BAR)
 
     @property
     def verdict(self) -> str:

@@ -23,10 +23,10 @@ from voxshell_studies.report.geometry_pairs import (
 )
 from voxshell_studies.scenes.geometry import (
     COINCIDENT,
+    FRACTION_OF_OBJECT,
     LEAST_BAR,
     PAIRS,
     SCENES,
-    SHARE_OF_OBJECT,
     THIN,
     GeometryScene,
 )
@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 NORMAL_BAR = 10.0
 """Degrees."""
 
-SHARE_BAR = 99.0
+FRACTION_BAR = 99.0
 """Percent of contacts that must be correct."""
 
-VOXEL_SHARE_BAR = 0.25
+VOXEL_FRACTION_BAR = 0.25
 """Largest error of points on b, in voxels of the field."""
 
 _GROUNDS = ("slab", "table", "stairs", "terrain")
@@ -247,7 +247,7 @@ def _judge_depth(scene: GeometryScene, table: Columns) -> Row:
     """
     deepest = _deepest(table)
     off = np.maximum(table["reach"] - deepest, deepest - table["way_out"]).clip(min=0.0)
-    bar = max(LEAST_BAR, SHARE_OF_OBJECT * scene.size)
+    bar = max(LEAST_BAR, FRACTION_OF_OBJECT * scene.size)
     worst = float(off.max()) if len(off) else np.nan
     return Row(
         f"deepest contact off the true depth at most, {_mark(scene)}",
@@ -282,7 +282,7 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
         return []
     angles = np.degrees(table["angle"])
     angle = float(np.percentile(angles, 99))
-    share = float((table["b_off"] / table["voxel"]).max())
+    off = float((table["b_off"] / table["voxel"]).max())
     return [
         Row(
             f"normals off the nearest surface's cone, 99 %, {_mark(scene)}",
@@ -297,10 +297,10 @@ def _judge_normals(scene: GeometryScene, table: Columns) -> list[Row]:
         Row(
             f"points_b off b at most, {_mark(scene)}",
             None,
-            share,
+            off,
             "voxels",
-            bar=f"<= {VOXEL_SHARE_BAR:g}",
-            holds=at_most(share, VOXEL_SHARE_BAR),
+            bar=f"<= {VOXEL_FRACTION_BAR:g}",
+            holds=at_most(off, VOXEL_FRACTION_BAR),
             note=in_mm(table["b_off"].max()),
         ),
     ]
@@ -310,7 +310,7 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
     """Return the fractions of correct contacts of a thin body, in any pose."""
     table, said = _leave_out_ambiguous(table)
     angles = np.degrees(table["angle"])
-    shares = table["b_off"] / table["voxel"]
+    offs = table["b_off"] / table["voxel"]
     others = " or ".join(MET)
     return [
         Row(
@@ -318,8 +318,8 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
             None,
             100.0 * float((values <= bar).mean()) if len(values) else np.nan,
             "%",
-            bar=f">= {SHARE_BAR:g}",
-            holds=len(values) > 0 and float((values <= bar).mean()) >= 0.01 * SHARE_BAR,
+            bar=f">= {FRACTION_BAR:g}",
+            holds=len(values) > 0 and float((values <= bar).mean()) >= 0.01 * FRACTION_BAR,
             note=f"{len(values):,} contacts with the {others}; median {format_value(float(np.median(values)))}, "
             f"worst {format_value(float(values.max()))} {unit}{said}"
             if len(values)
@@ -332,7 +332,7 @@ def _judge_thin(body: str, table: Columns) -> list[Row]:
                 NORMAL_BAR,
                 "degrees",
             ),
-            ("points_b within a quarter voxel of b", shares, VOXEL_SHARE_BAR, "voxels"),
+            ("points_b within a quarter voxel of b", offs, VOXEL_FRACTION_BAR, "voxels"),
         )
     ]
 

@@ -85,9 +85,10 @@ def judge_costs(settings: GeometrySettings, tables: Tables) -> list[Row]:
         ),
     ]
     for asked, words in (("a", "one shell"), ("both", "both shells")):
-        for name, share in (("median", 50), ("99 %", 99)):
+        for name, percent in (("median", 50), ("99 %", 99)):
             uniform, ours = (
-                float(np.percentile(queries[f"{kind}_{asked}"], share)) * 1e6 for kind in KINDS[:2]
+                float(np.percentile(queries[f"{kind}_{asked}"], percent)) * 1e6
+                for kind in KINDS[:2]
             )
             rows.append(
                 Row(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from voxshell_studies.geometry import GeometrySettings
     from voxshell_studies.part import Columns, Tables
 
-LEAST_BOUND_BAR, BOUND_SHARE_BAR = 1e-3, 1.0 / 4000.0
+LEAST_BOUND_BAR, BOUND_FRACTION_BAR = 1e-3, 1.0 / 4000.0
 """Stated bounds: meters, or this fraction of the larger body."""
 
 SHARPNESS_BAR = 3.0
@@ -56,7 +56,7 @@ def tell_worst(name: str, worst: Columns) -> Row:
 def judge_bounds(name: str, poses: Columns) -> Row:
     """Return rows on the size of the stated bounds."""
     size = max(float(np.ptp(make_body(b).vertices, axis=0).max()) for b in name.split(" and "))
-    most = max(LEAST_BOUND_BAR, BOUND_SHARE_BAR * size)
+    most = max(LEAST_BOUND_BAR, BOUND_FRACTION_BAR * size)
     bound = float(max(poses["overlap"].max(), poses["clearance"].max()))
     return Row(
         f"stated bounds at most, {name}",

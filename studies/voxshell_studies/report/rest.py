@@ -178,8 +178,8 @@ def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
             here = count_below(settings, results[name], MOST_TURNING)
             rolling = count - count_below(settings, results[name], ROLLING)
             note = f"{rolling} roll at {ROLLING:g} rad/s or more; still to the end: " + ", ".join(
-                f"{words} {_format_seconds(settings, stills[math.ceil(share * count) - 1])}"
-                for share, words in ((0.5, "half"), (0.9, "nine of ten"), (1.0, "all"))
+                f"{words} {_format_seconds(settings, stills[math.ceil(fraction * count) - 1])}"
+                for fraction, words in ((0.5, "half"), (0.9, "nine of ten"), (1.0, "all"))
             )
         rows.append(
             Row(

@@ -19,7 +19,7 @@ MM = 1e-3
 LEAST_BAR = 0.1 * MM
 """Meters: no contact of resting bodies has to be nearer to the truth than this."""
 
-SHARE_OF_OBJECT = 0.005
+FRACTION_OF_OBJECT = 0.005
 """Nor nearer than this fraction of the smaller body."""
 
 EDGE_BAR = 0.2 * MM
@@ -109,14 +109,14 @@ class GeometryScene:
     @property
     def onset_bar(self) -> float:
         """How far off the true first touch the first contact may be, meters."""
-        return self.bar or max(LEAST_BAR, SHARE_OF_OBJECT * self.size)
+        return self.bar or max(LEAST_BAR, FRACTION_OF_OBJECT * self.size)
 
     @property
     def looked_at(self) -> tuple[float, ...]:
         """The depths at which contacts are looked at, meters; none is beyond the middle of a thin body."""
         if self.depths:
             return self.depths
-        return tuple(min(share * self.onset_bar, 0.4 * self.reach) for share in (0.25, 1.0, 4.0))
+        return tuple(min(factor * self.onset_bar, 0.4 * self.reach) for factor in (0.25, 1.0, 4.0))
 
     @property
     def reach(self) -> float:

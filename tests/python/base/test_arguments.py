@@ -35,7 +35,7 @@ def test_numbers_must_be_finite(value: float):
     [
         (arguments.as_positive, (1e-300, 1.0), (0.0, -0.0, -1.0)),
         (arguments.as_not_negative, (0.0, -0.0, 1.0), (-1e-300, -1.0)),
-        (arguments.as_share, (0.0, 0.5, 1.0), (-1e-300, 1.0 + 1e-15)),
+        (arguments.as_fraction, (0.0, 0.5, 1.0), (-1e-300, 1.0 + 1e-15)),
         (arguments.as_length, (1e-300, arguments.FARTHEST), (0.0, 1.001e15)),
     ],
 )

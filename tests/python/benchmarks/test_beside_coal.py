@@ -25,7 +25,7 @@ def test_coal_counts_with_its_best_way():
     )
     assert rows["cases"]["coal, C++"]["median_us"] == pytest.approx(10)
     assert rows["cases"]["coal, C++, as it comes"]["median_us"] == pytest.approx(30)
-    assert rows["share_that_agree"] == 1.0
+    assert rows["fraction_that_agree"] == 1.0
 
 
 def test_a_way_with_other_answers_does_not_count():
@@ -33,7 +33,7 @@ def test_a_way_with_other_answers_does_not_count():
         {"OBB": asked(1, (1, 1)), "as it comes": asked(30), "voxshell": asked(0.5, (0, 0))}
     )
     assert rows["cases"]["coal, C++"]["median_us"] == pytest.approx(30)
-    assert rows["share_that_agree"] == 0.5
+    assert rows["fraction_that_agree"] == 0.5
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def hold_bunnies(figures: dict[str, Any]) -> None:
 
 def hold_batch(figures: dict[str, Any]) -> None:
     assert figures["agrees_with_single_calls"]
-    assert 0.3 < figures["free_share"] < 0.9
+    assert 0.3 < figures["free_fraction"] < 0.9
 
 
 def hold_force(figures: dict[str, Any]) -> None:

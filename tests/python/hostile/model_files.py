@@ -12,7 +12,7 @@ import voxshell as vx
 from .bodies import CORNERS, FACES
 from .case import Case, Content, Wants, of_files
 
-SHARES = (0.0, 0.001, 0.01, 0.1, 0.5, 0.9, 0.999)
+FRACTIONS = (0.0, 0.001, 0.01, 0.1, 0.5, 0.9, 0.999)
 
 
 @functools.cache
@@ -37,10 +37,10 @@ def list_damage() -> Iterator[tuple[str, Content, Wants]]:
     yield "one byte", later(lambda file: file[:1]), "refused"
     for size in (4, 8, 16, 63, 64, 65, 400, 768):
         yield f"cut after {size} bytes", later(lambda file, size=size: file[:size]), "refused"
-    for share in SHARES[2:]:
+    for fraction in FRACTIONS[2:]:
         yield (
-            f"cut after {share:.1%}",
-            later(lambda file, share=share: file[: int(share * len(file))]),
+            f"cut after {fraction:.1%}",
+            later(lambda file, fraction=fraction: file[: int(fraction * len(file))]),
             "refused",
         )
     yield "cut before its last byte", later(lambda file: file[:-1]), "refused"

@@ -19,15 +19,15 @@ def build(**options: object) -> vx.Model:
 
 def test_progress_is_reported_from_this_thread():
     reports = []
-    build(progress=lambda stage, share: reports.append((stage, share, threading.get_ident())))
+    build(progress=lambda stage, fraction: reports.append((stage, fraction, threading.get_ident())))
     stages = list(dict.fromkeys(stage for stage, _, _ in reports))
     assert "distance field" in stages
     assert len(stages) >= 2
     for stage in stages:
-        shares = [share for name, share, _ in reports if name == stage]
-        assert shares == sorted(shares)
-        assert all(0.0 <= share <= 1.0 for share in shares)
-        assert shares[-1] == 1.0
+        fractions = [fraction for name, fraction, _ in reports if name == stage]
+        assert fractions == sorted(fractions)
+        assert all(0.0 <= fraction <= 1.0 for fraction in fractions)
+        assert fractions[-1] == 1.0
     assert {ident for _, _, ident in reports} == {threading.get_ident()}
 
 
@@ -37,7 +37,7 @@ def test_what_progress_raises_stops_the_build_and_arrives(stop_at: int, kind: ty
     error = kind(3)
     calls = 0
 
-    def stop(stage: str, share: float) -> None:
+    def stop(stage: str, fraction: float) -> None:
         nonlocal calls
         calls += 1
         if calls == stop_at:
@@ -50,7 +50,7 @@ def test_what_progress_raises_stops_the_build_and_arrives(stop_at: int, kind: ty
 
 
 def test_what_progress_returns_does_not_matter():
-    assert len(build(progress=lambda stage, share: False).shell) > 0
+    assert len(build(progress=lambda stage, fraction: False).shell) > 0
 
 
 def test_a_progress_of_wrong_arity_is_its_own_error():
@@ -61,7 +61,7 @@ def test_a_progress_of_wrong_arity_is_its_own_error():
 def test_a_model_can_be_built_inside_a_report():
     inner = []
 
-    def nest(stage: str, share: float) -> None:
+    def nest(stage: str, fraction: float) -> None:
         if not inner:
             inner.append(build(resolution=10))
 

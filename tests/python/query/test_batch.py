@@ -139,11 +139,11 @@ def test_progress_is_reported_from_this_thread(ball, cube, poses, batch):
         ball,
         cube,
         *poses,
-        progress=lambda stage, share: reports.append((stage, share, threading.get_ident())),
+        progress=lambda stage, fraction: reports.append((stage, fraction, threading.get_ident())),
     )
     assert reports[-1][1] == 1.0
     assert {ident for _, _, ident in reports} == {threading.get_ident()}
-    assert all(0.0 <= share <= 1.0 for _, share, _ in reports)
+    assert all(0.0 <= fraction <= 1.0 for _, fraction, _ in reports)
 
 
 @pytest.mark.parametrize("batch", BATCHES)
@@ -151,7 +151,7 @@ def test_progress_is_reported_from_this_thread(ball, cube, poses, batch):
 def test_what_progress_raises_arrives(ball, cube, poses, batch, kind):
     error = kind("enough")
 
-    def stop(stage: str, share: float) -> None:
+    def stop(stage: str, fraction: float) -> None:
         raise error
 
     with pytest.raises(kind) as caught:
@@ -167,10 +167,10 @@ pose = np.eye(4)
 pose[0, 3] = 1.9
 poses = np.tile(pose, (100_000, 1, 1))
 asked = []
-def say(stage, share):
+def say(stage, fraction):
     if not asked:
         print("asking", flush=True)
-    asked.append(share)
+    asked.append(fraction)
 try:
     while True:
         vx.contacts_batch(model, model, poses, threads={threads}, max_points=1, progress=say)

@@ -547,22 +547,22 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
 
 
 def sweep_depths(model: vx.Model, thickness: float, *, at: tuple[float, float] = (0.0, 0.0)):
-    """Contacts of a cube whose lower face is sunk into a wall's upper one, by share of half of it."""
+    """Contacts of a cube whose lower face is sunk into a wall's upper one, by the fraction of half of it."""
     cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
-    for share in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
-        pose = moved(*at, 0.01 + 0.5 * thickness * (1.0 - share))
+    for fraction in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
+        pose = moved(*at, 0.01 + 0.5 * thickness * (1.0 - fraction))
         found = vx.contacts(cube, model, pose, shell="a")
         depths = 2.0 * found.depths / thickness
-        below = (found.points_a[:, 2] < pose[2, 3] - 0.0099) & (depths > 0.9 * share)
+        below = (found.points_a[:, 2] < pose[2, 3] - 0.0099) & (depths > 0.9 * fraction)
         assert below.sum() > 4
-        yield share, found.ambiguous[below]
+        yield fraction, found.ambiguous[below]
 
 
 @pytest.mark.parametrize("thickness", [0.001, 0.006])
 def test_contacts_in_the_middle_of_a_wall_are_ambiguous(thickness: float):
     plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, thickness)))
-    for share, ambiguous in sweep_depths(plate, thickness):
-        assert (ambiguous == (share > 0.9)).all(), share
+    for fraction, ambiguous in sweep_depths(plate, thickness):
+        assert (ambiguous == (fraction > 0.9)).all(), fraction
 
 
 def test_contacts_in_the_middle_of_a_brackets_wall_are_ambiguous():
@@ -570,8 +570,8 @@ def test_contacts_in_the_middle_of_a_brackets_wall_are_ambiguous():
     wall = trimesh.creation.box((0.006, 0.06, 0.06))
     wall.apply_translation((-0.047, 0.0, 0.027))
     bracket = vx.Model.from_mesh(trimesh.boolean.union([foot, wall], engine="manifold"))
-    for share, ambiguous in sweep_depths(bracket, 0.006):
-        assert (ambiguous == (share > 0.9)).all(), share
+    for fraction, ambiguous in sweep_depths(bracket, 0.006):
+        assert (ambiguous == (fraction > 0.9)).all(), fraction
 
 
 def test_contacts_of_a_cube_that_stands_on_another_are_not_ambiguous(cube: vx.Model):

@@ -76,7 +76,7 @@ def test_a_lever_is_as_long_as_it_is(brick):
     np.testing.assert_allclose(spun.angular_velocity, 0.0, atol=1e-12)
 
 
-def test_damping_is_the_share_lost_in_a_second():
+def test_damping_is_the_fraction_lost_in_a_second():
     world = vx.World(gravity=(0, 0, 0), sleeping=False)
     body = world.add(vx.Sphere(0.1), linear_damping=0.3)
     body.angular_damping = 0.6

@@ -178,16 +178,16 @@ def test_prism_with_many_sides_rolls_as_a_round_body():
 
 def test_bounce_gains_no_energy_and_keeps_angular_momentum_about_the_contact():
     rng = np.random.default_rng(1)
-    share, radius = 0.4, 0.02
+    ratio, radius = 0.4, 0.02
     stuck = 0
     for _ in range(200):
         along, spin = float(rng.normal()), float(rng.normal(scale=50.0))
         into, friction = float(rng.uniform(0.1, 2.0)), float(rng.uniform(0.0, 1.0))
-        after, turned = impact_laws.rough_bounce(along, into, spin, radius, share, friction, 0.8)
-        before = along + share * radius * spin
-        assert after + share * radius * turned == pytest.approx(before, abs=1e-12)
-        energy = along**2 + share * (radius * spin) ** 2
-        assert after**2 + share * (radius * turned) ** 2 <= energy + 1e-12
+        after, turned = impact_laws.rough_bounce(along, into, spin, radius, ratio, friction, 0.8)
+        before = along + ratio * radius * spin
+        assert after + ratio * radius * turned == pytest.approx(before, abs=1e-12)
+        energy = along**2 + ratio * (radius * spin) ** 2
+        assert after**2 + ratio * (radius * turned) ** 2 <= energy + 1e-12
         stuck += abs(after - radius * turned) < 1e-9
     # Both cases occur.
     assert 20 < stuck < 180

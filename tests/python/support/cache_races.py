@@ -45,18 +45,18 @@ def before_each_call(act: Callable[[], object]) -> Iterator[None]:
             setattr(place, name, call)
 
 
-def dawdle(seed: int, share: float = 0.15, longest: float = 0.01) -> Callable[[], None]:
+def dawdle(seed: int, fraction: float = 0.15, longest: float = 0.01) -> Callable[[], None]:
     """Something that sometimes takes a while, as a process does that the system interrupts.
 
     Args:
         seed: Of the times.
-        share: Of the calls that take a while.
+        fraction: Of the calls that take a while.
         longest: Seconds of one.
     """
     generator = random.Random(seed)
 
     def wait() -> None:
-        if generator.random() < share:
+        if generator.random() < fraction:
             time.sleep(generator.uniform(0.0, longest))
 
     return wait

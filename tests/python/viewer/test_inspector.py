@@ -36,8 +36,8 @@ def test_a_slice_shows_the_field_the_right_way_round():
     )
     low, high = find_box(model)
     for number, axis in enumerate("xyz"):
-        share = (np.array((0.03, 0.012, 0.02))[number] - low[number]) / (high - low)[number]
-        picture = paint_slice(model, axis, float(share)).astype(int)
+        fraction = (np.array((0.03, 0.012, 0.02))[number] - low[number]) / (high - low)[number]
+        picture = paint_slice(model, axis, float(fraction)).astype(int)
         blue = picture[..., 2] > picture[..., 0] + 20
         rows, columns = np.nonzero(blue)
         first, second = (i for i in range(3) if i != number)

@@ -42,10 +42,10 @@ def prepare() -> Check:
     return check
 
 
-def quantile(totals: Totals, share: float) -> float:
+def quantile(totals: Totals, fraction: float) -> float:
     """Nanoseconds that this fraction of all queries does not exceed: the end of its bucket."""
     histogram = sorted((int(n), count) for n, count in totals.tallies.items() if n.isdigit())
-    wanted = share * sum(count for _, count in histogram)
+    wanted = fraction * sum(count for _, count in histogram)
     for bucket, count in histogram:
         wanted -= count
         if wanted <= 0:
@@ -54,7 +54,7 @@ def quantile(totals: Totals, share: float) -> float:
 
 
 def describe(totals: Totals) -> str:
-    median, rare = (quantile(totals, share) / 1e3 for share in (0.5, 0.999))
+    median, rare = (quantile(totals, fraction) / 1e3 for fraction in (0.5, 0.999))
     return (
         f"median {median:.2f} µs, p99.9 {rare:.1f} µs, worst {totals.peaks['worst'] / 1e3:,.0f} µs "
         f"({totals.tallies['interruptions']:,.0f} preemptions by the system); "

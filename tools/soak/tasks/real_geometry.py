@@ -54,7 +54,7 @@ def doubt(totals: Totals) -> str:
     if totals.count < 500:
         return ""
     in_contact, clear = (totals.tallies[name] / totals.count for name in ("in contact", "clear"))
-    proven = totals.share("proven", "judged")
+    proven = totals.fraction("proven", "judged")
     enough = 0.3 <= in_contact <= 0.8 and clear >= 0.15 and proven >= 0.15
     return "" if enough else f"too few poses prove anything: {describe(totals)}"
 

@@ -124,11 +124,11 @@ def doubt(totals: Totals) -> str:
 def describe(totals: Totals) -> str:
     hits = sum(totals.tallies[name] for name in ("far", "touching", "deep"))
     each = totals.tallies["contacts"] / max(hits, 1)
-    shares = [
+    fractions = [
         f"{totals.tallies[name] / (totals.count / 3):.0%} of {name}"
         for name in ("far", "touching", "deep")
     ]
-    return f"{', '.join(shares)} poses collide, {each:,.0f} contacts each; {len(PAIRS)} pairs"
+    return f"{', '.join(fractions)} poses collide, {each:,.0f} contacts each; {len(PAIRS)} pairs"
 
 
 TASK = Task(

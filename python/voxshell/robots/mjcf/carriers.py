@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from voxshell.robots.lumps import Lump
     from voxshell.robots.matter import Matter
 
-_SHARE = 0.1
+_FRACTION = 0.1
 """Fraction of a body's mass that a carrier gets. Mass, center and inertia of the whole are
 unchanged while it turns as one. A far smaller one would make Bullet's solver converge slowly; a far
 larger one would change how the last joints move."""
@@ -29,12 +29,12 @@ def share_matter(matter: Matter, carriers: Mapping[str, str], lump_of: Mapping[s
     """
     counts = Counter(carriers.values())
     for body, count in counts.items():
-        share = min(_SHARE, 1.0 / (count + 1))
+        fraction = min(_FRACTION, 1.0 / (count + 1))
         whole = matter.of_lumps[lump_of[body]]
-        matter.of_lumps[lump_of[body]] = _scale(whole, 1.0 - count * share)
+        matter.of_lumps[lump_of[body]] = _scale(whole, 1.0 - count * fraction)
         for carrier, owner in carriers.items():
             if owner == body:
-                matter.of_lumps[lump_of[carrier]] = _scale(whole, share)
+                matter.of_lumps[lump_of[carrier]] = _scale(whole, fraction)
 
 
 def _scale(matter: MassProperties, factor: float) -> MassProperties:

@@ -44,10 +44,10 @@ def weigh_mesh(mesh: Mesh, kind: str) -> MassProperties:
     arms = corners - center
     sums = arms.sum(axis=1)
     # Integral of x x^T over a triangle, or over the pyramid on it with its apex at the origin.
-    share = 1.0 / 12.0 if kind == "shell" else 1.0 / 20.0
+    factor = 1.0 / 12.0 if kind == "shell" else 1.0 / 20.0
     spread = np.einsum("f,fki,fkj->ij", weights, arms, arms)
     spread += np.einsum("f,fi,fj->ij", weights, sums, sums)
-    spread *= share
+    spread *= factor
     return MassProperties(mass, center, np.trace(spread) * np.eye(3) - spread)
 
 

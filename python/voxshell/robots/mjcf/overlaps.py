@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
     from voxshell.simulation.world import World
 
-_SHARE = 0.02
+_FRACTION = 0.02
 """Largest accepted overlap, as a fraction of the smaller body's longest side. Deeper overlaps are
 intended, or do not matter with MuJoCo's soft contacts. Bullet would push the bodies apart, and
 stiff joints would make them jump."""
@@ -35,7 +35,7 @@ def keep_overlaps_apart(world: World, pairs: Iterable[tuple[Body, Body]]) -> lis
             if body.number not in bounds:
                 bounds[body.number] = body.bounds
         (low_a, high_a), (low_b, high_b) = bounds[a.number], bounds[b.number]
-        most = _SHARE * min((high_a - low_a).max(), (high_b - low_b).max())
+        most = _FRACTION * min((high_a - low_a).max(), (high_b - low_b).max())
         if not (np.minimum(high_a, high_b) - np.maximum(low_a, low_b) > most).all():
             continue
         if world.query_contacts(a, b)["depth"].max(initial=0.0) > most:

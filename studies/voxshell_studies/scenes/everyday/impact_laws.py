@@ -8,7 +8,7 @@ from voxshell_studies.scenes.everyday import laws
 
 
 def prism_way(
-    slope: float, sides: int, radius: float, inertia_share: float, seconds: float
+    slope: float, sides: int, radius: float, inertia_ratio: float, seconds: float
 ) -> float:
     """How far a regular prism rolls down a slope from rest, meters, which begins on an edge.
 
@@ -20,7 +20,7 @@ def prism_way(
         slope: Radians, above pi / sides.
         sides: n.
         radius: r, of the edges, meters.
-        inertia_share: k.
+        inertia_ratio: k.
         seconds: How long.
 
     Example:
@@ -29,11 +29,11 @@ def prism_way(
         0.99
     """
     half = math.pi / sides
-    kept = (inertia_share + math.cos(2.0 * half)) / (inertia_share + 1.0)
+    kept = (inertia_ratio + math.cos(2.0 * half)) / (inertia_ratio + 1.0)
     angle, spin, landed = 0.0, 0.0, 0
     h = 1e-4
     for _ in range(round(seconds / h)):
-        spin += h * laws.G * math.sin(slope + angle) / (radius * (inertia_share + 1.0))
+        spin += h * laws.G * math.sin(slope + angle) / (radius * (inertia_ratio + 1.0))
         angle += h * spin
         while angle >= half:
             angle -= 2.0 * half
@@ -47,7 +47,7 @@ def rough_bounce(
     into: float,
     spin: float,
     radius: float,
-    inertia_share: float,
+    inertia_ratio: float,
     friction: float,
     restitution: float,
 ) -> tuple[float, float]:
@@ -61,7 +61,7 @@ def rough_bounce(
         into: Speed into the ground, m/s.
         spin: About the axis across, in the sense of rolling forward, rad/s.
         radius: Meters.
-        inertia_share: I / (m r2).
+        inertia_ratio: I / (m r2).
         friction: mu.
         restitution: e.
 
@@ -74,9 +74,9 @@ def rough_bounce(
         (0.7143, 0.7143)
     """
     slip = along - radius * spin
-    stop = abs(slip) * inertia_share / (1.0 + inertia_share)
+    stop = abs(slip) * inertia_ratio / (1.0 + inertia_ratio)
     change = math.copysign(min(stop, friction * (1.0 + restitution) * into), slip)
-    return along - change, spin + change / (inertia_share * radius)
+    return along - change, spin + change / (inertia_ratio * radius)
 
 
 def rod_impact(

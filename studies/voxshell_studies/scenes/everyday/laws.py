@@ -25,14 +25,14 @@ def slide_acceleration(slope: float, friction: float) -> float:
     return G * (math.sin(slope) - friction * math.cos(slope))
 
 
-def roll_acceleration(slope: float, inertia_share: float) -> float:
+def roll_acceleration(slope: float, inertia_ratio: float) -> float:
     """Down a slope without sliding: g sin a / (1 + I / (m r2)), m/s2.
 
     Args:
         slope: Radians.
-        inertia_share: I / (m r2), of the axis of rolling and the radius of rolling: 2/5 of a ball.
+        inertia_ratio: I / (m r2), of the axis of rolling and the radius of rolling: 2/5 of a ball.
     """
-    return G * math.sin(slope) / (1.0 + inertia_share)
+    return G * math.sin(slope) / (1.0 + inertia_ratio)
 
 
 def way(speed: float, acceleration: float, seconds: float, time_step: float) -> float:
@@ -60,12 +60,12 @@ def way_to_stop(speed: float, deceleration: float, time_step: float) -> float:
     return time_step * (steps * speed - 0.5 * loss * steps * (steps + 1))
 
 
-def bowled_speed(speed: float, inertia_share: float) -> float:
+def bowled_speed(speed: float, inertia_ratio: float) -> float:
     """Of a ball that is bowled without spin, once it rolls: v / (1 + I / (m r2)), m/s; 5/7 v of a ball.
 
     Friction does not enter: the angular momentum about the contact's line stays.
     """
-    return speed / (1.0 + inertia_share)
+    return speed / (1.0 + inertia_ratio)
 
 
 def ring_spin_down(spin: float, friction: float, outer: float, inner: float) -> float:
@@ -249,12 +249,12 @@ def spinning_ring_way(
     return covered
 
 
-def turntable_rate(spin: float, inertia_share: float) -> float:
+def turntable_rate(spin: float, inertia_ratio: float) -> float:
     """Angular velocity at which a rolling ball's velocity turns on a turntable, rad/s: 2/7 of the table's.
 
     w k / (1 + k), k = I / (m r2) (Weltner, Am. J. Phys. 47, 984, 1979); the ball's path is a circle.
     """
-    return spin * inertia_share / (1.0 + inertia_share)
+    return spin * inertia_ratio / (1.0 + inertia_ratio)
 
 
 def ladder_slope(friction: float) -> float:

@@ -43,7 +43,7 @@ ROLLS = "Rolling without sliding: a = g sin a / (1 + I / (m r2)), summed over Eu
 
 def rolled_way(track: Track) -> float:
     """How far a rolling body should get, meters."""
-    pull = laws.roll_acceleration(track.fact("slope"), track.fact("share"))
+    pull = laws.roll_acceleration(track.fact("slope"), track.fact("inertia_ratio"))
     return laws.way(track.fact("speed"), pull, track.seconds, track.time_step)
 
 
@@ -77,7 +77,7 @@ def _rolls(
             at=-0.5 if ground() is not forms.PLANE else 0.0,
             speed=speed,
             spin=(0.0, speed / radius, 0.0),
-            facts={"share": inertia / radius**2},
+            facts={"inertia_ratio": inertia / radius**2},
         )
         ramp = np.eye(4)
         ramp[:3, :3] = made.world_from_ramp
@@ -170,18 +170,18 @@ def _levels(name: str, ground: Callable[[], Form], speed: float) -> EverydayScen
 def _bowled(placement: int) -> Stage:
     stage = _level(placement, forms.PLANE, 1.0)
     old = stage.items[1]
-    inertia = float(forms.matter(old.form, 1.0).inertia[0, 0]) / BALL**2
+    ratio = float(forms.matter(old.form, 1.0).inertia[0, 0]) / BALL**2
     still = Item("body", old.form, old.pose, velocity=old.velocity)
     return Stage(
         (stage.items[0], still),
         friction=0.3,
-        facts={"speed": 1.0, "share": inertia},
+        facts={"speed": 1.0, "inertia_ratio": ratio},
         world_from_ramp=stage.world_from_ramp,
     )
 
 
 def _bowled_speed(track: Track) -> float:
-    return laws.bowled_speed(track.fact("speed"), track.fact("share"))
+    return laws.bowled_speed(track.fact("speed"), track.fact("inertia_ratio"))
 
 
 # ---- curves --------------------------------------------------------------------------------------

@@ -122,7 +122,7 @@ def _heavy_top(placement: int) -> Stage:
     rate = laws.precession(_TOP_SPIN, axial, lateral, _TOP_MASS * laws.G * height, _TILT)
     pose = turn(Z, heading(placement)) @ turn(Y, _TILT)
     axis = pose[:3, 2]
-    # The spin along the axis holds the precession's share already.
+    # The spin along the axis includes what the precession contributes.
     spin = np.array([0.0, 0.0, rate]) + axis * (_TOP_SPIN - rate * math.cos(_TILT))
     velocity = np.cross(spin, axis * height)
     return Stage(

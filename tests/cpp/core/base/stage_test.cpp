@@ -9,7 +9,7 @@
 namespace voxshell {
 namespace {
 
-TEST(Stage, ReportsTheFirstShareAndTheEndButNotEveryShareBetween) {
+TEST(Stage, ReportsTheFirstFractionAndTheEndButNotEveryFractionBetween) {
   std::vector<double> reported;
   const Progress progress = [&](std::string_view name, double fraction) {
     EXPECT_EQ(name, "work");
@@ -26,7 +26,7 @@ TEST(Stage, ReportsTheFirstShareAndTheEndButNotEveryShareBetween) {
   EXPECT_FALSE(stage.stopped());
 }
 
-TEST(Stage, CountsSharesWithinThePartThatIsSet) {
+TEST(Stage, CountsFractionsWithinThePartThatIsSet) {
   std::vector<double> reported;
   const Progress progress = [&](std::string_view, double fraction) {
     reported.push_back(fraction);

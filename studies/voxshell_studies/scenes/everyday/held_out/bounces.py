@@ -59,7 +59,7 @@ def _bounce(
             "along": along,
             "into": into,
             "spin": spin,
-            "share": float(forms.matter(ball, 1.0).inertia[0, 0]) / _RADIUS**2,
+            "inertia_ratio": float(forms.matter(ball, 1.0).inertia[0, 0]) / _RADIUS**2,
         },
         world_from_ramp=way[:3, :3],
     )
@@ -68,7 +68,7 @@ def _bounce(
 def _after(track: Track) -> tuple[float, float]:
     return impact_laws.rough_bounce(
         *(track.fact("along"), track.fact("into"), track.fact("spin"), _RADIUS),
-        *(track.fact("share"), track.stage.friction, track.stage.restitution),
+        *(track.fact("inertia_ratio"), track.stage.friction, track.stage.restitution),
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from voxshell_studies.scenes.everyday import forms, impact_laws, laws
 from voxshell_studies.scenes.everyday.held_out import bodies
-from voxshell_studies.scenes.everyday.held_out.rolls import SLOPE, inertia_share
+from voxshell_studies.scenes.everyday.held_out.rolls import SLOPE, inertia_ratio
 from voxshell_studies.scenes.everyday.rolling import BALL, find_period
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
@@ -42,23 +42,23 @@ def _prism(placement: int, sides: int) -> Stage:
             Item("ground", forms.PLANE, ramp, mass=0.0),
             Item("body", can, ramp @ lie),
         ),
-        facts={"sides": float(sides), "share": inertia_share(can, 2, BALL)},
+        facts={"sides": float(sides), "inertia_ratio": inertia_ratio(can, 2, BALL)},
         world_from_ramp=ramp[:3, :3],
     )
 
 
 def _smooth_way(track: Track) -> float:
-    pull = laws.roll_acceleration(SLOPE, track.fact("share"))
+    pull = laws.roll_acceleration(SLOPE, track.fact("inertia_ratio"))
     return laws.way(0.0, pull, track.seconds, track.time_step)
 
 
 @cache
-def _cached_prism(sides: int, its_share: float, seconds: float) -> float:
-    return impact_laws.prism_way(SLOPE, sides, BALL, its_share, seconds)
+def _cached_prism(sides: int, ratio: float, seconds: float) -> float:
+    return impact_laws.prism_way(SLOPE, sides, BALL, ratio, seconds)
 
 
 def _edged_way(track: Track) -> float:
-    return _cached_prism(int(track.fact("sides")), track.fact("share"), track.seconds)
+    return _cached_prism(int(track.fact("sides")), track.fact("inertia_ratio"), track.seconds)
 
 
 def _prisms(sides: int) -> EverydayScene:
@@ -149,7 +149,7 @@ def _ring_on_peg(placement: int) -> Stage:
             Item("body", ring, center @ lie),
         ),
         friction=1.0,
-        facts={"length": length * (1.0 + inertia_share(ring, 2, _HOOP[1]))},
+        facts={"length": length * (1.0 + inertia_ratio(ring, 2, _HOOP[1]))},
         world_from_ramp=way[:3, :3],
     )
 

@@ -52,13 +52,13 @@ _CRATE, _GRIP = 10.0, 0.4
 """Mass of a crate, kilograms, and its friction."""
 
 
-def _pulled(placement: int, share: float) -> Stage:
+def _pulled(placement: int, fraction: float) -> Stage:
     """A crate of 0.3 m, pulled level at its center with a fraction of the force that friction can hold."""
     stage = on_ramp(
         forms.box(0.3, 0.3, 0.1), forms.PLANE, 0.0, placement, friction=_GRIP, mass=_CRATE
     )
     ground, crate = stage.items
-    force = share * _GRIP * _CRATE * laws.G
+    force = fraction * _GRIP * _CRATE * laws.G
     pull = as_vector(stage.world_from_ramp[:, 0] * force)
     return replace(stage, items=(ground, replace(crate, force=pull)), facts={"force": force})
 

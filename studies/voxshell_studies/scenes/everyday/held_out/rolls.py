@@ -40,7 +40,7 @@ def _any_way(placement: int) -> np.ndarray:
 
 
 @cache
-def inertia_share(form: Form, axis: int, radius: float) -> float:
+def inertia_ratio(form: Form, axis: int, radius: float) -> float:
     """I / (m r2) of the mesh's uniform solid."""
     return float(np.diag(forms.matter(form, 1.0).inertia)[axis]) / radius**2
 
@@ -71,7 +71,7 @@ def _track_way(track: Track, name: str) -> float:
 
 def _racer_way(track: Track, name: str) -> float:
     form, axis = _RACERS[name]
-    pull = laws.roll_acceleration(SLOPE, inertia_share(form(), axis, BALL))
+    pull = laws.roll_acceleration(SLOPE, inertia_ratio(form(), axis, BALL))
     return laws.way(0.0, pull, track.seconds, track.time_step)
 
 
@@ -91,7 +91,7 @@ def _on_rails(placement: int) -> Stage:
     ball_at = ramp @ shift(-0.5, 0.0, height) @ _any_way(placement)
     return Stage(
         (*rails, Item("body", ball, ball_at)),
-        facts={"slope": SLOPE, "speed": 0.0, "share": inertia_share(ball, 0, height)},
+        facts={"slope": SLOPE, "speed": 0.0, "inertia_ratio": inertia_ratio(ball, 0, height)},
         world_from_ramp=ramp[:3, :3],
     )
 
@@ -100,10 +100,10 @@ def _ball_in_groove(placement: int) -> Stage:
     ball = forms.ball(BALL)
     lie = shift(0.0, 0.0, BALL * math.sqrt(2.0)) @ _any_way(placement)
     stage = in_groove(ball, lie, 10.0, placement, 0.5)
-    share_of = inertia_share(ball, 0, BALL * math.sin(RIGHT_ANGLE))
+    ratio = inertia_ratio(ball, 0, BALL * math.sin(RIGHT_ANGLE))
     return Stage(
         stage.items,
-        facts={**stage.facts, "speed": 0.0, "share": share_of},
+        facts={**stage.facts, "speed": 0.0, "inertia_ratio": ratio},
         world_from_ramp=stage.world_from_ramp,
     )
 
@@ -121,7 +121,7 @@ def _up_and_down(placement: int) -> Stage:
                 spin=as_vector(-ramp[:3, 1] / BALL),
             ),
         ),
-        facts={"slope": SLOPE, "speed": -1.0, "share": inertia_share(ball, 0, BALL)},
+        facts={"slope": SLOPE, "speed": -1.0, "inertia_ratio": inertia_ratio(ball, 0, BALL)},
         world_from_ramp=ramp[:3, :3],
     )
 
@@ -132,7 +132,7 @@ def _highest(track: Track) -> float:
 
 
 def _true_highest(track: Track) -> float:
-    loss = laws.roll_acceleration(SLOPE, track.fact("share"))
+    loss = laws.roll_acceleration(SLOPE, track.fact("inertia_ratio"))
     return laws.way_to_stop(1.0, loss, track.time_step)
 
 
@@ -160,7 +160,7 @@ def _turntable(placement: int) -> Stage:
                 spin=as_vector(way[:3, :3] @ spin),
             ),
         ),
-        facts={"share": inertia_share(ball, 0, BALL)},
+        facts={"inertia_ratio": inertia_ratio(ball, 0, BALL)},
         world_from_ramp=way[:3, :3],
     )
 
@@ -173,7 +173,9 @@ def _velocity_turn(track: Track) -> float:
 
 
 def _true_velocity_turn(track: Track) -> float:
-    return math.degrees(laws.turntable_rate(_TABLE_SPIN, track.fact("share")) * track.seconds)
+    return math.degrees(
+        laws.turntable_rate(_TABLE_SPIN, track.fact("inertia_ratio")) * track.seconds
+    )
 
 
 def _speed(track: Track) -> float:
