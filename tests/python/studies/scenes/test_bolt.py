@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import voxshell as vx
-from voxshell_studies.scenes.bolt import BoltSettings, make_bolt, make_nut
+from voxshell_studies.scenes.bolt import BoltSettings, make_bolt, make_nut, measure_turns
 
 
 def test_fine_threads_keep_their_clearance_at_any_turn():
@@ -26,3 +26,9 @@ def test_clearance_across_the_flanks_is_that_of_the_meshes():
     # 0.4 mm along the radius are less across the flanks, which slope by 45 degrees.
     assert thread.compute_clearance() == pytest.approx(0.0004 / np.sqrt(2.0), rel=0.005)
     assert 0.96 * thread.compute_clearance() < apart < thread.compute_clearance()
+
+
+def test_turns_are_those_of_the_pose():
+    settings = BoltSettings()
+    assert measure_turns(settings.compute_fit(3.25)) == pytest.approx(0.25)
+    assert settings.compute_fit(3.25)[2, 3] == pytest.approx(3.25 * settings.pitch)
