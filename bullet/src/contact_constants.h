@@ -4,8 +4,8 @@
 #include <cstddef>
 
 /// Every number that the adapter's contacts depend on and that neither Bullet nor a user gives. A
-/// comment says the unit, the reason, and what breaks when the number changes. Decision 3
-/// (docs/decisions/0003-contact-rule.md) argues them unless another decision is named.
+/// comment says the unit, the reason, and what breaks when the number changes. Decisions 3, 50
+/// (CCD), 51 (guards), 52 (rest) and 53 (rebound) argue them unless another decision is named.
 
 namespace voxshell::bullet {
 

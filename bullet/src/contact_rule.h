@@ -41,7 +41,7 @@ bool may_reach(const PairStep& step, const Contact& contact, double above);
 ///   - in steps with CCD: points that will touch within the step, with the gap that is left to them
 ///     (speculative_contacts.h); and where there are any contacts, those that move on, as they
 ///     might touch after the solver has turned the body.
-/// docs/decisions/0003-contact-rule.md says why, and what it was measured to do.
+/// docs/decisions/0003-contact-rule.md says why; decisions 50 to 53 treat CCD, rest and rebound.
 ///
 /// @param features  Those that some of the contacts are of.
 /// @param exact     Ids, ascending, of those contacts that are no samples: see RoundContacts.

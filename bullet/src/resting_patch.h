@@ -13,7 +13,7 @@ namespace voxshell::bullet {
 /// Bodies that have come to rest lie on points that are not all in touch to the last micrometre:
 /// taken as they are, points change from step to step, and a body tips from one set to the next
 /// for ever. So points that are nearly as near as the nearest count as just as near, and those
-/// that carried the body before are pulled back to where they did. docs/decisions/0003 says why.
+/// that carried the body before are pulled back to where they did. Decision 52.
 class RestingPatch {
  public:
   /// Moves the depths of `contacts` that are in the patch.
