@@ -14,7 +14,6 @@
 #include "posed_pair.h"
 
 namespace voxshell::bullet {
-namespace {
 
 bool has_model(const btCollisionShape& shape) {
   if (collision_method_of(shape) == CollisionMethod::kModel) return true;
@@ -25,8 +24,6 @@ bool has_model(const btCollisionShape& shape) {
   }
   return false;
 }
-
-}  // namespace
 
 CompoundAlgorithm::~CompoundAlgorithm() {
   for (const OnTheWay& entry : on_the_way_) release(entry);

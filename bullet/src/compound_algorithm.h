@@ -6,6 +6,9 @@
 
 namespace voxshell::bullet {
 
+/// Whether it is a model, or a compound that has one.
+bool has_model(const btCollisionShape& shape);
+
 /// Bullet's algorithm for compounds and other shapes, compounds as well, of which one is a model or
 /// has models. Bullet tries children once their bounds overlap those of the other shape: too late
 /// for those that pass through it in a step. Here, others that may get there are tried, too.

@@ -12,11 +12,7 @@
 
 #include "bullet/simulation_parts.h"
 #include "voxshell/bullet/convert.h"
-#include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
-#include "voxshell/bullet/momentum_world.h"
-#include "voxshell/bullet/seamless_world.h"
-#include "voxshell/bullet/sleepy_world.h"
 
 namespace voxshell::python {
 using bullet::from_bullet;
@@ -88,9 +84,8 @@ void Simulation::make_world() {
   broadphase_ = std::make_unique<btDbvtBroadphase>();
   broadphase_->getOverlappingPairCache()->setOverlapFilterCallback(filter_.get());
   make_solver();
-  world_ = std::make_unique<
-      bullet::SleepyWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<>>>>>(
-      dispatcher_.get(), broadphase_.get(), solver_.get(), configuration_.get());
+  world_ = std::make_unique<World>(dispatcher_.get(), broadphase_.get(), solver_.get(),
+                                   configuration_.get());
   world_->setGravity(to_bullet(settings_.gravity));
   world_->getSolverInfo().m_numIterations = settings_.iterations;
   if (settings_.effort == bullet::SolverEffort::kAsNeeded) {

@@ -209,6 +209,7 @@ class Simulation {
   struct Body;
   class TimedDispatcher;
   class Filter;
+  class World;
 
   void note_spins();
   void note_ways();
@@ -239,7 +240,7 @@ class Simulation {
   Numbered<Body> bodies_;
   Numbered<Joint> joints_;
   std::set<std::pair<int, int>> apart_;  ///< numbers of bodies that do not collide, ascending
-  std::unique_ptr<btDiscreteDynamicsWorld> world_;
+  std::unique_ptr<World> world_;
   std::optional<std::vector<SimulationContact>> restored_contacts_;  ///< until the next step
   std::uint64_t step_count_ = 0;
   std::deque<StepTimings> timings_;

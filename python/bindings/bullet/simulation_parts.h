@@ -1,8 +1,13 @@
 #pragma once
 
 #include "bullet/simulation.h"
+#include "voxshell/bullet/carried_normals.h"
+#include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/model_shape.h"
+#include "voxshell/bullet/momentum_world.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
+#include "voxshell/bullet/seamless_world.h"
+#include "voxshell/bullet/sleepy_world.h"
 
 namespace voxshell::python {
 
@@ -17,6 +22,14 @@ struct Simulation::Body {
   bool moves_far = false;   ///< was reported by Simulation::take_long_ways()
 
   Body(const BodySettings& settings, const bullet::BodyFrame& frame);
+};
+
+/// A world of all that voxshell adds to Bullet's.
+class Simulation::World
+    : public bullet::SleepyWorld<bullet::MomentumWorld<
+          bullet::ForceAwareWorld<bullet::SeamlessWorld<bullet::CarriedNormalsWorld<>>>>> {
+ public:
+  using SleepyWorld::SleepyWorld;
 };
 
 /// A dispatcher that measures the time of the narrow phase.

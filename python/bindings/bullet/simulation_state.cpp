@@ -49,6 +49,7 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 }  // namespace
 
 std::shared_ptr<const SimulationState> Simulation::save() {
+  world_->carry_normals();
   auto state = std::make_shared<SimulationState>();
   for (const auto& [number, body] : bodies_) {
     const btRigidBody& rigid_body = body->rigid_body;

@@ -164,3 +164,25 @@ def test_an_impact_aslant_loses_friction_times_its_normal_impulse(speed):
     lost_by_weight = FRICTION * GRAVITY * 10 / 60
     expected = 3.0 * speed - FRICTION * speed - lost_by_weight
     assert body.linear_velocity[0] == pytest.approx(expected, abs=0.25 * FRICTION * speed)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize("friction", [0.1, 0.5])
+def test_a_box_slips_on_a_box_that_tips(friction, rate):
+    # Bullet keeps the normals of contacts between its own shapes for several steps: the box held on
+    # to the level one up to any slope.
+    world = vx.World(time_step=1 / rate)
+    tray = world.add(vx.Box((0.5, 0.25, 0.025)), motion="kinematic", friction=friction**0.5)
+    start = np.eye(4)
+    start[2, 3] = 0.035
+    box = world.add(vx.Box((0.05, 0.05, 0.01)), mass=1.0, pose=start, friction=friction**0.5)
+    degrees, slid = 0.0, 0.0
+    while slid < 0.005 and degrees < 80.0:
+        degrees += 10.0 / rate
+        tray.pose = trimesh.transformations.rotation_matrix(np.radians(degrees), (0, 1, 0))
+        world.step(1)
+        slid = (tray.pose[:3, :3].T @ box.pose[:3, 3])[0]
+    slope = np.arctan(friction)
+    growth = GRAVITY / np.cos(slope) * np.radians(10.0)  # m/s3, of the acceleration
+    after = (6 * 0.005 / growth) ** (1 / 3)
+    assert degrees == pytest.approx(np.degrees(slope) + 10.0 * after, abs=0.8)

@@ -106,7 +106,18 @@ def driven(ring, brick):
     return world, push
 
 
-WORLDS = {build.__name__: build for build in (heap, stack, own_shapes, machine, driven)}
+def tray(ring, brick):
+    """Bullet's own shapes on one that tips: the normals of their contacts turn with it."""
+    world = vx.World()
+    board = world.add(vx.Box((0.5, 0.25, 0.025)), mass=20.0, pose=at(z=-0.025))
+    world.add(vx.Box((0.05, 0.05, 0.01)), mass=1.0, pose=at(x=0.1, z=0.01), friction=0.7)
+    world.add(vx.Cylinder(0.05, 0.02), mass=1.0, pose=at(x=-0.1, z=0.01), friction=0.7)
+    hinge = world.add_joint(vx.HingeJoint(axis=(0, 1, 0)), None, board)
+    hinge.set_target_velocity(0.3, max_force=1e4)
+    return world, None
+
+
+WORLDS = {build.__name__: build for build in (heap, stack, own_shapes, machine, driven, tray)}
 
 
 def run(world, before, steps):
