@@ -1,6 +1,7 @@
 #include "voxshell/bullet/coulomb_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -175,15 +176,13 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const int least = std::max(info.m_numIterations, m_maxOverrideNumSolverIterations);
   const btScalar least_residual =
       btSqrt(std::max(info.m_leastSquaresResidualThreshold, btScalar(0)));
-  btScalar first = 0;
   btScalar residual = 0;
   for (int i = 0; i < least; ++i) {
     residual = sweep(i);
-    if (i == 0) first = residual;
     if (residual <= least_residual) return;
   }
   const btScalar of_forces = velocity_of_forces();
-  const btScalar reference = of_forces > 0 ? of_forces : first;
+  const btScalar reference = of_forces > 0 ? of_forces : velocity_of_aims();
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged || rebounds_with_friction(of_forces)) return;
   const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
@@ -244,12 +243,18 @@ bool CoulombSolver::rebounds_with_friction(btScalar of_forces) const {
     if (!(row.m_jacDiagABInv > 0) || !(row.m_friction > 0)) continue;
     const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-    const btScalar before =
-        row.m_contactNormal1.dot(a.m_linearVelocity + a.m_externalForceImpulse) +
-        row.m_relpos1CrossNormal.dot(a.m_angularVelocity + a.m_externalTorqueImpulse) +
-        row.m_contactNormal2.dot(b.m_linearVelocity + b.m_externalForceImpulse) +
-        row.m_relpos2CrossNormal.dot(b.m_angularVelocity + b.m_externalTorqueImpulse);
-    if (before + row.m_rhs / row.m_jacDiagABInv > of_forces) return true;
+    const std::array parts{
+        row.m_contactNormal1.dot(a.m_linearVelocity + a.m_externalForceImpulse),
+        row.m_relpos1CrossNormal.dot(a.m_angularVelocity + a.m_externalTorqueImpulse),
+        row.m_contactNormal2.dot(b.m_linearVelocity + b.m_externalForceImpulse),
+        row.m_relpos2CrossNormal.dot(b.m_angularVelocity + b.m_externalTorqueImpulse)};
+    btScalar aim = row.m_rhs / row.m_jacDiagABInv;
+    btScalar rounding = 0;
+    for (const btScalar part : parts) {
+      aim += part;
+      rounding += kRoundingOfSpeed * btFabs(part);
+    }
+    if (aim > of_forces + rounding) return true;
   }
   return false;
 }
@@ -259,6 +264,22 @@ btScalar CoulombSolver::velocity_of_forces() const {
   btScalar largest = 0;
   for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
     largest = std::max(largest, m_tmpSolverBodyPool[i].m_externalForceImpulse.length());
+  }
+  return largest;
+}
+
+/// The largest velocity by which a row misses its aim before the step is solved, m/s.
+btScalar CoulombSolver::velocity_of_aims() const {
+  btScalar largest = 0;
+  for (const btConstraintArray* rows :
+       {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
+        &m_tmpSolverContactFrictionConstraintPool}) {
+    for (int i = 0; i < rows->size(); ++i) {
+      const btSolverConstraint& row = (*rows)[i];
+      if (row.m_jacDiagABInv > 0) {
+        largest = std::max(largest, btFabs(row.m_rhs / row.m_jacDiagABInv));
+      }
+    }
   }
   return largest;
 }

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include <LinearMath/btScalar.h>
+
 /// The numbers of CoulombSolver. Decision 34 (docs/decisions/0034-loads.md) argues them.
 
 namespace voxshell::bullet {
@@ -10,6 +12,10 @@ namespace voxshell::bullet {
 /// velocity that forces give a body in a step. Larger: chains under load open and grips slip.
 /// Smaller: more rounds in which nothing visible changes.
 inline constexpr double kConvergedOfForces = 2e-4;
+/// A contact rebounds if it is to leave faster than by this fraction of its bodies' speeds, and
+/// than forces move bodies in the step. Smaller: rounding errors count as rebounds, in float first,
+/// and without gravity, islands keep to ten sweeps. Larger: rebounds at low restitution are missed.
+inline constexpr btScalar kRoundingOfSpeed = btScalar(1e-6);
 /// Most rounds of Newton's method for an island and step. Smaller: chains open whose load is a
 /// thousand times a link. Larger: islands that do not converge cost more.
 inline constexpr int kMostRounds = 16;

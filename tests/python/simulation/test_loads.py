@@ -120,6 +120,25 @@ def test_chains_of_light_links_stay_closed(load, rate):
     assert _chain_length(track) == pytest.approx(_true_chain(track), rel=0.002)
 
 
+@pytest.mark.parametrize("rate", [1000.0, 200.0, 60.0])
+@pytest.mark.parametrize("kind", ["model", "box"])
+@pytest.mark.parametrize("gravity", [0.0, G])
+def test_a_motor_pushes_against_a_brake(kind, rate, gravity):
+    """Rounding errors counted as rebounds where nothing falls: islands kept to ten sweeps."""
+    world = vx.World(time_step=1.0 / rate, gravity=(0, 0, -gravity))
+    shape = build_box(0.05, 0.05, 0.05) if kind == "model" else vx.Box((0.025, 0.025, 0.025))
+    pushing = world.add(shape, mass=0.1, friction=0.3)
+    pushed = world.add(shape, mass=1.0, friction=0.3, pose=at(0.0505, 0.0))
+    motor = world.add_joint(vx.SliderJoint(axis=(1, 0, 0)), None, pushing)
+    world.add_joint(vx.SliderJoint(axis=(1, 0, 0), friction=100.0), None, pushed)
+    motor.set_target_velocity(0.1, max_force=500.0)
+    world.step(round(0.5 * rate))
+    assert motor.velocity == pytest.approx(0.1, rel=1e-3)
+    assert pushing.pose[0, 3] == pytest.approx(0.05, abs=0.1 / rate)
+    force = sum(contact["impulse"] for contact in world.contacts()) * rate
+    assert force == pytest.approx(100.0, rel=1e-3)
+
+
 def test_given_iterations_are_all_that_is_done(brick):
     """Two iterations do not carry 100 kg on 1 kg."""
     world = vx.World(time_step=1.0 / 60.0, iterations=2)

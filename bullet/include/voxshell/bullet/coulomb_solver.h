@@ -69,6 +69,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   bool solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference);
   bool rebounds_with_friction(btScalar of_forces) const;
   btScalar velocity_of_forces() const;
+  btScalar velocity_of_aims() const;
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
