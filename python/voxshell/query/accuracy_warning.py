@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from voxshell import _core
 from voxshell.model.accuracy import AccuracyWarning
+from voxshell.model.model import Model
 from voxshell.query.contact_set import ROLES
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from voxshell.model.field import Field
-    from voxshell.model.model import Model
 
 Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Model | None]
 """The field and the model of each of two bodies, as the core takes them."""
@@ -48,10 +48,15 @@ class Missing(NamedTuple):
         )
 
 
-_ADVICE = (
-    "build the models to a tolerance, without voxel_size= and resolution=, or to a smaller one "
-    "(voxshell.contact_bounds reports the effect), or filter voxshell.AccuracyWarning"
-)
+def _advise(*bodies: Model | Field) -> str:
+    """What to do about bodies that may miss much of each other."""
+    if any(isinstance(body, Model) and body.tolerance is None for body in bodies):
+        build = "build the models to a tolerance, without voxel_size= and resolution="
+    else:
+        build = "build the models to a smaller tolerance="
+    return (
+        f"{build} (voxshell.contact_bounds reports the effect), or filter voxshell.AccuracyWarning"
+    )
 
 
 def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
@@ -68,18 +73,21 @@ def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
         body._judged.add(other._serial)
     missing = measure(parts)
     if missing is not None:
-        _warn(f"queries of {a!r} and {b!r} {missing}; {_ADVICE}")
+        _warn(f"queries of {a!r} and {b!r} {missing}; {_advise(a, b)}")
 
 
 def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
     """Warn about the worst pair of models that may meet in a world."""
-    parts = ((a.field._core, a._core, b.field._core, b._core) for a, b in pairs)
-    found = [missing for missing in map(measure, parts) if missing is not None]
+    found: list[tuple[Missing, Model, Model]] = []
+    for a, b in pairs:
+        missing = measure((a.field._core, a._core, b.field._core, b._core))
+        if missing is not None:
+            found.append((missing, a, b))
     if not found:
         return
-    worst = max(found, key=lambda missing: missing.fraction)
+    worst, a, b = max(found, key=lambda each: each[0].fraction)
     count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
-    _warn(f"{count} in the world may miss contacts; the worst {worst}; {_ADVICE}")
+    _warn(f"{count} in the world may miss contacts; the worst {worst}; {_advise(a, b)}")
 
 
 def measure(parts: Parts) -> Missing | None:

@@ -431,6 +431,7 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
         vx.contacts_batch(sparse, cube)
     assert len(caught) == 1
     assert caught[0].filename == __file__
+    assert "to a tolerance, without voxel_size= and resolution= (" in str(caught[0].message)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for shell in ("fewest", "a", "b", "both"):
@@ -442,7 +443,9 @@ def test_a_large_thin_plate_counts_by_its_wall():
     """Two per cent of the ball, which is smaller, are more than the plate is thick."""
     plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.0005)))
     ball = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.05), tolerance=2e-4)
-    with pytest.warns(vx.AccuracyWarning, match="of the thinner wall of 0.5 mm"):
+    with pytest.warns(
+        vx.AccuracyWarning, match="of the thinner wall of 0.5 mm; .* smaller tolerance="
+    ):
         vx.contacts(ball, plate)
 
 
