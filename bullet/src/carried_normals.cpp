@@ -1,6 +1,7 @@
 #include "voxshell/bullet/carried_normals.h"
 
 #include <cstddef>
+#include <optional>
 
 #include "compound_algorithm.h"
 
@@ -26,16 +27,25 @@ void CarriedNormals::carry(btDispatcher& dispatcher, const btCollisionObjectArra
   }
 }
 
-void CarriedNormals::turn(btPersistentManifold& manifold) const {
-  const btCollisionObject& body = *manifold.getBody1();
+/// How a body has turned since the last call; null where that is not known, or not at all.
+std::optional<btMatrix3x3> CarriedNormals::turn_of(const btCollisionObject& body) const {
   const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
-  if (manifold.getNumContacts() == 0 || place >= known_.size()) return;
-  const Known& known = known_[place];
+  if (place >= known_.size() || known_[place].id != id_of(body)) return std::nullopt;
   const btMatrix3x3& basis = body.getWorldTransform().getBasis();
-  if (known.id != id_of(body) || known.basis == basis) return;
-  if (has_model(*body.getCollisionShape()) || has_model(*manifold.getBody0()->getCollisionShape()))
-    return;
-  const btMatrix3x3 turned = basis * known.basis.transpose();
+  if (basis == known_[place].basis) return std::nullopt;
+  return basis * known_[place].basis.transpose();
+}
+
+void CarriedNormals::turn(btPersistentManifold& manifold) const {
+  if (manifold.getNumContacts() == 0) return;
+  const btCollisionObject& a = *manifold.getBody0();
+  const btCollisionObject& b = *manifold.getBody1();
+  if (has_model(*a.getCollisionShape()) || has_model(*b.getCollisionShape())) return;
+  const auto of_a = turn_of(a);
+  const auto of_b = turn_of(b);
+  if (!of_a || !of_b) return;
+  const auto cosine = [](const btMatrix3x3& m) { return m[0][0] + m[1][1] + m[2][2]; };
+  const btMatrix3x3& turned = cosine(*of_a) >= cosine(*of_b) ? *of_a : *of_b;
   for (int i = 0; i < manifold.getNumContacts(); ++i) {
     btVector3& normal = manifold.getContactPoint(i).m_normalWorldOnB;
     normal = (turned * normal).normalized();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -15,8 +16,9 @@ namespace voxshell::bullet {
 /// tips, two keep the normal that they had when it was level, and hold the box at any slope.
 class CarriedNormals {
  public:
-  /// Turns the normals of a world's contacts as far as their second bodies have turned since the
-  /// last call. Those of models stay: they are of the last step.
+  /// Turns the normals of a world's contacts as far as both bodies have turned since the last call:
+  /// like the one that has turned less, as either may be the one whose face the normal is of. Those
+  /// of models stay: they are of the last step.
   void carry(btDispatcher& dispatcher, const btCollisionObjectArray& objects);
 
  private:
@@ -26,6 +28,7 @@ class CarriedNormals {
   };
 
   void turn(btPersistentManifold& manifold) const;
+  std::optional<btMatrix3x3> turn_of(const btCollisionObject& body) const;
 
   std::vector<Known> known_;  ///< by the objects' places in the world
 };
