@@ -94,10 +94,10 @@ def test_what_is_wrong_is_located_at_once(tmp_path: Path, what: str):
     make, message = HOSTILE[what]
     path = tmp_path / "scene.toml"
     path.write_text(make())
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(vx.SettingsError, match=message) as caught:
         read_scene(path)
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0
     assert str(path) in str(caught.value)
     assert len(str(caught.value)) < 1000
 
