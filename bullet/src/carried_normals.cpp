@@ -44,8 +44,9 @@ void CarriedNormals::turn(btPersistentManifold& manifold) const {
   const auto of_a = turn_of(a);
   const auto of_b = turn_of(b);
   if (!of_a || !of_b) return;
-  const auto cosine = [](const btMatrix3x3& m) { return m[0][0] + m[1][1] + m[2][2]; };
-  const btMatrix3x3& turned = cosine(*of_a) >= cosine(*of_b) ? *of_a : *of_b;
+  // The trace is 1 plus twice the cosine of the angle.
+  const auto trace = [](const btMatrix3x3& m) { return m[0][0] + m[1][1] + m[2][2]; };
+  const btMatrix3x3& turned = trace(*of_a) >= trace(*of_b) ? *of_a : *of_b;
   for (int i = 0; i < manifold.getNumContacts(); ++i) {
     btVector3& normal = manifold.getContactPoint(i).m_normalWorldOnB;
     normal = (turned * normal).normalized();

@@ -114,8 +114,8 @@ TEST_P(Solvers, LetADroppedModelRebound) {
   }
 }
 
-// Without spin, nothing slides before the blow: with one friction direction, Bullet's solvers take
-// the direction of friction from what is left of the velocity beside the normal.
+// Without spin, nothing slides before the blow. With one friction direction, Bullet's solvers act
+// along the part of the velocity that is not along the normal, which was a rounding error here.
 TEST(OneFrictionDirection, GainsNoEnergyInAStraightDrop) {
   for (const Solver which : {Solver::kCoulomb, Solver::kSequentialImpulse}) {
     for (const int iterations : {10, 50}) {

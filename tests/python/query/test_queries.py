@@ -550,7 +550,7 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
 
 
 def sweep_depths(model: vx.Model, thickness: float, *, at: tuple[float, float] = (0.0, 0.0)):
-    """Contacts of a cube whose lower face is sunk into a wall's upper one, by the fraction of half of it."""
+    """Contacts of a cube that is sunk into a wall, to fractions of half of its thickness."""
     cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
     for fraction in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
         pose = moved(*at, 0.01 + 0.5 * thickness * (1.0 - fraction))

@@ -27,8 +27,8 @@ def build_and_tell(
     Args:
         mesh: The file.
         resolution: Voxels along its longest side.
-        places: (n, 3) that distances are told at.
-        patience: Seconds after which it hangs.
+        places: (n, 3), meters. The distance at each is told.
+        patience: Seconds after which the build counts as hung.
     """
     answer, told = APART.Pipe(duplex=False)
     process = APART.Process(target=_tell, args=(mesh, resolution, places, told))

@@ -11,14 +11,15 @@ namespace voxshell::bullet {
 
 /// Lets the normals of contacts between Bullet's own shapes turn with the bodies.
 ///
-/// Bullet carries the places of a contact along with its bodies until it is found anew, but not its
-/// normal. A box that lies on a tray rarely has all four of its corners found anew: as the tray
-/// tips, two keep the normal that they had when it was level, and hold the box at any slope.
+/// Bullet keeps a contact for several steps. Meanwhile its places move with the bodies, and its
+/// normal stays as it was. When a tray tips with a box on it, Bullet finds two of the box's corners
+/// again and keeps the other two, with the normal of the level tray. They hold the box at any
+/// slope.
 class CarriedNormals {
  public:
-  /// Turns the normals of a world's contacts as far as both bodies have turned since the last call:
-  /// like the one that has turned less, as either may be the one whose face the normal is of. Those
-  /// of models stay: they are of the last step.
+  /// Turns the normals of a world's contacts like the body that has turned less since the last
+  /// call: a normal belongs to a face of either body, and Bullet does not say which. Contacts of
+  /// models stay, because they are found anew in each step.
   void carry(btDispatcher& dispatcher, const btCollisionObjectArray& objects);
 
  private:
