@@ -140,8 +140,10 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   if (fraction > 0.0) carry_back(step, fraction, contacts);
   keep_touching(step, features, exact, hits, contacts, memory);
   StepContacts of_step;
-  of_step.first = find_first_touch(step, contacts);
-  allow_rebound(step, of_step.first, features, memory.found, contacts);
+  const FirstTouch first = find_first_touch(step, contacts);
+  allow_rebound(step, first, features, memory.found, contacts);
+  memory.rebounding.find(step, first, contacts);
+  of_step.rebounding = &memory.rebounding;
   const auto touches = [&](const Contact& contact) {
     return is_contact(step, impact_of(step, contact));
   };
@@ -154,10 +156,9 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   memory.held_b_from_a = of_step.hold.b_from_a;
   memory.owed_energy = 0.0;
   for (const Contact& contact : contacts) {
-    const Impact impact = impact_of(step, contact);
-    if (!of_step.first.includes(step, impact)) continue;
-    ++of_step.first.count;
-    memory.owed_energy = std::max(memory.owed_energy, rebound_of(step, impact).owed_energy);
+    if (memory.rebounding.count_with(contact.id) == 0) continue;
+    const Rebound rebound = rebound_of(step, impact_of(step, contact));
+    memory.owed_energy = std::max(memory.owed_energy, rebound.owed_energy);
   }
   return of_step;
 }
@@ -175,7 +176,7 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
     world.slip = pair.shell_is_a ? slip : -slip;
     world.rolling_friction = rolling_lever;
   }
-  const SolverRebound rebound = rebound_for_solver(step, of_step.first, impact);
+  const SolverRebound rebound = rebound_for_solver(step, of_step.rebounding->count_with(contact.id), impact);
   world.restitution = rebound.restitution;
   world.first_impulse = rebound.first_impulse;
   return world;

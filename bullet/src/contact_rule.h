@@ -22,11 +22,12 @@ struct PairMemory {
   std::optional<Pose> held_b_from_a;  ///< see Hold
   std::vector<std::uint8_t> beside;   ///< room for a mark of each contact
   std::vector<Contact> found;         ///< room for the contacts where they are now
+  Rebounding rebounding;
 };
 
 /// What all contacts of a step have in common, which to_world() needs for each of them.
 struct StepContacts {
-  FirstTouch first;
+  const Rebounding* rebounding;  ///< in the pair's memory
   Hold hold;
 };
 

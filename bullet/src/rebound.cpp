@@ -14,11 +14,61 @@ bool touches_within(const PairStep& step, const Impact& impact) {
   return is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
 }
 
+/// Whether the rebound of what touches first may change how other contacts of the pair do.
+bool has_others_to_follow(const PairStep& step, const FirstTouch& first) {
+  const bool has_link = step.motion_a.is_link || step.motion_b.is_link;
+  return first.time < kNever && !has_link && step.time_step > 0.0 && step.restitution > 0.0;
+}
+
+/// Two bodies without friction, with nothing else in the way.
+class FreeBodies {
+ public:
+  explicit FreeBodies(const PairStep& step)
+      : world_from_shell_(step.pair->shell_side().world_from_geometry()),
+        shell_(step.pair->shell_is_a ? step.motion_a : step.motion_b),
+        field_(step.pair->shell_is_a ? step.motion_b : step.motion_a) {}
+
+  /// m/s.
+  double speed_apart(const Contact& contact) const {
+    return speed_apart(shell_, field_, place_of(contact), normal_of(contact));
+  }
+  /// Pushes the bodies until they part at a contact with that speed, if they do so more slowly.
+  void part(const Contact& contact, double wanted) {
+    const Vec3 at = place_of(contact);
+    const Vec3 normal = normal_of(contact);
+    const double speed = speed_apart(shell_, field_, at, normal);
+    const double missing = wanted - speed;
+    const double response =
+        speed_apart(shell_.pushed(normal, at), field_.pushed(-normal, at), at, normal) - speed;
+    if (!(missing > 0.0) || !(response > 0.0)) return;
+    const Vec3 impulse = missing / response * normal;
+    shell_ = shell_.pushed(impulse, at);
+    field_ = field_.pushed(-impulse, at);
+  }
+  /// Of the shell as the field sees it, in the shell's frame.
+  RelativeMotion motion() const { return RelativeMotion::of(shell_, field_, world_from_shell_); }
+
+ private:
+  Vec3 place_of(const Contact& contact) const {
+    return world_from_shell_.transform_point(static_cast<Vec3>(contact.point));
+  }
+  Vec3 normal_of(const Contact& contact) const {
+    return world_from_shell_.rotate(static_cast<Vec3>(contact.normal));
+  }
+  static double speed_apart(const Motion& shell, const Motion& field, const Vec3& at,
+                            const Vec3& normal) {
+    return dot(shell.velocity_at(at) - field.velocity_at(at), normal);
+  }
+
+  Pose world_from_shell_;
+  Motion shell_;
+  Motion field_;
+};
+
 }  // namespace
 
 bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
-  return touches_within(step, impact) && time < kNever &&
-         impact.time() <= time + kFirstTouchWithin * step.time_step;
+  return time < kNever && impact.time() <= time + kFirstTouchWithin * step.time_step;
 }
 
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts) {
@@ -33,38 +83,61 @@ FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> conta
 std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
                                             std::span<const Contact> contacts) {
   const PosedPair& pair = *step.pair;
-  const bool has_link = step.motion_a.is_link || step.motion_b.is_link;
-  if (!(first.time < kNever) || has_link || step.time_step == 0.0) return std::nullopt;
+  if (!has_others_to_follow(step, first)) return std::nullopt;
   // Friction and other bodies may make it another motion, which must not lead through a body.
   const double thinnest = std::min(pair.a.thinnest(), pair.b.thinnest());
-  if (!(step.restitution > 0.0) ||
-      step.farthest_displacement > kCcdOfThickness * std::min(thinnest, step.radius)) {
+  if (step.farthest_displacement > kCcdOfThickness * std::min(thinnest, step.radius)) {
     return std::nullopt;
   }
-  const Pose& world_from_shell = pair.shell_side().world_from_geometry();
-  Motion shell = pair.shell_is_a ? step.motion_a : step.motion_b;
-  Motion field = pair.shell_is_a ? step.motion_b : step.motion_a;
+  FreeBodies bodies(step);
   for (int i = 0; i < kReboundSweeps; ++i) {
     for (const Contact& contact : contacts) {
       const Impact impact = impact_of(step, contact);
-      if (!first.includes(step, impact)) continue;
-      const Vec3 at = world_from_shell.transform_point(static_cast<Vec3>(contact.point));
-      const Vec3 normal = world_from_shell.rotate(static_cast<Vec3>(contact.normal));
-      const auto speed_apart = [&](const Motion& of_shell, const Motion& of_field) {
-        return dot(of_shell.velocity_at(at) - of_field.velocity_at(at), normal);
-      };
-      const double speed = speed_apart(shell, field);
-      const double missing = step.restitution * impact.approach - speed;
-      const double response =
-          speed_apart(shell.pushed(normal, at), field.pushed(-normal, at)) - speed;
-      if (!(missing > 0.0) || !(response > 0.0)) continue;
-      const Vec3 impulse = missing / response * normal;
-      shell = shell.pushed(impulse, at);
-      field = field.pushed(-impulse, at);
+      if (first.includes(step, impact)) bodies.part(contact, step.restitution * impact.approach);
     }
   }
-  return AfterTouch{std::clamp(first.time / step.time_step, 0.0, 1.0),
-                    RelativeMotion::of(shell, field, world_from_shell)};
+  return AfterTouch{std::clamp(first.time / step.time_step, 0.0, 1.0), bodies.motion()};
+}
+
+void Rebounding::find(const PairStep& step, const FirstTouch& first,
+                      std::span<const Contact> contacts) {
+  touches_.clear();
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    const Impact impact = impact_of(step, contacts[i]);
+    if (!(impact.time() <= (1.0 + kFirstTouchWithin) * step.time_step)) continue;
+    touches_.push_back({.id = contacts[i].id, .index = i, .impact = impact});
+  }
+  const bool goes_on = has_others_to_follow(step, first);
+  for (FirstTouch next = first; next.time < kNever;) {
+    const auto rebounds = [&](const Touch& touch) {
+      return touch.is_free && touch.count == 0 && next.includes(step, touch.impact);
+    };
+    const auto count = static_cast<std::size_t>(std::ranges::count_if(touches_, rebounds));
+    FreeBodies bodies(step);
+    for (int i = 0; goes_on && i < kReboundSweeps; ++i) {
+      for (const Touch& touch : touches_) {
+        if (!rebounds(touch)) continue;
+        bodies.part(contacts[touch.index], step.restitution * touch.impact.approach);
+      }
+    }
+    for (Touch& touch : touches_) {
+      if (rebounds(touch)) touch.count = count;
+    }
+    next.time = kNever;
+    if (!goes_on) break;
+    for (Touch& touch : touches_) {
+      if (touch.count > 0 || !touch.is_free) continue;
+      const double change = bodies.speed_apart(contacts[touch.index]) + touch.impact.approach;
+      touch.is_free = std::abs(change) <= kFreeOfApproach * touch.impact.approach;
+      const bool touches = touch.is_free && touches_within(step, touch.impact);
+      if (touches) next.time = std::min(next.time, touch.impact.time());
+    }
+  }
+}
+
+std::size_t Rebounding::count_with(std::uint32_t id) const {
+  const auto found = std::ranges::lower_bound(touches_, id, {}, &Touch::id);
+  return found != touches_.end() && found->id == id ? found->count : 0;
 }
 
 Rebound rebound_of(const PairStep& step, const Impact& impact) {
@@ -84,13 +157,12 @@ Rebound rebound_of(const PairStep& step, const Impact& impact) {
   return {speed, 0.0};
 }
 
-SolverRebound rebound_for_solver(const PairStep& step, const FirstTouch& first,
-                                 const Impact& impact) {
+SolverRebound rebound_for_solver(const PairStep& step, std::size_t count, const Impact& impact) {
   SolverRebound rebound{step.restitution, 0.0};
   if (!(impact.approach > 0.0) || step.time_step == 0.0) return rebound;
   // A point that only stops approaching: if those that come later rebounded as well, ten iterations
   // of Bullet's solver would leave the body with too much energy.
-  if (!first.includes(step, impact)) return {0.0, 0.0};
+  if (count == 0) return {0.0, 0.0};
   const double speed = rebound_of(step, impact).speed;
   // The solver of multibodies takes the approach with what forces have added to it.
   const double of_gap = impact.gap > 0.0 ? impact.gap / step.time_step : 0.0;
@@ -105,7 +177,7 @@ SolverRebound rebound_for_solver(const PairStep& step, const FirstTouch& first,
   if (inverse_mass > 0.0) {
     const double turned = speed + impact.approach + impact.approach_of_forces;
     rebound.first_impulse = std::max(turned, 0.0) /
-                            (inverse_mass * kWarmStartingFactor * static_cast<double>(first.count));
+                            (inverse_mass * kWarmStartingFactor * static_cast<double>(count));
   }
   return rebound;
 }

@@ -1,23 +1,24 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "impact.h"
 #include "pair_step.h"
 
 namespace voxshell::bullet {
 
-/// Which contacts of a step touch first: a rebound of the first leaves no later ones.
+/// Which contacts of a step touch first.
 struct FirstTouch {
-  double time = kNever;   ///< seconds from the start of the step on
-  std::size_t count = 0;  ///< contacts that touch then
+  double time = kNever;  ///< seconds from the start of the step on
 
   bool includes(const PairStep& step, const Impact& impact) const;
 };
 
-/// When the first of `contacts` touches, if any does within the step; its count is 0.
+/// When the first of `contacts` touches, if any does within the step.
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts);
 
 /// What the contacts that touch first leave of the step.
@@ -31,6 +32,27 @@ struct AfterTouch {
 /// the step to rely on it.
 std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
                                             std::span<const Contact> contacts);
+
+/// Which contacts of a step rebound: those that touch first, and those that touch later and that
+/// the rebounds of the earlier ones leave alone, as those from two walls of a corner do.
+class Rebounding {
+ public:
+  /// Of contacts ascending by id.
+  void find(const PairStep& step, const FirstTouch& first, std::span<const Contact> contacts);
+  /// How many rebound at the same time as the contact, itself included; 0 if it does not.
+  std::size_t count_with(std::uint32_t id) const;
+
+ private:
+  struct Touch {
+    std::uint32_t id;
+    std::uint32_t index;  ///< among the contacts
+    Impact impact;
+    std::size_t count = 0;  ///< as count_with() has it
+    bool is_free = true;    ///< from what rebounds before it
+  };
+
+  std::vector<Touch> touches_;
+};
 
 /// The speed apart that a step ends with.
 struct Rebound {
@@ -49,7 +71,7 @@ struct SolverRebound {
   double restitution;    ///< the solver aims at restitution * approach - gap / time step
   double first_impulse;  ///< where the solver starts if the point is new, N s
 };
-SolverRebound rebound_for_solver(const PairStep& step, const FirstTouch& first,
-                                 const Impact& impact);
+/// @param count  The contacts that rebound with this one: see Rebounding.
+SolverRebound rebound_for_solver(const PairStep& step, std::size_t count, const Impact& impact);
 
 }  // namespace voxshell::bullet

@@ -22,6 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kMostReboundThreshold = 0.2;  // m/s, Bullet's default
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -302,6 +304,9 @@ void Simulation::step() {
         settings_.time_step,
         follows ? joints_[static_cast<std::size_t>(joint->motor.leader)].read() : JointReading{});
   }
+  // Bullet's default is too much for small bodies. Gravity ends slower rebounds within the step.
+  world_->getSolverInfo().m_restitutionVelocityThreshold = std::min(
+      kMostReboundThreshold, 2.0 * world_->getGravity().length() * settings_.time_step);
   model_timings_ = {};
   const auto start = Clock::now();
   world_->stepSimulation(settings_.time_step, 0);

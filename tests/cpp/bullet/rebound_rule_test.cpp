@@ -64,9 +64,8 @@ TEST(ReboundRule, OwesEnergyWhereTheApexIsBelowTheStart) {
 
 TEST(ReboundRule, TellsTheSolverWhatItAimsAt) {
   const PairStep step = make_step(0.5);
-  const FirstTouch first{0.0025, 2};
   const Impact first_impact = impact(0.005, 2.0);
-  const SolverRebound rebound = rebound_for_solver(step, first, first_impact);
+  const SolverRebound rebound = rebound_for_solver(step, 2, first_impact);
   // The solver aims at restitution * approach - gap / time step.
   EXPECT_NEAR(rebound.restitution * 2.0 - 0.005 / kStep, rebound_of(step, first_impact).speed,
               1e-12);
@@ -95,16 +94,14 @@ TEST(ReboundRule, LeavesTheMotionOfABlow) {
   EXPECT_FALSE(find_motion_after(step, find_first_touch(step, {}), {}));
 }
 
-TEST(ReboundRule, LaterPointsOnlyStopApproaching) {
-  const PairStep step = make_step(0.5);
-  const FirstTouch first{0.001, 1};
-  const SolverRebound later = rebound_for_solver(step, first, impact(0.010, 2.0));
+TEST(ReboundRule, ContactsThatDoNotReboundOnlyStopApproaching) {
+  const SolverRebound later = rebound_for_solver(make_step(0.5), 0, impact(0.010, 2.0));
   EXPECT_EQ(later.restitution, 0.0);
   EXPECT_EQ(later.first_impulse, 0.0);
 }
 
 TEST(ReboundRule, PointsThatPartKeepTheRestitutionOfTheBodies) {
-  const SolverRebound parting = rebound_for_solver(make_step(0.7), {0.0, 1}, impact(0.001, -1.0));
+  const SolverRebound parting = rebound_for_solver(make_step(0.7), 1, impact(0.001, -1.0));
   EXPECT_EQ(parting.restitution, 0.7);
   EXPECT_EQ(parting.first_impulse, 0.0);
 }
@@ -129,9 +126,63 @@ TEST(ReboundRule, ContactsThatDoNotTouchWithinTheStepDoNotRebound) {
   step.motion.velocity_of_forces = {0, 0, kGravity * kStep};
   const std::vector<Contact> contacts{{1, -0.03f, {}, {0, 0, 1}}};
   const FirstTouch first = find_first_touch(step, contacts);
-  const Impact ahead = impact_of(step, contacts[0]);
-  EXPECT_FALSE(first.includes(step, ahead));
-  EXPECT_EQ(rebound_for_solver(step, first, ahead).restitution, 0.0);
+  EXPECT_FALSE(first.includes(step, impact_of(step, contacts[0])));
+  Rebounding rebounding;
+  rebounding.find(step, first, contacts);
+  EXPECT_EQ(rebounding.count_with(1), 0u);
+}
+
+/// How many of the contacts of a cube of 10 cm with a fixed one rebound with each. It flies at 1 m/s
+/// along each axis, and a contact of a gap of 1 mm is closed after a tenth of the step.
+std::vector<std::size_t> counts_of(const std::vector<Contact>& contacts, const btVector3& velocity,
+                                   double restitution = 0.5) {
+  test_support::TestWorld world({}, {0, 0, 0});
+  const auto cube = test_support::build_by_tolerance({0.05, 0.05, 0.05});
+  btRigidBody& fixed = world.add_model(cube, 0, {});
+  btRigidBody& flies = world.add_model(cube, 1, {{}, {0, 0, 0.11}});
+  fixed.setRestitution(1);
+  flies.setRestitution(btScalar(restitution));
+  flies.setLinearVelocity(velocity);
+  const test_support::TwoBodies bodies(flies, fixed);
+  const PairStep step = bodies.step(kStep);
+  Rebounding rebounding;
+  rebounding.find(step, find_first_touch(step, contacts), contacts);
+  std::vector<std::size_t> counts;
+  for (const Contact& contact : contacts) counts.push_back(rebounding.count_with(contact.id));
+  return counts;
+}
+
+constexpr Vec3f kLow{0, 0, -0.05f};
+constexpr Vec3f kAside{-0.05f, 0, 0};
+using Counts = std::vector<std::size_t>;
+
+TEST(ReboundRule, ABodyReboundsFromEachWallOfACorner) {
+  const std::vector<Contact> corner{{1, -0.001f, kLow, {0, 0, 1}}, {2, -0.006f, kAside, {1, 0, 0}}};
+  EXPECT_EQ(counts_of(corner, {-1, 0, -1}), (Counts{1, 1}));
+  // Nothing rebounds without restitution, and the second wall is not reached any more.
+  EXPECT_EQ(counts_of(corner, {-1, 0, -1}, 0.0), (Counts{1, 0}));
+}
+
+TEST(ReboundRule, ABodyThatLiesReboundsFromAWall) {
+  const std::vector<Contact> tray{{1, 0.0f, kLow, {0, 0, 1}}, {2, -0.006f, kAside, {1, 0, 0}}};
+  EXPECT_EQ(counts_of(tray, {-1, 0, btScalar(-1e-9)}), (Counts{1, 1}));
+}
+
+TEST(ReboundRule, WhatTheFirstTouchTurnsAwayDoesNotRebound) {
+  const Vec3f slanted{0.6f, 0, 0.8f};
+  EXPECT_EQ(counts_of({{1, -0.001f, kLow, {0, 0, 1}}, {2, -0.006f, kAside, slanted}}, {-1, 0, -1}),
+            (Counts{1, 0}));
+  // The blow beside the middle turns the cube.
+  EXPECT_EQ(counts_of({{1, -0.001f, {0.05f, 0, -0.05f}, {0, 0, 1}},
+                       {2, -0.006f, {-0.05f, 0, -0.05f}, {0, 0, 1}}},
+                      {0, 0, -1}),
+            (Counts{1, 0}));
+}
+
+TEST(ReboundRule, AFlatLandingAtTheEndOfTheStepIsOne) {
+  const std::vector<Contact> flat{{1, -0.00999f, {0.05f, 0, -0.05f}, {0, 0, 1}},
+                                  {2, -0.01001f, {-0.05f, 0, -0.05f}, {0, 0, 1}}};
+  EXPECT_EQ(counts_of(flat, {0, 0, -1}), (Counts{2, 2}));
 }
 
 }  // namespace
