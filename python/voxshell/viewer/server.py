@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from voxshell.base.arguments import as_integer
 from voxshell.errors import MissingExtraError
 from voxshell.viewer.guard import guarding, make_token
 
@@ -44,7 +45,9 @@ def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.
 
     Raises:
         MissingExtraError: viser is not installed, or this version cannot be protected.
+        SettingsError: The port is not an integer from 0 to 65535.
     """
+    port = as_integer(port, "port", 0, 65535)  # viser would wait forever for another one
     viser = import_viser()
     with _silence(), guarding(make_token() if token is None else token) as is_guarded:
         server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)

@@ -44,3 +44,9 @@ def test_what_cannot_be_shown_is_refused(voxshell, arguments, message):
     ended = voxshell("view", *arguments)
     assert ended.code == 2
     assert message in " ".join(ended.err.split())
+
+
+def test_a_port_that_does_not_exist_is_refused(voxshell, cone_model_path):
+    ended = voxshell("view", cone_model_path, "--port", "99999")
+    assert ended.code == 2
+    assert "port must be from 0 to 65535, not 99999" in ended.err
