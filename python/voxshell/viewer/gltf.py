@@ -15,7 +15,7 @@ from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import build_pin_mesh, color_depths
 from voxshell.viewer.quaternions import as_steady, normals_as_wxyz, rotations_as_wxyz
-from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.surface import find_vertex_normals, is_faceted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -167,12 +167,7 @@ def _add_surface(data: _Data, body: BodyTrack) -> dict[str, Any]:
     }
     if not is_faceted(body.vertices, body.faces):
         # Without normals, viewers draw flat faces.
-        from trimesh import Trimesh
-
-        normals = Trimesh(body.vertices, body.faces, process=False).vertex_normals
-        lengths = np.linalg.norm(normals, axis=1)
-        # Vertices without a face have no normal, but the format requires unit normals.
-        normals = np.where(lengths[:, None] > 0.5, normals, (0.0, 0.0, 1.0))
+        normals = find_vertex_normals(body.vertices, body.faces)
         attributes["NORMAL"] = data.add(normals.astype(np.float32), target=_VERTICES)
     indices = data.add(body.faces.reshape(-1).astype(np.uint32), target=_INDICES)
     return {"attributes": attributes, "indices": indices}

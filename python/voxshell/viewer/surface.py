@@ -70,6 +70,37 @@ def split_creases(
     return vertices[faces.reshape(-1)[kept]], corners.reshape(-1, 3).astype(np.int64)
 
 
+def find_vertex_normals(
+    vertices: NDArray[np.float64], faces: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return unit normals of vertices, (n, 3): means over their faces, weighted with the angles at them.
+
+    Vertices without a face of positive area get +z.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) int.
+
+    Example:
+        >>> import trimesh
+        >>> box = trimesh.creation.box()
+        >>> normals = find_vertex_normals(box.vertices, box.faces)
+        >>> bool(np.allclose(normals, box.vertices / 0.75**0.5))
+        True
+    """
+    crosses = _find_normals(vertices, faces)
+    twice_areas = np.linalg.norm(crosses, axis=1)
+    unit = crosses / np.maximum(twice_areas, 1e-300)[:, None]
+    corners = vertices[faces]
+    along = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    angles = np.arctan2(twice_areas[:, None], np.einsum("fij,fij->fi", along, back))
+    sums = np.zeros((len(vertices), 3))
+    np.add.at(sums, faces, angles[..., None] * unit[:, None])
+    lengths = np.linalg.norm(sums, axis=1)[:, None]
+    return np.where(lengths > 1e-9, sums / np.maximum(lengths, 1e-9), (0.0, 0.0, 1.0))
+
+
 def _find_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
     """(m, 3) of faces, as long as twice their areas."""
     corners = vertices[faces]

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -159,3 +161,18 @@ def test_vertices_of_no_face_have_a_normal_of_unit_length(tmp_path: Path):
     attributes = document["meshes"][0]["primitives"][0]["attributes"]
     normals = values_of(document, binary, attributes["NORMAL"])
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_round_bodies_are_written_without_scipy_and_without_a_word(tmp_path):
+    # trimesh logs a traceback where it does without scipy, which is no dependency.
+    code = f"""
+import sys
+sys.modules["scipy"] = None
+import voxshell as vx
+world = vx.World()
+world.add(vx.Sphere(0.1))
+world.record().save_gltf({str(tmp_path / "ball.glb")!r})
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout + done.stderr == ""
+    assert (tmp_path / "ball.glb").stat().st_size > 1000
