@@ -9,13 +9,19 @@ import numpy as np
 
 if TYPE_CHECKING:
     import viser
+    from numpy.typing import NDArray
 
     from voxshell.simulation.live_frame import LiveFrame
 
 _SAMPLES = 600
 """Number of frames in the plots: twenty seconds at 30 frames per second."""
 
-_HEIGHT = 104  # pixels
+_HEIGHT = 120  # pixels
+_BETWEEN_TICKS = 14  # pixels at least, so that the scales have two numbers or more
+_DEPTH_UNITS = (("mm", 1e3), ("µm", 1e6), ("nm", 1e9))
+_ENERGY_UNITS = (("J", 1.0), ("mJ", 1e3), ("µJ", 1e6), ("nJ", 1e9))
+_LEAST_NUMBER = 0.1
+"""The page writes three decimals. If the largest value is smaller than this, a smaller unit is used."""
 _ENERGY_COLORS = ("#1f6fb4", "#2a9d6f", "#1e2733")
 
 
@@ -27,7 +33,7 @@ class LivePlots:
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        # Columns: time; kinetic, potential and total energy; contacts; depth.
+        # Columns: time; kinetic, potential and total energy, J; contacts; depth, m.
         self._rows: deque[tuple[float, ...]] = deque(maxlen=_SAMPLES)
         self._ground: float | None = None
         names = ("kinetic", "potential", "sum")
@@ -45,7 +51,7 @@ class LivePlots:
         if self._ground is None:
             self._ground = frame.potential
         potential = frame.potential - self._ground
-        depth = 1e3 * float(frame.depths.max(initial=0.0))
+        depth = float(frame.depths.max(initial=0.0))
         energies = (frame.kinetic, potential, frame.kinetic + potential)
         self._rows.append((frame.time, *energies, float(len(frame.depths)), depth))
 
@@ -54,9 +60,32 @@ class LivePlots:
         columns = np.array(self._rows).T
         if columns.shape[-1] < 2:
             return
-        self._energy.data = tuple(columns[:4])
-        self._count.data = (columns[0], columns[4])
-        self._depth.data = (columns[0], columns[5])
+        energy_unit, energies = _express(columns[1:4], _ENERGY_UNITS)
+        depth_unit, depths = _express(columns[5], _DEPTH_UNITS)
+        _show(self._energy, f"energy, {energy_unit}", (columns[0], *energies))
+        _show(self._count, "contacts", (columns[0], columns[4]))
+        _show(self._depth, f"deepest contact, {depth_unit}", (columns[0], depths))
+
+
+def _express(
+    values: NDArray[np.float64], units: tuple[tuple[str, float], ...]
+) -> tuple[str, NDArray[np.float64]]:
+    """Return the largest unit in which three decimals suffice, and the values in it.
+
+    Args:
+        values: Values in an SI unit.
+        units: Names, and numbers of units in an SI unit; the largest unit first.
+    """
+    largest = float(np.abs(values).max())
+    fitting = (unit for unit in units if largest * unit[1] >= _LEAST_NUMBER or largest == 0.0)
+    name, factor = next(fitting, units[-1])
+    return name, factor * values
+
+
+def _show(plot: Any, title: str, columns: tuple[NDArray[np.float64], ...]) -> None:
+    if plot.title != title:
+        plot.title = title
+    plot.data = columns
 
 
 def _add_plot(gui: viser.GuiApi, title: str, colors: dict[str, str]) -> Any:
@@ -67,6 +96,7 @@ def _add_plot(gui: viser.GuiApi, title: str, colors: dict[str, str]) -> Any:
         series=({"label": "time, s"}, *series),  # pyright: ignore[reportArgumentType]
         scales={"x": {"time": False}},
         title=title,
+        axes=({}, {"space": _BETWEEN_TICKS}),
         legend={"show": len(colors) > 1, "live": False},
         height=_HEIGHT,
     )

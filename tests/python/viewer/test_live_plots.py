@@ -74,3 +74,17 @@ def test_the_oldest_frames_are_left_out(plots: LivePlots):
     times = columns_of(plots._energy)[0]
     assert len(times) == 600
     assert times[-1] == pytest.approx(69.9)
+
+
+def test_small_depths_and_energies_have_small_units(plots: LivePlots):
+    # The page writes three decimals: 0.4 um would be 0 mm.
+    plots.add(at(0.0, potential=1.0))
+    plots.add(at(0.1, kinetic=3e-5, potential=1.0, depths=(4e-7,)))
+    plots.show()
+    assert (plots._energy.title, plots._depth.title) == ("energy, µJ", "deepest contact, µm")
+    assert columns_of(plots._energy)[1] == pytest.approx([0.0, 30.0])
+    assert columns_of(plots._depth)[1] == pytest.approx([0.0, 0.4])
+    plots.add(at(0.2, kinetic=3.0, potential=1.0, depths=(4e-3,)))
+    plots.show()
+    assert (plots._energy.title, plots._depth.title) == ("energy, J", "deepest contact, mm")
+    assert columns_of(plots._depth)[1] == pytest.approx([0.0, 4e-4, 4.0])
