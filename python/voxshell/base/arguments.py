@@ -83,6 +83,18 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
     return number
 
 
+def as_color(value: Any, name: str) -> tuple[int, int, int]:
+    """Return red, green and blue, integers from 0 to 255."""
+    try:
+        color = tuple(int(channel) for channel in value)
+        same = all(a == b for a, b in zip(color, value, strict=True))
+    except (TypeError, ValueError, OverflowError):
+        color, same = (), False
+    if not same or len(color) != 3 or not all(0 <= channel <= 255 for channel in color):
+        raise SettingsError(f"{name} must be three integers from 0 to 255, not {value!r}")
+    return color[0], color[1], color[2]
+
+
 def as_threads(value: Any) -> int:
     """Return a number of threads for the core, which takes 0 for None: one thread per CPU core."""
     return 0 if value is None else as_integer(value, "threads", 1, _MOST_THREADS)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from voxshell.base.arguments import as_color
 from voxshell.base.pose_forms import make_all_rigid, read_poses
 from voxshell.base.rotations import CORRECTED
-from voxshell.errors import PoseError, RecordingError
+from voxshell.errors import PoseError, RecordingError, SettingsError
 from voxshell.recording.arrays import as_floats, as_integers, as_points, keep
 
 
@@ -69,7 +69,11 @@ class BodyTrack:
         keep(self, "vertices", vertices)
         keep(self, "faces", faces)
         keep(self, "poses", _as_poses(self.poses, f"{where}: poses"))
-        object.__setattr__(self, "color", _as_color(self.color, f"{where}: color"))
+        if self.color is not None:
+            try:
+                object.__setattr__(self, "color", as_color(self.color, f"{where}: color"))
+            except SettingsError as error:
+                raise RecordingError(f"{error}; None lets the viewer choose") from None
 
     @property
     def frame_count(self) -> int:
@@ -105,17 +109,3 @@ def _as_poses(value: ArrayLike, what: str) -> NDArray[np.float64]:
         return make_all_rigid(poses, what)
     except PoseError as error:
         raise RecordingError(str(error)) from None
-
-
-def _as_color(value: Sequence[int] | None, what: str) -> tuple[int, int, int] | None:
-    """Return three integers from 0 to 255, or None."""
-    if value is None:
-        return None
-    try:
-        color = tuple(int(channel) for channel in value)
-        same = all(a == b for a, b in zip(color, value, strict=True))
-    except (TypeError, ValueError):
-        color, same = (), False
-    if not same or len(color) != 3 or not all(0 <= channel <= 255 for channel in color):
-        raise RecordingError(f"{what} must be three integers from 0 to 255 or None, got {value!r}")
-    return color[0], color[1], color[2]

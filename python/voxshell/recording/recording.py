@@ -162,8 +162,8 @@ class Recording:
 
         Args:
             path: The file, with the suffix .mp4 or .gif; written completely or not at all.
-            **options: Passed to :func:`voxshell.viewer.video.save_video`: size in pixels, frames
-                per second, speed, camera and title.
+            **options: Passed to :func:`voxshell.viewer.video.save_video`: ``size`` in pixels,
+                ``frames_per_second``, ``speed``, ``up`` and ``title``.
 
         Returns:
             The path of the file.

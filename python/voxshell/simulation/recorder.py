@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.simulation.body_colors import as_body_colors
 from voxshell.simulation.body_shapes import mesh_of
 from voxshell.simulation.tables import as_contacts, compute_forces
 
@@ -62,15 +63,17 @@ class Recorder:
 
         Raises:
             RecordingError: The world had no body when the recording began.
+            InputTypeError: ``colors`` does not map bodies to colors.
+            SettingsError: A color is not three integers from 0 to 255.
         """
+        chosen = as_body_colors(colors)
         poses = np.array(self._poses)
         tracks = []
         for index, body in enumerate(self._bodies):
             mesh = mesh_of(body.shape)
             faces = mesh.faces.astype(np.int64)
             name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
-            color = None if colors is None else colors.get(body)
-            tracks.append(BodyTrack(name, mesh.vertices, faces, color, poses[:, index]))
+            tracks.append(BodyTrack(name, mesh.vertices, faces, chosen.get(body), poses[:, index]))
         contacts = ContactTrack.from_frames(
             [
                 (frame["point_b"], frame["normal"], frame["depth"], forces)
@@ -94,6 +97,58 @@ class Recorder:
             options: As for :meth:`Recording.save_html`.
         """
         return self.recording(colors=colors).save_html(path, **options)
+
+    def save_video(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as a video; see :meth:`Recording.save_video`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_video`.
+        """
+        return self.recording(colors=colors).save_video(path, **options)
+
+    def save_gltf(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as binary glTF; see :meth:`Recording.save_gltf`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_gltf`.
+        """
+        return self.recording(colors=colors).save_gltf(path, **options)
+
+    def save_usd(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as Universal Scene Description; see :meth:`Recording.save_usd`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_usd`.
+        """
+        return self.recording(colors=colors).save_usd(path, **options)
+
+    def __repr__(self) -> str:
+        frames, bodies = len(self._poses), len(self._bodies)
+        return f"Recorder(frames={frames}, bodies={bodies}, time_step={self._every * self._time_step:.6g} s)"
 
     def _take_frame(self) -> None:
         self._poses.append(
