@@ -112,9 +112,13 @@ class LiveView:
             make_page: Makes the page.
         """
         self._page = make_page()
-        frame = self._take()
-        if frame is not None:
-            self._page.show(frame, last=True)
+        try:
+            frame = self._take()
+            if frame is not None:
+                self._page.show(frame, last=True)
+        except BaseException:
+            self.close()
+            raise
         self._thread = threading.Thread(target=self._send, name="voxshell view", daemon=True)
         self._thread.start()
 

@@ -6,7 +6,8 @@ import weakref
 from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import as_integer
-from voxshell.errors import SettingsError
+from voxshell.errors import InputTypeError, SettingsError
+from voxshell.simulation.body_colors import as_body_colors
 from voxshell.simulation.live_view import LiveView
 from voxshell.simulation.world_queries import WorldQueries
 
@@ -65,6 +66,7 @@ class ViewedWorld(WorldQueries):
         Raises:
             MissingExtraError: The viewer is not installed.
             SettingsError: A view of this world is open already, or an argument is out of range.
+            InputTypeError: ``colors`` does not map bodies to colors, or ``title`` is not a text.
 
         Example:
             >>> import voxshell as vx
@@ -84,6 +86,9 @@ class ViewedWorld(WorldQueries):
         from voxshell.viewer.live_page import LivePage
 
         number = as_integer(port, "port", 0, 65535)
+        if not isinstance(title, str):
+            raise InputTypeError(f"title must be a text, not {type(title).__name__}")
+        chosen = as_body_colors(colors)
         view = LiveView(
             self._simulation,
             self.bodies,
@@ -93,7 +98,7 @@ class ViewedWorld(WorldQueries):
             speed=speed,
             paused=paused,
         )
-        view.open(lambda: LivePage(view, port=number, title=title, colors=colors or {}))
+        view.open(lambda: LivePage(view, port=number, title=title, colors=chosen))
         self._view = view
         weakref.finalize(self, view.close)
         if open_browser:

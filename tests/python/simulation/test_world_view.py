@@ -41,11 +41,13 @@ def test_a_view_ends_with_its_world(screens: list[Screen]):
         ({"port": -1}, "port must be from 0 to 65535"),
         ({"speed": 0.0}, "speed must be above 0"),
         ({"frames_per_second": 0}, "frames_per_second must be above 0"),
+        ({"title": 5}, "title must be a text, not int"),
+        ({"colors": ["red"]}, "colors must be a mapping from bodies"),
     ],
 )
-def test_bad_options_are_refused(options: dict[str, float], message: str, screens: list[Screen]):
+def test_bad_options_are_refused(options: dict[str, object], message: str, screens: list[Screen]):
     world, _ = make_world()
-    with pytest.raises(vx.SettingsError, match=message):
+    with pytest.raises((vx.SettingsError, vx.InputTypeError), match=message):
         world.view(**options)
     assert screens == []
 
@@ -75,3 +77,16 @@ def test_a_view_that_was_refused_leaves_room_for_another(screens: list[Screen]):
         world.view(speed=-1.0)
     with world.view(speed=2.0) as view:
         assert view.speed == 2.0
+
+
+def test_a_page_that_cannot_be_shown_is_closed(
+    monkeypatch: pytest.MonkeyPatch, screens: list[Screen]
+):
+    def fail(*_: object, **__: object) -> None:
+        raise RuntimeError("cannot draw")
+
+    monkeypatch.setattr(Screen, "show", fail)
+    world, _ = make_world()
+    with pytest.raises(RuntimeError, match="cannot draw"):
+        world.view()
+    assert screens[0].closed
