@@ -242,10 +242,10 @@ class _Film:
         self._marks: list[Any] = []
         self._overlay = self._add_overlay()
         legend = []
-        if self._marked.deepest > 0.0:
-            legend.append(f"contact depth 0 to {metric(self._marked.deepest)}")
         if self._marked.strongest > 0.0:
             legend.append(f"longest arrow {self._marked.strongest:g} N")
+        if self._marked.deepest > 0.0:  # last: the bar is drawn below
+            legend.append(f"contact depth 0 to {metric(self._marked.deepest)}")
         self._write("\n".join(legend), "upper_right")
 
     def draw(self, instant: int) -> NDArray[np.uint8]:
@@ -370,8 +370,9 @@ class _Film:
         return overlay
 
     def _write(self, text: str, place: str) -> None:
+        spaced = "\n".join(f" {line} " for line in text.splitlines())  # off the edges
         self._plotter.add_text(
-            text, position=place, font_size=self._font_size, color=_INK, name=place, render=False
+            spaced, position=place, font_size=self._font_size, color=_INK, name=place, render=False
         )
 
     def _paint_scale(self, picture: NDArray[np.uint8]) -> None:
