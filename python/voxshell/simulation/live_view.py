@@ -223,7 +223,8 @@ class LiveView:
             return
         now = self._last_step = time.perf_counter()
         if now >= self._due:
-            self._due = now + self._pause_between
+            # From the due time on, so that long steps do not lower the mean rate.
+            self._due = max(self._due + self._pause_between, now)
             frame = self._take()
             with self._news:
                 self._frame = frame

@@ -306,7 +306,7 @@ class LiveScene:
             from trimesh.creation import icosphere
 
             radius = _BALL * self.extent.body * self.scale
-            ball = icosphere(subdivisions=2, radius=radius)
+            ball = icosphere(subdivisions=1, radius=radius)  # a few pixels wide
             self._extras["contacts"] = self._scene.add_batched_meshes_simple(
                 "/contacts",
                 np.asarray(ball.vertices, np.float32),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import voxshell as vx
 from live_worlds import PATIENCE, Screen, make_world, stepping, wait_for
+from voxshell.simulation.live_frame import LiveFrame, take_frame
 
 pytestmark = pytest.mark.usefixtures("screens")
 
@@ -182,3 +183,33 @@ def test_threads_add_remove_drag_and_close_while_another_steps():
             world.remove(body)
         view.close()
     assert len(view.pulls) == 0
+
+
+def test_long_steps_do_not_lower_the_mean_rate_of_frames(monkeypatch: pytest.MonkeyPatch):
+    world, _ = make_world()
+    read: list[float] = []
+
+    def count(*arguments: object) -> LiveFrame | None:
+        read.append(clock.now)
+        return take_frame(*arguments)  # pyright: ignore[reportArgumentType]
+
+    clock = Clock()
+    monkeypatch.setattr("voxshell.simulation.live_view.time", clock)
+    monkeypatch.setattr("voxshell.simulation.live_view.take_frame", count)
+    with world.view(frames_per_second=30.0) as view:
+        view.count_pages(1)
+        read.clear()
+        for _ in range(400):  # ten seconds
+            clock.now += 0.025
+            world.step()
+        # Whether a frame is read after 25 or 50 ms, on average it is after 33.
+        assert 299 <= len(read) <= 301
+
+
+class Clock:
+    """A clock that only the test moves."""
+
+    now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
