@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 import voxshell as vx
+from marks_on_page import read_drawn
 from player import PATIENCE, complaints_of
 from playwright.sync_api import Browser, Page
+from voxshell.simulation.live_frame import LiveFrame
 from voxshell.simulation.live_view import LiveView
-from voxshell.viewer.live_page import find_up
+from voxshell.viewer.live_page import LivePage, find_up
 
 # Of viser's own handler of the mouse; nothing is lost by it.
 HARMLESS = ("Unable to preventDefault inside passive event listener invocation.",)
@@ -126,6 +128,50 @@ def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
     watched.wait(lambda: len(watched.view.pulls) == 0, "the hand does not let go")
     watched.wait(lambda: box.position[2] < 0.11, "the box does not fall")
     assert [each for each in watched.complaints if each not in HARMLESS] == []
+
+
+def test_contacts_are_within_a_pixel_of_where_they_are_playing_and_paused(
+    browser: Browser, monkeypatch: pytest.MonkeyPatch
+):
+    frames: list[LiveFrame] = []
+    show = LivePage.show
+
+    def note(page: LivePage, frame: LiveFrame, *, last: bool) -> None:
+        frames.append(frame)
+        show(page, frame, last=last)
+
+    monkeypatch.setattr(LivePage, "show", note)
+    watched = Watched(browser)
+    page, view = watched.page, watched.view
+    live = view._page
+    assert isinstance(live, LivePage)
+    scale, body = live._scene.scale, f"/bodies/dynamic {watched.box.number}"
+
+    def find_error() -> float:
+        """Pixels between contacts as drawn and those of the frame that has the body's pose as drawn."""
+        drawn = read_drawn(page, body, "/contacts")
+        if drawn.places[body].shape != (1, 3) or len(drawn.places["/contacts"]) == 0:
+            return np.inf
+        shown = list(frames)
+        middles = np.array([frame.poses[1, :3, 3] for frame in shown]) * scale
+        apart = np.linalg.norm(drawn.place(middles) - drawn.places[body], axis=1)
+        frame = shown[int(np.argmin(apart))]
+        assert apart.min() < 1e-5
+        return drawn.pixels_off("/contacts", frame.points * scale)
+
+    try:
+        # The box slides, so that the contacts of another frame are elsewhere.
+        watched.box.linear_velocity = (0.3, 0.0, 0.0)
+        watched.box.friction = 0.0
+        watched.wait(lambda: find_error() < np.inf, "no contacts are drawn")
+        for _ in range(5):
+            assert find_error() < 1.0
+            page.wait_for_timeout(100)
+        view.pause()
+        watched.wait(watched.is_still, "the run goes on")
+        assert find_error() < 1.0
+    finally:
+        watched.close()
 
 
 def test_a_stranger_is_turned_away(watched: Watched, browser: Browser):

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 import trimesh
 import viser
+from marks_on_page import read_drawn
 from player import Player
 from voxshell.errors import RecordingError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, arrange_lanes
 from voxshell.viewer.replay import save_replay
+from voxshell.viewer.stage import plan_stage
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
 BLOCK = trimesh.creation.box((2.0, 2.0, 0.5))
@@ -93,6 +95,37 @@ def test_the_page_plays_offline(play: Callable[[Path], Player], replay: Path):
     assert "Plays in real time" in player.page.inner_text("#voxshell-heading")
     assert player.complaints == []
     assert player.fetched == [replay.as_uri()]
+
+
+def test_contacts_are_within_a_pixel_of_where_they_are_playing_and_paused(
+    play: Callable[[Path], Player], tmp_path: Path
+):
+    recording = fall_and_roll(3)
+    lane = Lane("", recording)
+    player = play(save_replay(tmp_path / "replay.html", [lane], title=""))
+    scale = plan_stage([lane], up="+z").scale
+    body, contacts = "/lane 1/ball", "/lane 1/contacts"
+    # At 60 pictures a second, every fourth of 200 steps a second, and the last.
+    shown = np.append(np.arange(0, FRAMES, 4), FRAMES - 1)
+
+    def find_error() -> tuple[int, float]:
+        """The frame that has the body's place as drawn, and how far its contacts are off, pixels."""
+        drawn = read_drawn(player.page, body, contacts)
+        middles = recording.bodies[0].poses[shown, :3, 3] * scale
+        apart = np.linalg.norm(drawn.place(middles) - drawn.places[body], axis=1)
+        assert apart.min() < 0.01
+        frame = int(shown[np.argmin(apart)])
+        return frame, drawn.pixels_off(contacts, recording.contacts.frame(frame).points * scale)
+
+    player.wait(lambda p: blue(p) > 200, "no ball is seen")
+    found = [find_error() for _ in range(10) if player.page.wait_for_timeout(120) is None]
+    player.pause()
+    for seconds in (0.6, 0.9):
+        player.seek(seconds)
+        player.wait(lambda p: warm(p) > 50, "contacts are not seen")
+        found.append(find_error())
+    assert max(error for _, error in found) < 1.0
+    assert found[-1][0] > LANDS
 
 
 def test_the_browser_refuses_what_a_page_might_fetch(play: Callable[[Path], Player], replay: Path):
