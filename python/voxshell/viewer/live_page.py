@@ -188,11 +188,10 @@ class LivePage:
             else ""
         )
         force, pull = ("#{:02x}{:02x}{:02x}".format(*color) for color in (FORCE_COLOR, PULL_COLOR))
-        longest = metric(scene.extent.body)
         return (
             f'<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
             f'<b style="color: {force}">&#8594;</b> normal force on the moving body '
-            f"({longest}: {scene.longest_force:.3g} N or more)<br>"
+            f"(longest: {scene.longest_force:.3g} N or more)<br>"
             f'<b style="color: {pull}">&#8594;</b> spring of the mouse<br>grid: {metric(scene.cell)}<br>'
             "Drag a body to pull it. Drag the background to turn the camera, right-drag to move it.</div>"
         )

@@ -18,6 +18,7 @@ _SAMPLES = 600
 
 _HEIGHT = 120  # pixels
 _BETWEEN_TICKS = 14  # pixels at least, so that the scales have two numbers or more
+_TICKS = {"stroke": "#e3e7ec", "width": 1, "size": 4}
 _DEPTH_UNITS = (("mm", 1e3), ("µm", 1e6), ("nm", 1e9))
 _ENERGY_UNITS = (("J", 1.0), ("mJ", 1e3), ("µJ", 1e6), ("nJ", 1e9))
 _LEAST_NUMBER = 0.1
@@ -96,7 +97,10 @@ def _add_plot(gui: viser.GuiApi, title: str, colors: dict[str, str]) -> Any:
         series=({"label": "time, s"}, *series),  # pyright: ignore[reportArgumentType]
         scales={"x": {"time": False}},
         title=title,
-        axes=({}, {"space": _BETWEEN_TICKS}),
+        axes=(  # pyright: ignore[reportArgumentType]
+            {"ticks": _TICKS},
+            {"ticks": _TICKS, "space": _BETWEEN_TICKS},
+        ),
         legend={"show": len(colors) > 1, "live": False},
         height=_HEIGHT,
     )

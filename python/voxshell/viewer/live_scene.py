@@ -19,7 +19,7 @@ from voxshell.viewer.palette import (
     FORCE_COLOR,
     PULL_COLOR,
 )
-from voxshell.viewer.pins import build_pins
+from voxshell.viewer.pins import as_light, build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
 from voxshell.viewer.stage import nice_length
 from voxshell.viewer.surface import split_creases
@@ -257,7 +257,7 @@ class LiveScene:
             or BODY_COLORS[body.number % len(BODY_COLORS)]
             for body in bodies
         ]
-        return np.array(chosen, np.uint8)
+        return as_light(np.array(chosen, np.float64))
 
     def _add_ground(self, body: Body, pose: NDArray[np.float64]) -> Any:
         """Add a plane as a floor with a grid, below the center of the scene."""

@@ -105,7 +105,7 @@ def build_pins(
     return Pins(
         positions.astype(np.float32),
         (np.round(normals_as_wxyz(contacts.normals[chosen]) * _TURNS) / _TURNS).astype(np.float32),
-        _as_light(color_depths(fraction)),
+        as_light(color_depths(fraction)),
     )
 
 
@@ -116,10 +116,14 @@ def color_depths(fractions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.interp(fractions, stops, channel) for channel in channels], axis=1)
 
 
-def _as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
+def as_light(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Convert colors (sRGB, 0 to 255) to linear intensities, 0 to 255, for the player's instances.
 
     Unconverted colors would look pale.
+
+    Example:
+        >>> as_light(np.array([[0.0, 128.0, 255.0]]))
+        array([[  0,  55, 255]], dtype=uint8)
     """
     fraction = colors / 255.0
     light = np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)

@@ -117,3 +117,14 @@ def test_the_spring_of_the_mouse_is_an_arrow_as_long_as_it_lasts(scene: LiveScen
     assert not arrow.visible
     scene.show(frame, lines)
     assert arrow.visible
+
+
+def test_bodies_are_as_dark_as_their_colors():
+    # viser takes colors of meshes as sRGB, and those of instances as linear intensities.
+    world = vx.World()
+    ball = world.add(vx.Sphere(0.1))
+    with silent_server() as server:
+        scene = LiveScene(server.scene, {ball: (255, 128, 0)}, lambda *_: None)
+        scene.show(read_frame(world), NOTHING_PULLS)
+        (group,) = scene._groups.values()
+        assert group.node.batched_colors.tolist() == [[255, 55, 0]]
