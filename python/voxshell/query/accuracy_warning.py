@@ -52,10 +52,12 @@ def _advise(*bodies: Model | Field) -> str:
     """What to do about bodies that may miss much of each other."""
     if any(isinstance(body, Model) and body.tolerance is None for body in bodies):
         build = "build the models to a tolerance, without voxel_size= and resolution="
+        robots = "; load robots with a smaller voxel_size="  # they have no tolerance
     else:
-        build = "build the models to a smaller tolerance="
+        build, robots = "build the models to a smaller tolerance=", ""
     return (
-        f"{build} (voxshell.contact_bounds reports the effect), or filter voxshell.AccuracyWarning"
+        f"{build} (voxshell.contact_bounds reports the effect{robots}), or filter "
+        "voxshell.AccuracyWarning"
     )
 
 

@@ -432,6 +432,7 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
     assert len(caught) == 1
     assert caught[0].filename == __file__
     assert "to a tolerance, without voxel_size= and resolution= (" in str(caught[0].message)
+    assert "load robots with a smaller voxel_size=" in str(caught[0].message)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for shell in ("fewest", "a", "b", "both"):
