@@ -45,7 +45,7 @@ plot(
     1e3 * drops,
     {"nearest distance": 1e3 * np.array(nearest)},
     x_label="lowered by, mm",
-    y_label="mm, negative: overlap",
+    y_label="distance, mm (negative: overlap)",
 )
 
 world = vx.World()  # the same two, with gravity: one falls until it hangs in the other

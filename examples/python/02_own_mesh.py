@@ -60,7 +60,7 @@ shades = axes.contourf(1e3 * x, 1e3 * z, distances, 24, cmap="RdBu_r")
 axes.contour(1e3 * x, 1e3 * z, distances, [0.0], colors="black")
 axes.set(aspect="equal", xlabel="x, mm", ylabel="z, mm")
 figure.colorbar(shades, label="signed distance, mm")
-figure.savefig(options.out / "plot.png", dpi=110)
+figure.savefig(options.out / "plot.png", dpi=110, bbox_inches="tight")
 
 world = vx.World()  # and how it falls
 world.add(vx.Plane(), mass=0, name="ground")

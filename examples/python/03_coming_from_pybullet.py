@@ -55,5 +55,5 @@ tell(
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frames=(-1,), elevation=30)
 lines = {"model": 1e3 * heights, "pybullet's convex hull": 1e3 * hull_heights}
-plot(options.out / "plot.png", np.arange(480) / 240, lines, x_label="s", y_label="height, mm")
+plot(options.out / "plot.png", np.arange(480) / 240, lines, x_label="time, s", y_label="height, mm")
 recording.save_html(options.out / "replay.html", title="A ring falls over a post")

@@ -68,4 +68,4 @@ pairs = [
 ]
 draw(options.out / "picture.png", pairs, azimuth=15, elevation=15)
 time = np.arange(len(down)) / RATE
-plot(options.out / "plot.png", time, lines, x_label="s", y_label="way into the hole, mm")
+plot(options.out / "plot.png", time, lines, x_label="time, s", y_label="way into the hole, mm")

@@ -68,5 +68,5 @@ tell(
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frames=(-1,), elevation=50, fill=0.9)
 lines = {"energy of motion, mJ": 1e3 * np.array(energy), "contact points": np.array(contacts)}
-plot(options.out / "plot.png", np.arange(1, steps + 1) / RATE, lines, x_label="s", y_label="")
+plot(options.out / "plot.png", np.arange(1, steps + 1) / RATE, lines, x_label="time, s", y_label="")
 recording.save_html(options.out / "replay.html", title="Pouring bunnies", max_contacts=100)

@@ -50,7 +50,9 @@ figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")
 shades = axes.pcolormesh(1e3 * places, 1e3 * places, free, cmap="viridis")
 axes.set(aspect="equal", xlabel="x, mm", ylabel="y, mm")
 figure.colorbar(shades, label="fraction of turns that are free")
-figure.savefig(options.out / "plot.png", dpi=110)
+figure.savefig(
+    options.out / "plot.png", dpi=110, bbox_inches="tight"
+)  # constrained layout cuts labels off
 draw(options.out / "picture.png", [(ring, np.eye(4)), (hook, np.eye(4))], elevation=30)
 line = poses.reshape(turns, side, side, 4, 4)[0, side // 2]  # straight across the ring
 replay(options.out / "replay.html", ring, hook, line, seconds=4.0, title="A hook across a ring")

@@ -47,6 +47,12 @@ touching = as_recording(
 draw(options.out / "picture.png", touching, elevation=20)
 lines = {axis: forces[:, number] for number, axis in enumerate("xyz")}
 milliseconds = np.arange(steps)
-plot(options.out / "plot.png", milliseconds, lines, x_label="ms", y_label="force on the probe, N")
+plot(
+    options.out / "plot.png",
+    milliseconds,
+    lines,
+    x_label="time, ms",
+    y_label="force on the probe, N",
+)
 way = poses[:: steps // 100]
 replay(options.out / "replay.html", rough, probe, way, seconds=4.0, title="A probe along a wall")

@@ -75,6 +75,6 @@ if __name__ == "__main__":
     }
     tell(options.out, figures)
     lines = {"mug": 1e3 * mug_heights, "wrist": 1e3 * wrist_heights}
-    axes = {"x_label": "s", "y_label": "height, mm"}
+    axes = {"x_label": "time, s", "y_label": "height, mm"}
     plot(options.out / "plot.png", np.arange(1, len(rows) + 1) / RATE, lines, **axes)
     recorder.save_html(options.out / "replay.html", title="A gripper and a mug", colors=colors)

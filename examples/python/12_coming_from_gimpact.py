@@ -52,5 +52,11 @@ draw(options.out / "picture.png", recording, frames=(-1,), elevation=35.0, fill=
 time = np.arange(1, len(heights) + 1) / RATE
 shown = (time > 0.28) & (time < 0.8)  # from shortly before it lands
 lines = {name: line[shown] for name, line in lines.items()}
-plot(options.out / "plot.png", time[shown], lines, x_label="s", y_label="height of the ring, mm")
+plot(
+    options.out / "plot.png",
+    time[shown],
+    lines,
+    x_label="time, s",
+    y_label="height of the ring, mm",
+)
 recording.save_html(options.out / "replay.html", title="A ring falls around a ball")

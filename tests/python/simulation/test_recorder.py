@@ -77,7 +77,7 @@ def test_a_recorder_writes_what_its_recording_writes(tmp_path):
     one, other = recorder.save_gltf(tmp_path / "a.glb"), tmp_path / "b.glb"
     recorder.recording().save_gltf(other)
     assert one.read_bytes() == other.read_bytes()
-    with pytest.raises(vx.SettingsError, match="a video needs a file name that ends in .mp4"):
+    with pytest.raises(vx.SettingsError, match="a video needs a file name"):
         recorder.save_video(tmp_path / "a.avi")
     with pytest.raises(vx.SettingsError, match="an animation for USD needs"):
         recorder.save_usd(tmp_path / "a.glb")
