@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -80,57 +79,6 @@ TEST(EdgeSegments, GrowLongerRatherThanTooMany) {
   EXPECT_LE(shell.edges()->size(), EdgeSegments::kMostPieces);
   EXPECT_GT(shell.edges()->size(), EdgeSegments::kMostPieces / 2);
   EXPECT_GT(shell.edges()->bracket(), 1e-5);
-}
-
-TEST(ShellsByTolerance, HaveTheMeshesAreaAndNoTwoPointsAtOnePlace) {
-  for (const Soup& soup : {make_box({0.1, 0.1, 0.1}), make_torus(0.1, 0.03, 60, 30),
-                           make_blob(0.1, 3), make_wedge(0.3, 0.02, 0.2), make_spike(0.1, 0.3)}) {
-    const TriangleMesh mesh = soup.mesh();
-    const PointShell shell = build(soup, 1e-4);
-    double area = 0.0;
-    for (const float a : shell.areas()) area += static_cast<double>(a);
-    EXPECT_NEAR(area / mesh.compute_area(), 1.0, 1e-5);
-    std::vector<Vec3f> points(shell.points().begin(), shell.points().end());
-    std::sort(points.begin(), points.end(), [](const Vec3f& a, const Vec3f& b) {
-      return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
-    });
-    EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
-    for (std::size_t i = 0; i < points.size(); i += 17) {
-      ASSERT_LT(distance_to_mesh(static_cast<Vec3>(points[i]), mesh), 1e-7);
-    }
-  }
-}
-
-TEST(ShellsByTolerance, AreDenseWhereTheSurfaceCurvesAndSparseWhereItIsFlat) {
-  const PointShell ball = build(make_icosphere(0.1, 5), 5e-5);
-  EXPECT_GT(ball.size(), 3'000u);
-  EXPECT_LT(ball.size(), 15'000u);
-  EXPECT_GT(build(make_icosphere(0.1, 5), 1e-5).size(), 2 * ball.size());
-  EXPECT_LT(build(make_box({0.1, 0.1, 0.1}), 5e-5).size(), 4'000u);
-  EXPECT_GT(build(make_box({0.1, 0.1, 0.1}), 5e-5).size(), 3'000u);
-}
-
-TEST(ShellsByTolerance, AreTheSameForAnyNumberOfThreads) {
-  const TriangleMesh mesh = make_blob(0.1, 4).mesh();
-  const auto one = PointShell::build(mesh, {.tolerance = 1e-4, .threads = 1});
-  const auto three = PointShell::build(mesh, {.tolerance = 1e-4, .threads = 3});
-  ASSERT_TRUE(one && three);
-  const std::vector<Vec3f> a(one->points().begin(), one->points().end());
-  const std::vector<Vec3f> b(three->points().begin(), three->points().end());
-  EXPECT_EQ(a, b);
-}
-
-TEST(ShellsByTolerance, RefuseToleranceAndSpacingTogether) {
-  const TriangleMesh mesh = make_box({1, 1, 1}).mesh();
-  for (const PointShellSettings& settings :
-       {PointShellSettings{.tolerance = 1e-3, .spacing = 0.1},
-        PointShellSettings{.tolerance = 1e-3, .target_points = 100},
-        PointShellSettings{.tolerance = -1e-3},
-        PointShellSettings{.tolerance = std::numeric_limits<double>::infinity()}}) {
-    const auto shell = PointShell::build(mesh, settings);
-    ASSERT_FALSE(shell);
-    EXPECT_EQ(shell.error().code, ErrorCode::kInvalidArgument);
-  }
 }
 
 }  // namespace
