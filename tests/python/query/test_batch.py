@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from queries import BATCHES
 
-BATCHES = (vx.contacts_batch, vx.collide_batch)
 ARRAYS = ("points_a", "points_b", "normals", "depths", "ids", "segments", "shells")
 COUNT = 300
 

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from poses import moved
 
 
 @pytest.fixture(scope="module")
@@ -45,3 +47,22 @@ def test_a_contact_is_certain_from_the_overlap_on_and_none_beyond_the_clearance(
 def test_two_shapes_without_a_shell_have_no_bounds():
     with pytest.raises(vx.SettingsError):
         vx.contact_bounds(vx.Plane(), vx.Sphere(0.1))
+
+
+def test_bounds_are_those_of_the_meshes():
+    """Closed forms: how far balls are from touching."""
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.02))
+    slab = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.1)))
+    bounds = vx.contact_bounds(ball, slab)
+    turned = vx.contact_bounds(slab, ball)
+    assert (bounds.overlap, bounds.clearance) == (turned.overlap, turned.clearance)
+    # The icosphere's own vertices are on the ball, one of them below its centre.
+    low = 0.05 - ball.mesh.vertices[:, 2].min()
+    assert 0.0 < bounds.clearance <= bounds.overlap < 2e-4
+    assert vx.collide(ball, slab, moved(0.1, 0.2, low - bounds.overlap))
+    assert not vx.collide(ball, slab, moved(0.1, 0.2, low + bounds.clearance))
+    uniform = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.02), voxel_size=0.001)
+    error = uniform.field.interpolation_error
+    assert vx.contact_bounds(uniform, uniform, shell="both").overlap == pytest.approx(
+        np.sqrt(3.0) * uniform.shell.spacing + error
+    )

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import voxshell as vx
-from poses import moved, turned
+from poses import moved, random_poses, turned
 
 STIFFNESS = 1e6  # N/m3
 
@@ -88,6 +88,28 @@ def test_it_grows_from_zero_without_jumps(ball: vx.Model, cube: vx.Model):
     # No step adds more than the springs of the whole ball would.
     most = STIFFNESS * float(ball.shell.areas.sum()) * (heights[0] - heights[1])
     assert np.abs(np.diff(forces, axis=0)).max() < most
+
+
+def test_the_wrench_of_both_shells_counts_area_once(ball: vx.Model, cube: vx.Model):
+    for pose in random_poses(20, 0.5):
+        a, b, both = (
+            vx.wrench(ball, cube, pose, None, 1.0, shell=shell) for shell in ("a", "b", "both")
+        )
+        np.testing.assert_allclose(both.force, 0.5 * (a.force + b.force), rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(both.torque, 0.5 * (a.torque + b.torque), rtol=1e-12, atol=1e-9)
+
+
+def test_the_wrench_of_both_shells_has_no_jumps(ball: vx.Model, cube: vx.Model):
+    # Into the cube through its face until the ball is wholly inside.
+    forces = np.array(
+        [
+            vx.wrench(ball, cube, moved(0.01, 0.02, z), None, 1.0, shell="both").force
+            for z in np.linspace(0.65, 0.3, 2000)
+        ]
+    )
+    steps = np.linalg.norm(np.diff(forces, axis=0), axis=1)
+    assert np.linalg.norm(forces, axis=1).max() > 0.0
+    assert steps.max() < 0.01 * np.linalg.norm(forces, axis=1).max()
 
 
 @pytest.mark.parametrize("stiffness", [-1.0, np.nan, np.inf, -np.inf, "1", None, [1.0], 1j])

@@ -10,7 +10,7 @@ from voxshell_studies.scaling import ScalingSettings
 
 @pytest.mark.slow
 def test_growth_is_that_of_the_measured_times(tmp_path):
-    """Benchmarks measure how much it is, and test_queries.py counts the work."""
+    """Benchmarks measure how much it is, and test_budgets.py counts the work."""
     settings = replace(
         ScalingSettings(),
         orientations=1,

@@ -22,6 +22,24 @@ def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NDArray[np.float64]
     return pose_of((x, y, z))
 
 
+def lift(height: float, rotation: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+    """Returns a (4, 4) pose above the world's origin; `rotation` is (3, 3)."""
+    pose = moved(z=height)
+    if rotation is not None:
+        pose[:3, :3] = rotation
+    return pose
+
+
 def turned(axis: tuple[float, float, float], angle: float) -> NDArray[np.float64]:
     """Returns a (4, 4) pose at the world's origin, turned by radians."""
     return trimesh.transformations.rotation_matrix(angle, axis)
+
+
+def random_poses(count: int, reach: float) -> NDArray[np.float64]:
+    """Returns (count, 4, 4) poses, of any orientation, at most `reach` from the origin along each axis."""
+    rng = np.random.default_rng(18)
+    poses = np.stack(
+        [trimesh.transformations.random_rotation_matrix(rng.random(3)) for _ in range(count)]
+    )
+    poses[:, :3, 3] = rng.uniform(-reach, reach, (count, 3))
+    return poses
