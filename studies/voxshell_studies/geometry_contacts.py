@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from voxshell.base.poses import invert
 from voxshell.query.queries import contacts
 
 from voxshell_studies.geometry_models import (
@@ -12,7 +13,6 @@ from voxshell_studies.geometry_models import (
     Pair,
     carry,
     find_surface,
-    invert,
     move,
 )
 from voxshell_studies.geometry_pairs import meet

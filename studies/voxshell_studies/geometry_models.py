@@ -7,6 +7,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from voxshell.base.poses import invert
 from voxshell.model.model import Model
 from voxshell.query.bounds import ContactBounds, contact_bounds
 
@@ -94,14 +95,6 @@ class Pair:
         """Return the library's bounds for contacts of the pair; in order 1, b is the first body."""
         a, b = (each.model for each in self._models)
         return contact_bounds(b, a) if order == 1 else contact_bounds(a, b)
-
-
-def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inverse of a rigid pose, (4, 4)."""
-    inverse = np.eye(4)
-    inverse[:3, :3] = pose[:3, :3].T
-    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return inverse
 
 
 def carry(pose: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -94,6 +94,14 @@ def pose(
     return matrix
 
 
+def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inverse of a rigid pose, (4, 4)."""
+    inverse = np.eye(4)
+    inverse[:3, :3] = pose[:3, :3].T
+    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return inverse
+
+
 def _as_finite(value: Any, name: str, count: int) -> list[float]:
     numbers: list[float] = as_floats(value, name, (count,), PoseError).tolist()
     if not all(map(math.isfinite, numbers)):

@@ -10,6 +10,7 @@ import numpy as np
 from voxshell import _bullet
 from voxshell.base.arguments import as_vector
 from voxshell.base.pose_forms import as_rigid_pose
+from voxshell.base.poses import invert
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.joint_kinds import (
     FixedJoint,
@@ -98,14 +99,6 @@ def make_settings(
         damping=damping,
         collides=collide,
     )
-
-
-def invert(pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inverse of a rigid transform."""
-    inverse = np.eye(4)
-    inverse[:3, :3] = pose[:3, :3].T
-    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return inverse
 
 
 def _frame_along(axis: ArrayLike) -> NDArray[np.float64]:

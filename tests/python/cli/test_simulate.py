@@ -23,23 +23,16 @@ def run_program(*arguments):
     )
 
 
-@pytest.fixture(scope="module")
-def cone(tmp_path_factory):
-    path = tmp_path_factory.mktemp("mesh") / "cone.stl"
-    trimesh.creation.cone(radius=30, height=50).export(path)  # millimetres
-    return path
-
-
 SMALL = ("--up", "z", "--size", "0.1", "--voxel-size", "0.005")
 SMALL += ("--fine-points", "1000", "--coarse-points", "200")
 
 
 @pytest.fixture(scope="module")
-def dropped(tmp_path_factory, cone):
+def dropped(tmp_path_factory, cone_path):
     """A small drop with all methods: what it printed, and the folder that it wrote."""
     out = tmp_path_factory.mktemp("drop") / "a" / "b"
     result = run_program(
-        "simulate", "drop", cone, "--out", out, *SMALL, "--steps", 300, "--slow-steps", 60
+        "simulate", "drop", cone_path, "--out", out, *SMALL, "--steps", 300, "--slow-steps", 60
     )
     return result, out
 
@@ -67,9 +60,9 @@ def test_page_plays_offline(dropped, play):
     assert player.fetched == [(out / "index.html").as_uri()]
 
 
-def test_json_is_all_that_stdout_holds(voxshell, tmp_path, cone):
+def test_json_is_all_that_stdout_holds(voxshell, tmp_path, cone_path):
     result = voxshell(
-        *("simulate", "drop", cone, "--out", tmp_path, *SMALL),
+        *("simulate", "drop", cone_path, "--out", tmp_path, *SMALL),
         *("--steps", 260, "--methods", "vps-fine", "hull", "--json"),
     )
     assert result.code == 0, result.err
@@ -121,7 +114,7 @@ def test_help_teaches(voxshell):
     ("problem", "ending"), [(OSError, (1, "disk full")), (KeyboardInterrupt, (130, "stopped"))]
 )
 def test_nothing_is_left_of_what_was_not_finished(
-    tmp_path, cone, monkeypatch, capsys, problem, ending
+    tmp_path, cone_path, monkeypatch, capsys, problem, ending
 ):
     from voxshell.cli import main
     from voxshell_studies import drop_report
@@ -130,7 +123,7 @@ def test_nothing_is_left_of_what_was_not_finished(
         raise problem("disk full")
 
     monkeypatch.setattr(drop_report, "draw_curves", fail)
-    command = ["simulate", "drop", str(cone), *SMALL, "--steps", "260", "--methods", "hull"]
+    command = ["simulate", "drop", str(cone_path), *SMALL, "--steps", "260", "--methods", "hull"]
     older = tmp_path / "older"
     older.mkdir()
     for name in ("results.json", "curves.png", "index.html"):
@@ -145,10 +138,10 @@ def test_nothing_is_left_of_what_was_not_finished(
     assert [path.read_text() for path in older.iterdir()] == ["older"] * 3
 
 
-def test_ctrl_c_ends_with_130_and_no_folder(tmp_path, cone):
+def test_ctrl_c_ends_with_130_and_no_folder(tmp_path, cone_path):
     process = subprocess.Popen(
         [
-            *(Path(sys.executable).with_name("voxshell"), "simulate", "drop", cone),
+            *(Path(sys.executable).with_name("voxshell"), "simulate", "drop", cone_path),
             *("--out", tmp_path / "out", "--steps", "10000000", *SMALL),
         ],
         stdout=subprocess.PIPE,

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from experiments import compute
 from voxshell_studies import ball
-from voxshell_studies.part import compute_part
 from voxshell_studies.report.ball import BALL
 from voxshell_studies.scenes.ball import BallSettings, build_ball, turn_pole_down
 
@@ -14,7 +14,7 @@ SETTINGS = replace(BallSettings(), phases=4, steps=200)
 
 @pytest.fixture(scope="module")
 def results():
-    return {part.name: compute_part(part).tables for part in ball.plan(SETTINGS)}
+    return compute(BALL, SETTINGS)
 
 
 def test_verdicts_are_those_of_the_section(results):

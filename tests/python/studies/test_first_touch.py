@@ -5,20 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from manifold3d import Manifold, Mesh64
+from poses import lift
 from voxshell_studies.first_touch import find_first_touch
 from voxshell_studies.geometry_models import move
 from voxshell_studies.scenes.geometry import SCENES, turn_about
 from voxshell_studies.scenes.geometry_bodies import make_body
 
 DOWN = np.array([0.0, 0.0, -1.0])
-
-
-def lift(height: float, rotation: np.ndarray | None = None) -> np.ndarray:
-    pose = np.eye(4)
-    pose[2, 3] = height
-    if rotation is not None:
-        pose[:3, :3] = rotation
-    return pose
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,12 @@ from itertools import groupby
 import numpy as np
 import pytest
 import voxshell as vx
+from experiments import compute
+from poses import lift
 from voxshell.errors import SettingsError
 from voxshell_studies import geometry_costs
 from voxshell_studies.geometry import GeometrySettings, name_pair, name_scene
 from voxshell_studies.geometry_models import RETRIANGULATED, Pair, move
-from voxshell_studies.part import compute_part
 from voxshell_studies.report.geometry import GEOMETRY
 from voxshell_studies.scenes.geometry import PAIRS, SCENES, random_rotation
 
@@ -32,14 +33,6 @@ SMALL = GeometrySettings(
 )
 
 
-def lift(height: float, rotation: np.ndarray | None = None) -> np.ndarray:
-    pose = np.eye(4)
-    pose[2, 3] = height
-    if rotation is not None:
-        pose[:3, :3] = rotation
-    return pose
-
-
 # ---- measures ------------------------------------------------------------------------------------
 
 
@@ -47,7 +40,7 @@ def lift(height: float, rotation: np.ndarray | None = None) -> np.ndarray:
 def results():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(geometry_costs, "COMPARED", "ellipsoid")  # the bunny takes long to build
-        return {part.name: compute_part(part).tables for part in GEOMETRY.plan(SMALL)}
+        return compute(GEOMETRY, SMALL)
 
 
 def test_copies_and_orders_are_asked_about_the_same_pose():

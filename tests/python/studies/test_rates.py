@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from experiments import compute, draw
 from trimesh.transformations import rotation_matrix
 from voxshell.errors import SettingsError
 from voxshell_studies import rates
 from voxshell_studies.motion import read_poses
-from voxshell_studies.part import compute_part
 from voxshell_studies.rates import RatesSettings
 from voxshell_studies.report.rates import RATES, is_carried
 from voxshell_studies.scenes.bunny import find_lowest
@@ -27,7 +27,7 @@ SETTINGS = replace(
 
 @pytest.fixture(scope="module")
 def results():
-    return {part.name: compute_part(part).tables for part in rates.plan(SETTINGS)}
+    return compute(RATES, SETTINGS)
 
 
 def test_more_segments_hold_at_lower_rates(results):
@@ -110,5 +110,4 @@ def test_rates_descend():
 
 
 def test_pictures_are_drawn(results, tmp_path):
-    pictures = RATES.draw(SETTINGS, results, tmp_path)
-    assert all((tmp_path / picture.path).is_file() for picture in pictures)
+    draw(RATES, SETTINGS, results, tmp_path)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from experiments import compute
 from voxshell.errors import SettingsError
 from voxshell_studies import segments
 from voxshell_studies.motion import read_poses
-from voxshell_studies.part import compute_part
 from voxshell_studies.report.segments import SEGMENTS
 from voxshell_studies.segments import LEVELS, SegmentsSettings
 
@@ -18,7 +18,7 @@ SETTINGS = replace(
 
 @pytest.fixture(scope="module")
 def results():
-    return {part.name: compute_part(part).tables for part in segments.plan(SETTINGS)}
+    return compute(SEGMENTS, SETTINGS)
 
 
 def test_every_level_has_its_times_in_own_falls_and_equal_poses(results):

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from experiments import compute, draw
 from voxshell.errors import SettingsError
 from voxshell_studies import stack
 from voxshell_studies.motion import read_poses
-from voxshell_studies.part import compute_part
 from voxshell_studies.report.stack import STACK
 from voxshell_studies.scenes.stack import StackSettings
 
@@ -18,7 +18,7 @@ SETTINGS = replace(
 
 @pytest.fixture(scope="module")
 def results():
-    return {part.name: compute_part(part).tables for part in stack.plan(SETTINGS)}
+    return compute(STACK, SETTINGS)
 
 
 def test_every_published_row_has_a_verdict(results):
@@ -73,5 +73,4 @@ def test_resolutions_ascend():
 
 
 def test_pictures_are_drawn(results, tmp_path):
-    pictures = STACK.draw(SETTINGS, results, tmp_path)
-    assert all((tmp_path / picture.path).is_file() for picture in pictures)
+    draw(STACK, SETTINGS, results, tmp_path)

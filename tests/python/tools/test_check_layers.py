@@ -4,6 +4,7 @@ from pathlib import Path
 
 import check_layers
 import pytest
+from trees import write_tree
 
 # A tree in which every direction that is allowed is used.
 CLEAN = {
@@ -47,13 +48,6 @@ CLEAN = {
         "import voxshell as vx\nfrom voxshell.viewer import replay\nfrom voxshell.cli import app\n"
     ),
 }
-
-
-def write_tree(root: Path, files: dict[str, str]) -> None:
-    for name, text in files.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
 
 
 def test_every_allowed_direction_passes(tmp_path: Path) -> None:

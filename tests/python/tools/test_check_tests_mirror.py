@@ -4,6 +4,7 @@ from pathlib import Path
 
 import check_tests_mirror
 import pytest
+from trees import write_tree
 
 CLEAN = {
     "core/src/field/grid.cpp": "int f(int a) { return a < 0 ? -a : a; }\n",
@@ -20,13 +21,6 @@ CLEAN = {
     "studies/voxshell_studies/ball.py": "for _ in range(2):\n    pass\n",
     "tests/python/studies/test_ball.py": "",
 }
-
-
-def write_tree(root: Path, files: dict[str, str]) -> None:
-    for name, text in files.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
 
 
 def test_what_has_its_test_passes(tmp_path: Path):
