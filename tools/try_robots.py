@@ -56,7 +56,7 @@ pip install --no-deps --target robots {packages}
 """,
     "mjcf": """# Models of MuJoCo
 
-`vx.load_mjcf` loads MJCF files, the XML of MuJoCo. A file is one robot, also if it describes a scene of several bodies:
+`vx.load_mjcf` loads MJCF files, the XML of MuJoCo. A file becomes one robot, even if it describes a scene of several bodies:
 
 ```python
 import pathlib
@@ -85,26 +85,26 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | in the file | in voxshell |
 |---|---|
 | `<worldbody>` | the link `world`: one static body, and one for each plane, such as `world/floor` |
-| body | link of its name; without joints it is one body with the one that it lies in, or static |
-| body with several joints | chain of links: `torso/hip_x` is what the joint `hip_x` moves. Each link between two joints gets a tenth of the body's matter |
+| body | a link with the same name. A body without joints is rigidly part of the body that contains it, or static in `<worldbody>` |
+| body with several joints | a chain of links: the joint `hip_x` moves the link `torso/hip_x`. Each link between two joints gets a tenth of the body's matter |
 | `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss and `actuatorfrcrange` |
 | positions | `qpos` of MuJoCo. A joint whose `ref` is beyond its range begins at the nearest limit |
 | mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
 | box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
-| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may, the bodies do. Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide; a warning names them. Bodies that are added otherwise collide with all |
-| friction | that of a body is the largest of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one. A warning names each `<pair>` whose friction its bodies do not have |
-| contacts without friction: `condim="1"` of both geoms, `<pair>` with `condim="1"` or friction 0 | as in MuJoCo if all contacts of one of the two bodies are such; a static body or a body of another tree then has friction 0. Otherwise the bodies keep their frictions, and a warning names the geoms |
+| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may collide, their bodies do. Bodies of one tree that overlap at the start by more than 2 % of the smaller one do not collide; a warning names them. Bodies that your program adds collide with all |
+| friction | a body has the largest friction of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one. A warning names each `<pair>` whose friction its bodies do not have |
+| contacts without friction: `condim="1"` of both geoms, `<pair>` with `condim="1"` or friction 0 | as in MuJoCo if all contacts of one of the two bodies are frictionless; a static body or a body of another tree then has friction 0. Otherwise the bodies keep their frictions, and a warning names the geoms |
 | `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>`, global coordinates and meshes that MuJoCo makes (`builtin`) are refused |
 | `<freejoint align="true">`, `alignfree` | the link has the frame of the body's inertia, as in MuJoCo |
-| unknown elements and attributes | refused with the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
+| unknown elements and attributes | refused; the error suggests the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
 | `<actuator>`, `<tendon>`, `<equality>`, springs, armatures, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
-| `<option>` | gravity and time step are the world's; a warning names another gravity |
+| `<option>` | the world's gravity and time step apply; if the file has another gravity, a warning states it |
 | `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
 | solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
 
 The tables list what `vx.load_mjcf` does with every MJCF file of the packages below. Each model that loads then moves freely
-for {steps} steps. Files that hold what is not simulated load with a warning. The last column quotes the error of a refused
-file. Most of the refused files are parts that others include, or name files that are not in the package; MuJoCo refuses
+for {steps} steps. Files with elements that are not simulated load with a warning. The last column quotes the error of a refused
+file. Most of the refused files are parts that other files include, or name files that are not in the package; MuJoCo refuses
 `xarm7_gripper.xml`, too. The meshes were loaded {kind}. These commands write the page:
 
 ```

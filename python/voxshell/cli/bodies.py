@@ -36,14 +36,14 @@ class ModelOptions:
     """How to build models from meshes.
 
     Attributes:
-        tolerance: Largest error of the model in meters. For a uniform model, give sizes instead:
+        tolerance: Largest error of the model in meters. The sizes below make a uniform model instead.
         voxel_size: Edge of the distance field's cells in meters, after --scale.
         resolution: Number of cells along the mesh's longest side, instead of voxel_size.
         point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by
             default.
         target_points: Number of points, reached within 1 %, instead of point_spacing.
         scale: Factor that converts the mesh to meters: 0.001 for millimeters.
-        padding: Grid beyond the mesh's bounds in meters; 16 voxels by default.
+        padding: Width of the grid beyond the mesh's bounds in meters; 16 voxels by default.
         sign: How to find the inside: by the closed surface, by winding numbers, or automatically.
         open: Build a closed solid or a sheet from an open mesh, or decide by its openings.
         sheet_thickness: Thickness of that sheet in meters; a 200th of the longest side by default,

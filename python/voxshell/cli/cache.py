@@ -57,7 +57,7 @@ def list_models(*, json_only: Json = False) -> None:
 
 @cache.command
 def size(*, json_only: Json = False) -> None:
-    """Say how much the models take, and how much they may take.
+    """Print the total size of the models, and its limit.
 
     Args:
         json_only: Print JSON: models, size and capacity in bytes.

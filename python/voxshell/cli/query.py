@@ -82,7 +82,7 @@ def query(
 
     Args:
         a: The first body.
-        b: The second body. Normals lie on it and point toward the first.
+        b: The second body. Normals point from it toward the first.
         pose: Pose of b.
         a_pose: Pose of a.
         poses: Many poses of b: a .csv file with one pose per line, or a .npy file, (n, 4, 4) or

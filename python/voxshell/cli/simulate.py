@@ -79,7 +79,7 @@ def scene(
             (glTF: Blender, three.js, Unity) or recording.usda or recording.usdc (Universal Scene
             Description).
         watch: Show the simulation in the browser at the address that is printed, and begin when
-            somebody presses Resume there. What is dragged there changes the results.
+            somebody presses Resume there. Dragging bodies there changes the results.
         json_only: Print only the content of results.json.
     """
     from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs

@@ -129,10 +129,10 @@ class DistanceField(Field):
 
     @property
     def surface_error(self) -> float:
-        """Farthest from the surface that field and mesh disagree on what is inside, meters.
+        """Largest distance from the surface at which field and mesh disagree on the inside, meters.
 
-        This bound is proven: for models by tolerance cell by cell when they are built, for uniform
-        models by :attr:`interpolation_error`.
+        This bound is proven. The build of a model by tolerance proves it cell by cell. For uniform
+        models it follows from :attr:`interpolation_error`.
         """
         return self._grid.surface_error
 
@@ -145,9 +145,9 @@ class DistanceField(Field):
     def sign_confidence(self) -> float:
         """1 for a closed mesh; otherwise the fraction of its area that clearly bounds an inside.
 
-        There, the winding number is not near one half on either side of the surface. The value is
-        near 1 for a mesh with a few holes and 0 for a sheet, at any voxel size. Below one half, a
-        mesh is refused.
+        The surface clearly bounds an inside where the winding number is not near one half on either
+        side. At any voxel size, the value is near 1 for a mesh with a few holes, and 0 for a sheet.
+        A mesh with a value below one half is refused.
         """
         return self._grid.sign_confidence
 

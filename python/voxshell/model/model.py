@@ -94,16 +94,17 @@ class Model:
         ``target_points`` the model is uniform, as in the thesis. :attr:`accuracy` holds the
         measured errors of either kind.
 
-        A build takes from milliseconds to minutes. The time grows with the number of voxels. Ctrl-C
-        stops it. A model that was built before is loaded from the disk.
+        A build takes from milliseconds to minutes, depending on the number of voxels. Ctrl-C stops
+        it. A model that was built before is loaded from the disk.
 
         Args:
             mesh: A ``trimesh.Trimesh``; a pair of vertices, (n, 3), and faces, (m, 3), which are
                 indices of vertices, counterclockwise when seen from outside; or the path of a file
                 that trimesh reads. The bodies of a file become one mesh.
             tolerance: Largest accepted error of the model, meters, after ``scale``. Exclusive with
-                all sizes. The default is a 2,000th of the longest side, at most 0.2 mm or, above 4
-                m, a 20,000th of the side; and at most a 20th of the thickness of the thinnest wall.
+                all sizes. The default is the smallest of three lengths: a 2,000th of the longest
+                side, 0.2 mm, and a 20th of the thickness of the thinnest wall. For bodies longer
+                than 4 m, a 20,000th of the side replaces 0.2 mm.
             voxel_size: Edge length of the field's grid cells, meters, after ``scale``.
             resolution: Alternative to ``voxel_size``: number of cells along the mesh's longest
                 side. The default is 100 if only the spacing or number of points is given.

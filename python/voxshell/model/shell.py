@@ -151,8 +151,8 @@ class PointSphereTree:
         """Return the cluster of each point on a level.
 
         Args:
-            level: From 1 to 12. Levels below :attr:`levels` have segments but no spheres; some
-                segments are empty.
+            level: From 1 to 12. Levels deeper than :attr:`levels` have segments but no spheres;
+                some of their segments are empty.
 
         Returns:
             (n,) int64, from 0 to ``branching ** (level - 1) - 1``, ascending.

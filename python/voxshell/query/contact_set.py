@@ -69,7 +69,7 @@ class Contacts:
 
     @property
     def normals(self) -> NDArray[np.float64]:
-        """Unit normals, (n, 3) float64: on b, pointing toward a. Moving a along them separates."""
+        """Unit normals, (n, 3) float64: from b toward a. Moving a along them separates the bodies."""
         return self._core.normals
 
     @property
@@ -101,7 +101,7 @@ class Contacts:
 
     @property
     def shells(self) -> NDArray[np.str_]:
-        """The body whose shell has the id of each contact, (n,) of "a" and "b"."""
+        """For each contact, the body whose shell its id belongs to, (n,): "a" or "b"."""
         return name_shells(self._core.shells)
 
     @property
@@ -109,15 +109,15 @@ class Contacts:
         """True where depth and normal are ambiguous because another surface is about as near, (n,).
 
         This is the case in the middle of a wall, within 9 % of half its thickness; on the axis of a
-        rod; and between faces that meet at less than 60 degrees. Deep inside a model, it is also
-        the case within a cell of the planes where two faces are equally near, if depth and normal
+        rod; and between faces that meet at less than 60 degrees. It is also the case deep inside a
+        model, within a cell of the planes where two faces are equally near, if depth and normal
         lead to a place that is off the surface by more than a quarter voxel or 1.5 % of the depth.
-        Only the other body's shape at the contact decides. Each access computes the array anew.
+        Only the other body's shape at the contact decides. Each access computes the array again.
 
         If one body lies wholly inside the other, or coincides with it, no part of the surface may
         be in contact. Then a contact at a place deep inside the body, with that place's depth,
         stands for the overlap. It is ambiguous, too, and its normal is zero where no direction is
-        better than another. place's depth; its normal is zero where none is better than another.
+        better than another.
 
         Example:
             >>> import numpy as np
@@ -137,9 +137,9 @@ class Contacts:
 
     @property
     def exact(self) -> bool:
-        """True if no contact can have been missed, which is certain without a budget.
+        """True if the query cannot have missed a contact. Without a budget, this is always so.
 
-        ``max_points`` leaves out contacts, but these do not count as missed.
+        Contacts that ``max_points`` leaves out do not count as missed.
         """
         return self._core.exact
 
@@ -175,7 +175,8 @@ class Contacts:
 
         Returns:
             One contact for each segment that has any, in ascending order of ids. For both shells,
-            a's segments come before b's. Among equally deep contacts, the one with the smaller id.
+            a's segments come before b's. Of equally deep contacts, the one with the smaller id is
+            returned.
 
         Example:
             >>> import trimesh

@@ -1,4 +1,4 @@
-"""Distance of two bodies, or depth of their overlap."""
+"""Distance between two bodies, or depth of their overlap."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Distance:
-    """Distance of two bodies, or depth of their overlap; from :func:`voxshell.distance`.
+    """Distance between two bodies, or depth of their overlap; from :func:`voxshell.distance`.
 
     ``point_a - point_b == distance * normal`` up to rounding.
 
@@ -32,9 +32,9 @@ class Distance:
             nearer than ``max_distance``; then the arrays hold NaN.
         point_a: Witness point on a, (3,) float64, meters, world frame.
         point_b: Witness point on b, likewise.
-        normal: Unit normal, (3,) float64, world frame: on b, pointing toward a.
-        shell: The body whose shell one witness point belongs to; the other one lies on the other
-            body's surface. None if the bodies are not that near.
+        normal: Unit normal, (3,) float64, world frame: from b toward a.
+        shell: The body whose shell one witness point belongs to; the other witness point lies on
+            the other body's surface. None if the bodies are not nearer than ``max_distance``.
     """
 
     distance: float
@@ -54,7 +54,7 @@ def distance(
     max_distance: float = math.inf,
     scratch: QueryScratch | None = None,
 ) -> Distance:
-    """Find the distance of two bodies, and where it is.
+    """Find the distance between two bodies, and where they are nearest to each other.
 
     This is the smallest distance of any shell element from the other body's surface. Apart from the
     error of a model's field, it is never less than the true distance of the meshes, and exceeds it

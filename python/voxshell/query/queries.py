@@ -58,8 +58,9 @@ def contacts(
             if neither is sufficient alone. This choice is a constant of the two bodies; see
             :func:`contact_bounds`. "a" or "b": that body, which must be a model. "both": first a's
             points, then b's. "fewest": the body with fewer points, as in the thesis, or a if they
-            have equally many. But if these points are so far apart that the other body fits between
-            them, or if they are all outside of the other body and enclose it, then the other body.
+            have equally many. The exception: if these points are so far apart that the other body
+            fits between them, or if all of them are outside the other body and enclose it, the
+            points of the other body are tested.
         margin: Meters. Above 0, points within this distance of the surface are contacts, too, with
             negative depths. Below 0, only points of at least this depth are contacts.
         level: Level of the point-sphere tree, 1 to 12, that defines :attr:`Contacts.segments` and
@@ -73,9 +74,9 @@ def contacts(
 
     Returns:
         The contacts in the world frame, in ascending order of ids; for both shells, a's before b's.
-        Normals have unit length, are on body b and point toward body a, whichever body is the
+        Normals have unit length and point from body b toward body a, whichever body contributes the
         shell. The relative pose is computed in double precision and then rounded to single
-        precision, like distances and normals. With points 1 m from their origin the error is about
+        precision, like distances and normals. For points 1 m from their origin, the error is about
         1e-7 m.
 
     Raises:
@@ -104,13 +105,13 @@ def contacts(
         >>> deepest.normals  # on the ground, toward the ball
         array([[0., 0., 1.]])
 
-        Two models; what is within 1 mm counts, too:
+        Two models, with a margin of 1 mm:
 
         >>> contacts = vx.contacts(ball, ball, world_from_ball, np.eye(4), margin=0.001)
         >>> len(contacts)
         0
 
-        The deepest of both balls' points; and what little work can find:
+        The 20 deepest of both balls' points, and the contacts that a small budget finds:
 
         >>> world_from_ball[:3, 3] = (0, 0, 0.19)
         >>> both = vx.contacts(ball, ball, world_from_ball, shell="both", max_points=20)
@@ -216,7 +217,7 @@ def deepest_per_segment(
 
     Returns:
         One contact for each segment that has any, in ascending order of ids. For both shells, a's
-        segments come before b's. Among equally deep contacts, the one with the smaller id.
+        segments come before b's. Of equally deep contacts, the one with the smaller id is returned.
 
     Raises:
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
@@ -260,7 +261,9 @@ def collide(
     shell: Shell = "auto",
     margin: float = 0.0,
 ) -> bool:
-    """Return whether two bodies touch: whether :func:`contacts` would find any. Stop at the first.
+    """Return whether two bodies touch, that is, whether :func:`contacts` finds any contact.
+
+    The query stops at the first contact.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.

@@ -9,9 +9,9 @@ class QueryScratch:
     """Memory and search state that one query leaves for the next.
 
     With a scratch, queries do not allocate memory, and a query in a pose near the last one starts
-    where that one ended. Results never depend on it. It keeps as much memory as the largest model
-    so far needed. Make one for each thread and for each pair that moves steadily. Threads that
-    share one wait for each other.
+    where that one ended. Results never depend on the scratch. It keeps as much memory as its
+    largest model so far needed. Make a scratch for each thread, and for each pair that moves
+    steadily. Threads that share a scratch wait for each other.
 
     Example:
         >>> import numpy as np

@@ -38,7 +38,7 @@ class Sweep:
             arrays that follow hold NaN.
         point_a: Contact point on a at that fraction, (3,) float64, meters, world frame.
         point_b: Contact point on b, likewise.
-        normal: Unit normal, (3,) float64, world frame: on b, pointing toward a.
+        normal: Unit normal, (3,) float64, world frame: from b toward a.
         shell: The body whose shell one of the points belongs to; None if they never touch.
         a_pose: ``world_from_a`` at that fraction, (4, 4) float64.
         b_pose: ``world_from_b``, likewise.
@@ -108,12 +108,12 @@ def sweep(
     (:func:`interpolate_pose`). Both bodies may move.
 
     Bodies touch if :func:`contacts` finds a contact. Before the returned fraction it finds none,
-    however thin the bodies are and however far they move: the query skips a time only if the lower
-    bounds of the fields exclude a contact (conservative advancement: Mirtich 1996).
-    :func:`contact_bounds` says what contacts may miss of the meshes themselves.
+    however thin the bodies are and however far they move: the query skips an interval of the motion
+    only if the lower bounds of the fields exclude a contact there (conservative advancement:
+    Mirtich 1996). :func:`contact_bounds` states what contacts may miss of the meshes themselves.
 
-    The time of the query grows with the time that bodies move near each other. A motion whose
-    clearance is its own length takes a few queries; one along a wall takes some hundred.
+    The longer bodies move near each other, the longer the query takes. If the clearance of a motion
+    is its own length, it takes as long as a few queries; along a wall, as long as some hundred.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.

@@ -47,8 +47,8 @@ def wrench(
     The force on each penetrating point of the shell is stiffness times the area that the point
     represents times its depth, along the gradient of the field. The result is continuous in the
     poses, as haptic rendering needs: it starts from zero at the first touch and has no jumps.
-    (``shell="fewest"`` jumps when it changes roles, because a body with more points moves wholly
-    into the other.)
+    Only ``shell="fewest"`` jumps: it changes roles when the body with more points moves wholly into
+    the other.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.
