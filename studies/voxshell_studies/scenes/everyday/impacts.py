@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from voxshell_studies.scenes.everyday import forms, laws
+from voxshell_studies.scenes.everyday.rolling import lowest_vertex
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -98,10 +99,6 @@ def _moved_aside(track: Track) -> float:
 
 def _turned_at_end(track: Track) -> float:
     return float(np.degrees(track.turned("body")[-1]))
-
-
-def _height(track: Track) -> float:
-    return track.lowest("body")
 
 
 # ---- balls ---------------------------------------------------------------------------------------
@@ -244,7 +241,9 @@ SCENES = (
         (
             Measure("aside", "mm", _moved_aside, nothing, 1e-4, scale=1e3),
             Measure("turned", "degrees", _turned_at_end, nothing, 0.1),
-            Measure("lowest vertex over the ground", "mm", _height, nothing, 2.5e-4, scale=1e3),
+            Measure(
+                "lowest vertex over the ground", "mm", lowest_vertex, nothing, 2.5e-4, scale=1e3
+            ),
         ),
     ),
     EverydayScene(

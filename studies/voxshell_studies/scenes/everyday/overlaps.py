@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from voxshell_studies.scenes.everyday import forms
+from voxshell_studies.scenes.everyday.rolling import lowest_vertex
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -69,10 +70,6 @@ def _half_in(placement: int, ground: Form) -> Stage:
     )
 
 
-def _out_height(track: Track) -> float:
-    return track.lowest("body")
-
-
 def _highest(track: Track) -> float:
     return float(track.poses["body"][:, 2, 3].max())
 
@@ -133,7 +130,7 @@ SCENES = (
             3.0,
             (
                 Measure(
-                    "lowest vertex over the ground", "mm", _out_height, nothing, 5e-4, scale=1e3
+                    "lowest vertex over the ground", "mm", lowest_vertex, nothing, 5e-4, scale=1e3
                 ),
                 Measure(
                     "largest height of its center",
@@ -158,7 +155,7 @@ SCENES = (
         "A brick dropped from 1 mm lies on the ground.",
         _brick,
         2.0,
-        (Measure("lowest vertex over the ground", "mm", _out_height, nothing, 2e-4, scale=1e3),),
+        (Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, 2e-4, scale=1e3),),
         engines=("voxshell", "mujoco"),
         most=5,
     ),
@@ -168,7 +165,7 @@ SCENES = (
         "A brick that is hit from above lies on the ground afterwards.",
         _brick_and_ball,
         3.0,
-        (Measure("lowest vertex over the ground", "mm", _out_height, nothing, 2e-4, scale=1e3),),
+        (Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, 2e-4, scale=1e3),),
         engines=("voxshell", "mujoco"),
         most=5,
     ),

@@ -224,7 +224,8 @@ def find_period(values: np.ndarray, time_step: float) -> float:
     return float((zeros[2 * count] - zeros[0]) / count * time_step)
 
 
-def _bowl_motion(track: Track) -> float:
+def swing_period(track: Track) -> float:
+    """Of the body's motion along the ramp's x axis, seconds."""
     places = track.poses["body"][:, :3, 3] @ track.stage.world_from_ramp
     return find_period(places[:, 0], track.time_step)
 
@@ -361,7 +362,7 @@ SCENES = (
         "Period 2 pi sqrt(7 (R - r) / (5 g)) (1 + A2 / 16), A 8 degrees.",
         _in_bowl,
         4.0,
-        (Measure("period", "s", _bowl_motion, _bowl_period, 0.03, relative=True),),
+        (Measure("period", "s", swing_period, _bowl_period, 0.03, relative=True),),
         engines=("voxshell",),
         most=5,
         needs=3.0,

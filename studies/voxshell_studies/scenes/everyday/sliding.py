@@ -221,7 +221,8 @@ def _hop(track: Track) -> float:
     return float(np.abs(track.path("body")[:, 2]).max())
 
 
-def _most_turned(track: Track) -> float:
+def most_turned(track: Track) -> float:
+    """The largest rotation of the body since its start, degrees."""
     return float(np.degrees(track.turned("body").max()))
 
 
@@ -233,7 +234,7 @@ def start_speed(track: Track) -> float:
 GLIDE = (
     Measure("speed", "m/s", end_speed, start_speed, 0.02, relative=True),
     Measure("largest change of height", "mm", _hop, nothing, 3e-4, scale=1e3),
-    Measure("largest turn", "degrees", _most_turned, nothing, 1.0),
+    Measure("largest turn", "degrees", most_turned, nothing, 1.0),
 )
 NEWTON = "Without friction nothing changes a velocity along a flat ground (Newton's first law)."
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from voxshell_studies.scenes.everyday import forms, laws
-from voxshell_studies.scenes.everyday.rolling import find_period
+from voxshell_studies.scenes.everyday.rolling import swing_period
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -272,11 +272,6 @@ def _pendulum(placement: int) -> Stage:
     )
 
 
-def _swing_period(track: Track) -> float:
-    places = track.poses["body"][:, :3, 3] @ track.stage.world_from_ramp
-    return find_period(places[:, 0], track.time_step)
-
-
 def _true_swing(track: Track) -> float:
     return laws.pendulum_period(track.fact("length"), _SWING)
 
@@ -369,7 +364,7 @@ SCENES = (
         _pendulum,
         10.0,
         (
-            Measure("period", "s", _swing_period, _true_swing, 0.01, relative=True),
+            Measure("period", "s", swing_period, _true_swing, 0.01, relative=True),
             Measure("amplitude after 10 s", "degrees", _swing_height, _true_height, 1.0),
         ),
         most=3,

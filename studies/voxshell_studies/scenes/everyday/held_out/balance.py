@@ -21,6 +21,7 @@ from voxshell_studies.scenes.everyday.scene import (
     turn,
 )
 from voxshell_studies.scenes.everyday.sliding import as_vector, farthest, nothing, one
+from voxshell_studies.scenes.everyday.stacks import worst_way
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -125,13 +126,6 @@ def _books(placement: int, overhangs: Sequence[float]) -> Stage:
 
 
 _HARMONIC = tuple(0.9 / (2.0 * n) for n in (4, 3, 2, 1))
-
-
-def worst_way(track: Track) -> float:
-    """The largest distance of an origin from its start at the end, meters."""
-    return max(
-        float(np.linalg.norm(poses[-1][:3, 3] - poses[0][:3, 3])) for poses in track.poses.values()
-    )
 
 
 SCENES = (

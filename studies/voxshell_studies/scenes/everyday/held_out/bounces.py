@@ -21,7 +21,7 @@ from voxshell_studies.scenes.everyday.scene import (
     shift,
     turn,
 )
-from voxshell_studies.scenes.everyday.sliding import as_vector, nothing, one
+from voxshell_studies.scenes.everyday.sliding import as_vector, end_speed, nothing, one
 
 if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Track
@@ -72,11 +72,6 @@ def _after(track: Track) -> tuple[float, float]:
     )
 
 
-def along(track: Track) -> float:
-    """Of the body after the last step, along the ramp's x axis, m/s."""
-    return float(track.velocities["body"][-1] @ track.stage.world_from_ramp[:, 0])
-
-
 def _up(track: Track) -> float:
     return float(track.velocities["body"][-1, 2])
 
@@ -90,7 +85,9 @@ def _spin(track: Track) -> float:
 
 
 _AFTER_BOUNCE = (
-    Measure("speed along the ground", "m/s", along, lambda t: _after(t)[0], 0.05, relative=True),
+    Measure(
+        "speed along the ground", "m/s", end_speed, lambda t: _after(t)[0], 0.05, relative=True
+    ),
     Measure("speed off the ground", "m/s", _up, _true_up, 0.05, relative=True),
     Measure("spin", "rad/s", _spin, lambda t: _after(t)[1], 0.05, relative=True),
 )

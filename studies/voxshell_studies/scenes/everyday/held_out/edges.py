@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from voxshell_studies.scenes.everyday import forms, impact_laws, laws
 from voxshell_studies.scenes.everyday.held_out import bodies
 from voxshell_studies.scenes.everyday.held_out.rolls import SLOPE, inertia_ratio
-from voxshell_studies.scenes.everyday.rolling import BALL, find_period
+from voxshell_studies.scenes.everyday.rolling import BALL, find_period, swing_period
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -154,11 +154,6 @@ def _ring_on_peg(placement: int) -> Stage:
     )
 
 
-def _sway_period(track: Track) -> float:
-    places = track.poses["body"][:, :3, 3] @ track.stage.world_from_ramp
-    return find_period(places[:, 0], track.time_step)
-
-
 def _true_sway(track: Track) -> float:
     return laws.pendulum_period(track.fact("length"), _SWAY)
 
@@ -206,7 +201,7 @@ SCENES = (
         "10 degrees.",
         _ring_on_peg,
         3.0,
-        (Measure("period", "s", _sway_period, _true_sway, 0.05, relative=True),),
+        (Measure("period", "s", swing_period, _true_sway, 0.05, relative=True),),
         rates=(1000.0, 200.0, 60.0),
         most=5,
         needs=2.0,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from voxshell_studies.scenes.everyday import forms, laws
 from voxshell_studies.scenes.everyday.held_out import bodies
+from voxshell_studies.scenes.everyday.rolling import lowest_vertex
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -22,7 +23,7 @@ from voxshell_studies.scenes.everyday.scene import (
     shift,
     turn,
 )
-from voxshell_studies.scenes.everyday.sliding import as_vector, nothing
+from voxshell_studies.scenes.everyday.sliding import as_vector, most_turned, nothing
 
 if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Track
@@ -80,10 +81,6 @@ def _key(placement: int) -> Stage:
             ),
         ),
     )
-
-
-def _most_turned(track: Track) -> float:
-    return float(np.degrees(track.turned("body").max()))
 
 
 def _play(_: Track) -> float:
@@ -181,10 +178,6 @@ def _most_from_post(_: Track) -> float:
     return _QUOIT[1] - _POST
 
 
-def _lowest(track: Track) -> float:
-    return track.lowest("body")
-
-
 SCENES = (
     EverydayScene(
         "peg falls through a hole with 0.2 mm of play",
@@ -210,7 +203,7 @@ SCENES = (
         "A square of 10 mm turns in a hole of 10.4 mm by 2.3 degrees: s (cos t + sin t) = hole.",
         _key,
         1.0,
-        (Measure("largest turn", "degrees", _most_turned, _play, 1.0, signed=1),),
+        (Measure("largest turn", "degrees", most_turned, _play, 1.0, signed=1),),
         # Lower rates turn it by more than its play in a step.
         rates=(1000.0, 200.0),
         most=10,
@@ -262,7 +255,7 @@ SCENES = (
                 scale=1e3,
                 signed=1,
             ),
-            Measure("lowest vertex over the ground", "mm", _lowest, nothing, 3e-4, scale=1e3),
+            Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, 3e-4, scale=1e3),
         ),
         most=10,
         needs=2.0,

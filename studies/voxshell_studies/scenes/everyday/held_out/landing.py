@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from voxshell_studies.scenes.everyday import forms
 from voxshell_studies.scenes.everyday.held_out import bodies
-from voxshell_studies.scenes.everyday.held_out.balance import BOOK, worst_way
+from voxshell_studies.scenes.everyday.held_out.balance import BOOK
+from voxshell_studies.scenes.everyday.rolling import lowest_vertex
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
     Item,
@@ -23,6 +24,7 @@ from voxshell_studies.scenes.everyday.scene import (
     turn,
 )
 from voxshell_studies.scenes.everyday.sliding import nothing
+from voxshell_studies.scenes.everyday.stacks import worst_way
 
 if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Form, Track
@@ -70,10 +72,6 @@ def _landing(
     )
 
 
-def _lowest(track: Track) -> float:
-    return track.lowest("body")
-
-
 def _tilt(track: Track) -> float:
     """Of the body's z axis from the vertical at the end, degrees; a body that lies upside down counts as level."""
     return math.degrees(math.acos(min(abs(float(track.poses["body"][-1][2, 2])), 1.0)))
@@ -94,7 +92,7 @@ def _lands(
         lambda i: _landing(i, _FORMS[form](), mass, height, tilt, length),
         2.0,
         (
-            Measure("lowest vertex over the ground", "mm", _lowest, nothing, deep, scale=1e3),
+            Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, deep, scale=1e3),
             Measure("tilt at the end", "degrees", _tilt, nothing, 1.0),
         ),
         most=10,
@@ -187,7 +185,7 @@ SCENES = (
         lambda i: _landing(i, forms.mug(), 0.3, 0.02, 5.0, 1.0),
         2.0,
         (
-            Measure("lowest vertex over the ground", "mm", _lowest, nothing, 5e-4, scale=1e3),
+            Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, 5e-4, scale=1e3),
             Measure("tilt at the end", "degrees", _upright, nothing, 1.0),
         ),
         most=10,
@@ -201,7 +199,7 @@ SCENES = (
         _sunken_book,
         2.0,
         (
-            Measure("lowest vertex over the ground", "mm", _lowest, nothing, 2e-4, scale=1e3),
+            Measure("lowest vertex over the ground", "mm", lowest_vertex, nothing, 2e-4, scale=1e3),
             Measure(
                 "largest height of its center", "mm", _jump, _half_book, 1e-3, scale=1e3, signed=1
             ),

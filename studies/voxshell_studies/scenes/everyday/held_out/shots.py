@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from voxshell_studies.scenes.everyday import forms, impact_laws
 from voxshell_studies.scenes.everyday.held_out import bodies
-from voxshell_studies.scenes.everyday.held_out.bounces import WEIGHTLESS, along, last_speed
+from voxshell_studies.scenes.everyday.held_out.bounces import WEIGHTLESS, last_speed
 from voxshell_studies.scenes.everyday.impacts import BULLETS
 from voxshell_studies.scenes.everyday.scene import (
     EverydayScene,
@@ -21,7 +21,7 @@ from voxshell_studies.scenes.everyday.scene import (
     shift,
     turn,
 )
-from voxshell_studies.scenes.everyday.sliding import as_vector, nothing, one
+from voxshell_studies.scenes.everyday.sliding import as_vector, end_speed, nothing, one
 
 if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Track
@@ -257,7 +257,7 @@ SCENES = (
         _hammer,
         0.2,
         (
-            Measure("speed of the cube", "m/s", along, _hit_speed, 0.05, relative=True),
+            Measure("speed of the cube", "m/s", end_speed, _hit_speed, 0.05, relative=True),
             Measure("speed of the hammer", "m/s", _hammer_speed, one, 1e-3, relative=True),
         ),
         engines=BULLETS,
@@ -270,7 +270,7 @@ SCENES = (
         _at_rod,
         0.15,
         (
-            Measure("speed of the ball", "m/s", along, lambda t: _true_rod(t)[0], 0.03),
+            Measure("speed of the ball", "m/s", end_speed, lambda t: _true_rod(t)[0], 0.03),
             Measure("speed of the rod", "m/s", _rod_speed, lambda t: _true_rod(t)[1], 0.05, True),
             Measure("spin of the rod", "rad/s", _rod_spin, lambda t: _true_rod(t)[2], 0.05, True),
         ),
