@@ -182,6 +182,9 @@ def warm_up(shared: Path) -> None:
         "yourdfpy",
         "voxshell.robots",
         "scipy.spatial",
+        "voxshell.cli.scene_report",
+        "voxshell.scenes.scene_file",
+        "voxshell.scenes.scene_world",
     ):
         with contextlib.suppress(ImportError):
             __import__(name)
