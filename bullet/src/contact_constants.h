@@ -67,13 +67,13 @@ inline constexpr float kPlaneBeyondGaps = 2.0f;
 
 // ---- rebound ------------------------------------------------------------------------------------
 
-/// Contacts that touch within this fraction of the step after the first one rebound as well; later
-/// ones only stop approaching. Larger: ten iterations of the solver leave a body that lands on
-/// several points with too much energy. 0: only one of the points of a flat landing rebounds.
+/// Contacts that touch within this fraction of the step after the first one rebound with it. Larger:
+/// ten iterations of the solver leave a body that lands on several points with too much energy. 0:
+/// only one of the points of a flat landing rebounds.
 inline constexpr double kFirstTouchWithin = 0.05;
 /// A contact that touches later rebounds as well, if the rebounds of earlier ones change its
-/// approach by at most this fraction. Larger: bodies whose edges and corners hit each other gain
-/// energy. 0: what lies on the floor of a tray does not rebound from its walls.
+/// approach by at most this fraction; others only stop approaching. Larger: contacts that are not
+/// reached any more rebound. 0: a body that lies in a tray does not rebound from its walls.
 inline constexpr double kFreeOfApproach = 0.05;
 /// How often the contacts that touch first are gone through for what they leave of the motion.
 /// Fewer: what touches later at the other side of a body that lands flat is thought to leave.
