@@ -68,7 +68,8 @@ class FreeBodies {
 }  // namespace
 
 bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
-  return time < kNever && impact.time() <= time + kFirstTouchWithin * step.time_step;
+  return touches_within(step, impact) && time < kNever &&
+         impact.time() <= time + kFirstTouchWithin * step.time_step;
 }
 
 FirstTouch find_first_touch(const PairStep& step, std::span<const Contact> contacts) {
@@ -102,15 +103,18 @@ std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTou
 void Rebounding::find(const PairStep& step, const FirstTouch& first,
                       std::span<const Contact> contacts) {
   touches_.clear();
+  const bool goes_on = has_others_to_follow(step, first);
+  const double within = kFirstTouchWithin * step.time_step;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
     const Impact impact = impact_of(step, contacts[i]);
-    if (!(impact.time() <= (1.0 + kFirstTouchWithin) * step.time_step)) continue;
+    // A body that lands flat at the end of the step does so as a whole.
+    const bool touches_with_last = goes_on && impact.time() <= step.time_step + within;
+    if (!touches_with_last && !touches_within(step, impact)) continue;
     touches_.push_back({.id = contacts[i].id, .index = i, .impact = impact});
   }
-  const bool goes_on = has_others_to_follow(step, first);
   for (FirstTouch next = first; next.time < kNever;) {
     const auto rebounds = [&](const Touch& touch) {
-      return touch.is_free && touch.count == 0 && next.includes(step, touch.impact);
+      return touch.is_free && touch.count == 0 && touch.impact.time() <= next.time + within;
     };
     const auto count = static_cast<std::size_t>(std::ranges::count_if(touches_, rebounds));
     FreeBodies bodies(step);

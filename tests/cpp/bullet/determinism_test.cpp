@@ -113,11 +113,11 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0xb0774fa160ffd952, 0xedb4ce2b8bd4f44b, 0xfb8d53a4897c9054, 0x19e9114fe2bce07d,
-        0xeac2e468f3f43b68, 0x6fc3b2f896058746}},
+       {0x9cf63cd853ee9841, 0xbd5fa58e0ffde398, 0x367eac21033f8795, 0xc56111cc0b335769,
+        0x95c2c2669b2ca53d, 0x647cb90023b9f0bf}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x6f3ff9058ed13833, 0xbbbdc2ca0f15f70c, 0x1dae05ab8684e7ac, 0x4dd51a1e20c19da1,
-        0x91d9f9eef5229595, 0x4c301186dc3436e0}},
+       {0xd969e43fd05e3cf1, 0x31337d1971da496f, 0x79ddc182b43b2b61, 0x947cba04c454112d,
+        0x5e1bc2d90c49183d, 0xd5edb69424090302}},
   };
   return hashes;
 }
