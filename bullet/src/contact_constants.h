@@ -67,9 +67,9 @@ inline constexpr float kPlaneBeyondGaps = 2.0f;
 
 // ---- rebound ------------------------------------------------------------------------------------
 
-/// Contacts that touch within this fraction of the step after the first one rebound with it. Larger:
-/// ten iterations of the solver leave a body that lands on several points with too much energy. 0:
-/// only one of the points of a flat landing rebounds.
+/// Contacts that touch within this fraction of the step after the first one rebound with it.
+/// Larger: ten iterations of the solver leave a body that lands on several points with too much
+/// energy. 0: only one of the points of a flat landing rebounds.
 inline constexpr double kFirstTouchWithin = 0.05;
 /// A contact that touches later rebounds as well, if the rebounds of earlier ones change its
 /// approach by at most this fraction; others only stop approaching. Larger: contacts that are not

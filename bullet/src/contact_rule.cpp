@@ -176,7 +176,8 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
     world.slip = pair.shell_is_a ? slip : -slip;
     world.rolling_friction = rolling_lever;
   }
-  const SolverRebound rebound = rebound_for_solver(step, of_step.rebounding->count_with(contact.id), impact);
+  const SolverRebound rebound =
+      rebound_for_solver(step, of_step.rebounding->count_with(contact.id), impact);
   world.restitution = rebound.restitution;
   world.first_impulse = rebound.first_impulse;
   return world;

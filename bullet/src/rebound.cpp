@@ -180,8 +180,8 @@ SolverRebound rebound_for_solver(const PairStep& step, std::size_t count, const 
   const double inverse_mass = step.motion_a.inverse_mass + step.motion_b.inverse_mass;
   if (inverse_mass > 0.0) {
     const double turned = speed + impact.approach + impact.approach_of_forces;
-    rebound.first_impulse = std::max(turned, 0.0) /
-                            (inverse_mass * kWarmStartingFactor * static_cast<double>(count));
+    rebound.first_impulse =
+        std::max(turned, 0.0) / (inverse_mass * kWarmStartingFactor * static_cast<double>(count));
   }
   return rebound;
 }

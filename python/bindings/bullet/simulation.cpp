@@ -305,8 +305,8 @@ void Simulation::step() {
         follows ? joints_[static_cast<std::size_t>(joint->motor.leader)].read() : JointReading{});
   }
   // Bullet's default is too much for small bodies. Gravity ends slower rebounds within the step.
-  world_->getSolverInfo().m_restitutionVelocityThreshold = std::min(
-      kMostReboundThreshold, 2.0 * world_->getGravity().length() * settings_.time_step);
+  world_->getSolverInfo().m_restitutionVelocityThreshold =
+      std::min(kMostReboundThreshold, 2.0 * world_->getGravity().length() * settings_.time_step);
   model_timings_ = {};
   const auto start = Clock::now();
   world_->stepSimulation(settings_.time_step, 0);

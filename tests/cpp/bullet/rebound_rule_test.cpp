@@ -132,8 +132,8 @@ TEST(ReboundRule, ContactsThatDoNotTouchWithinTheStepDoNotRebound) {
   EXPECT_EQ(rebounding.count_with(1), 0u);
 }
 
-/// How many of the contacts of a cube of 10 cm with a fixed one rebound with each. It flies at 1 m/s
-/// along each axis, and a contact of a gap of 1 mm is closed after a tenth of the step.
+/// How many of the contacts of a cube of 10 cm with a fixed one rebound with each. It flies at 1
+/// m/s along each axis, and a contact of a gap of 1 mm is closed after a tenth of the step.
 std::vector<std::size_t> counts_of(const std::vector<Contact>& contacts, const btVector3& velocity,
                                    double restitution = 0.5) {
   test_support::TestWorld world({}, {0, 0, 0});

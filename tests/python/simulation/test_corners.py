@@ -32,9 +32,7 @@ BODIES = {
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("name", BODIES)
-def test_what_slides_in_a_tray_rebounds_from_its_wall(
-    tray: vx.Model, name: str, rate: int
-) -> None:
+def test_what_slides_in_a_tray_rebounds_from_its_wall(tray: vx.Model, name: str, rate: int) -> None:
     world = vx.World(time_step=1 / rate)
     world.add(tray, mass=0, friction=0, restitution=0.9)
     body = world.add(BODIES[name](), mass=0.2, friction=0, restitution=0.9, pose=(0, 0, 0.03))
