@@ -142,8 +142,6 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   StepContacts of_step;
   const FirstTouch first = find_first_touch(step, contacts);
   allow_rebound(step, first, features, memory.found, contacts);
-  memory.rebounding.find(step, first, contacts);
-  of_step.rebounding = &memory.rebounding;
   const auto touches = [&](const Contact& contact) {
     return is_contact(step, impact_of(step, contact));
   };
@@ -152,6 +150,8 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   } else {
     memory.patch.release();
   }
+  memory.rebounding.find(step, first, contacts);
+  of_step.rebounding = &memory.rebounding;
   of_step.hold = renew_hold(step, contacts, memory.held_b_from_a);
   memory.held_b_from_a = of_step.hold.b_from_a;
   memory.owed_energy = 0.0;

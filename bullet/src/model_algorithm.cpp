@@ -363,7 +363,9 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
 /// @param carries_on  The contacts are those that were chosen before, and not all there are.
 void ModelAlgorithm::choose_points(const PairStep& step, bool carries_on) {
   const bool is_few = near_->is_on_few_segments;
-  const std::size_t most = is_few || near_->is_spanned ? kManifoldSize : 1;
+  // In steps with CCD a segment has the place that is nearest now and those that hit later.
+  const bool has_hits = !near_->search.hits().empty() && settings_.mode != ContactMode::kSegmented;
+  const std::size_t most = is_few || near_->is_spanned || has_hits ? kManifoldSize : 1;
   const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
   std::span<const Contact> left(near_->search.contacts());
   for (SegmentManifold& entry : active_) {
