@@ -75,6 +75,9 @@ inline constexpr double kFirstTouchWithin = 0.05;
 /// approach by at most this fraction; others only stop approaching. Larger: contacts that are not
 /// reached any more rebound. 0: a body that lies in a tray does not rebound from its walls.
 inline constexpr double kFreeOfApproach = 0.05;
+/// Normals of contacts at right angles have at most this cosine of the angle between them. 0.5: a
+/// dropped stack of elastic cubes gains three times as much energy.
+inline constexpr float kMostCosineOfWalls = 0.1f;
 /// How often the contacts that touch first are gone through for what they leave of the motion.
 /// Fewer: what touches later at the other side of a body that lands flat is thought to leave.
 inline constexpr int kReboundSweeps = 8;

@@ -112,31 +112,41 @@ void Rebounding::find(const PairStep& step, const FirstTouch& first,
     if (!touches_with_last && !touches_within(step, impact)) continue;
     touches_.push_back({.id = contacts[i].id, .index = i, .impact = impact});
   }
-  for (FirstTouch next = first; next.time < kNever;) {
-    const auto rebounds = [&](const Touch& touch) {
-      return touch.is_free && touch.count == 0 && touch.impact.time() <= next.time + within;
-    };
-    const auto count = static_cast<std::size_t>(std::ranges::count_if(touches_, rebounds));
+  for (double time = first.time; time < kNever;) {
+    std::size_t count = 0;
+    for (Touch& touch : touches_) {
+      touch.is_now = touch.is_free && touch.count == 0 && touch.impact.time() <= time + within;
+      count += touch.is_now ? 1 : 0;
+    }
+    time = kNever;
     FreeBodies bodies(step);
     for (int i = 0; goes_on && i < kReboundSweeps; ++i) {
       for (const Touch& touch : touches_) {
-        if (!rebounds(touch)) continue;
+        if (!touch.is_now) continue;
         bodies.part(contacts[touch.index], step.restitution * touch.impact.approach);
       }
     }
     for (Touch& touch : touches_) {
-      if (rebounds(touch)) touch.count = count;
-    }
-    next.time = kNever;
-    if (!goes_on) break;
-    for (Touch& touch : touches_) {
-      if (touch.count > 0 || !touch.is_free) continue;
-      const double change = bodies.speed_apart(contacts[touch.index]) + touch.impact.approach;
-      touch.is_free = std::abs(change) <= kFreeOfApproach * touch.impact.approach;
+      if (touch.is_now) touch.count = count;
+      if (!goes_on || touch.count > 0 || !touch.is_free) continue;
+      const Contact& contact = contacts[touch.index];
+      const double change = bodies.speed_apart(contact) + touch.impact.approach;
+      touch.is_free = std::abs(change) <= kFreeOfApproach * touch.impact.approach &&
+                      is_of_another_wall(step, contacts, contact);
       const bool touches = touch.is_free && touches_within(step, touch.impact);
-      if (touches) next.time = std::min(next.time, touch.impact.time());
+      if (touches) time = std::min(time, touch.impact.time());
     }
   }
+}
+
+/// Whether the contact is at right angles to all that rebound now, but for those that only rest.
+/// Levers may leave its approach alone by chance.
+bool Rebounding::is_of_another_wall(const PairStep& step, std::span<const Contact> contacts,
+                                    const Contact& contact) const {
+  return std::ranges::none_of(touches_, [&](const Touch& touch) {
+    return touch.is_now && !is_slow(step, touch.impact) &&
+           std::abs(dot(contact.normal, contacts[touch.index].normal)) > kMostCosineOfWalls;
+  });
 }
 
 std::size_t Rebounding::count_with(std::uint32_t id) const {

@@ -33,8 +33,8 @@ struct AfterTouch {
 std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTouch& first,
                                             std::span<const Contact> contacts);
 
-/// Which contacts of a step rebound: those that touch first, and those that touch later and that
-/// the rebounds of the earlier ones leave alone, as those from two walls of a corner do.
+/// Which contacts of a step rebound: those that touch first, and those that touch later, at right
+/// angles, and that the rebounds of the earlier ones leave alone: the walls of a corner.
 class Rebounding {
  public:
   /// Of contacts ascending by id.
@@ -49,7 +49,11 @@ class Rebounding {
     Impact impact;
     std::size_t count = 0;  ///< as count_with() has it
     bool is_free = true;    ///< from what rebounds before it
+    bool is_now = false;    ///< rebounds at the time that is looked at
   };
+
+  bool is_of_another_wall(const PairStep& step, std::span<const Contact> contacts,
+                          const Contact& contact) const;
 
   std::vector<Touch> touches_;
 };
