@@ -74,11 +74,6 @@ recording = recorder.recording()
 draw(options.out / "picture.png", recording, frame=20, azimuth=15, elevation=48)
 off = 360.0 * (-second - first * TEETH[0] / TEETH[1])
 time = np.arange(1, len(rows) + 1) / RATE
-plot(
-    options.out / "plot.png",
-    time,
-    {"lag": off},
-    x_label="time, s",
-    y_label="large gear ahead, degrees",
-)
+labels = {"x_label": "time, s", "y_label": "large gear ahead, degrees"}
+plot(options.out / "plot.png", time, {"lag": off}, **labels)
 recording.save_html(options.out / "replay.html", title="12 teeth drive 24")
