@@ -27,7 +27,7 @@ struct PairMemory {
 
 /// What all contacts of a step have in common, which to_world() needs for each of them.
 struct StepContacts {
-  const Rebounding* rebounding;  ///< in the pair's memory
+  const Rebounding* rebounding = nullptr;  ///< in the pair's memory
   Hold hold;
 };
 

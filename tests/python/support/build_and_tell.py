@@ -27,7 +27,7 @@ def build_and_tell(
     Args:
         mesh: The file.
         resolution: Voxels along its longest side.
-        places: (n, 3), meters. The distance at each is told.
+        places: (n, 3), meters, where the distance is wanted.
         patience: Seconds after which the build counts as hung.
     """
     answer, told = APART.Pipe(duplex=False)

@@ -33,7 +33,7 @@ TEST(SampleByTarget, IsReachedWithinOnePercent) {
 }
 
 TEST(SampleByTarget, OfFewPointsIsReachedToThePoint) {
-  // One percent of fewer than 100 points is none.
+  // Targets below 100 points leave no room for an error of one percent.
   for (const auto& [name, mesh] : make_named_meshes()) {
     for (const std::size_t target : {5u, 8u, 13u, 20u, 21u, 33u, 51u, 89u}) {
       const auto shell = PointShell::build(mesh, {.target_points = target});

@@ -124,7 +124,7 @@ class NearPoints {
     }
   }
 
-  /// To the nearest point that `accepts`; infinite where there is none within reach.
+  /// The distance to the nearest point that satisfies `accepts`; infinite if none is within reach.
   template <class Accepts>
   double distance(const Vec3& p, const Accepts& accepts) const {
     double nearest = std::numeric_limits<double>::infinity();
