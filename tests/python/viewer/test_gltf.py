@@ -171,7 +171,7 @@ sys.modules["scipy"] = None
 import voxshell as vx
 world = vx.World()
 world.add(vx.Sphere(0.1))
-world.record().save_gltf({str(tmp_path / "ball.glb")!r})
+world.record().recording().save_gltf({str(tmp_path / "ball.glb")!r})
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout + done.stderr == ""
