@@ -91,9 +91,14 @@ inline constexpr double kWarmStartingFactor = 0.85;
 /// Larger: a ball that rolls slowly is stopped. Smaller: bodies on rounded bellies rock for longer.
 inline constexpr double kStillOfMargin = 0.15;
 /// Contacts are not searched for again while the pair, and what it moves by in a step, have changed
-/// by at most this fraction of the rest margin. 0: stacks that tremble by nanometres are searched
-/// in every step. Larger: contacts come visibly late. Decision 47.
-inline constexpr double kKeptOfMargin = 0.01;
+/// by at most this fraction of the rest margin. Half of kIdleOfMargin: what was left out is not
+/// deeper by then than what was the deepest. 0: stacks that tremble by nanometres are searched in
+/// every step; 0.01: heaps that creep are, in every other one. Decision 47.
+inline constexpr double kKeptOfMargin = 0.1;
+/// Kept contacts of round surfaces follow them once the pair has moved by this fraction of the rest
+/// margin. Larger: a ball that hardly rolls is pushed on by the contact that it leaves behind.
+/// Smaller: more slides.
+inline constexpr double kFollowedOfMargin = 0.01;
 /// Points of a still body carry it if they are farther from the surface than the nearest by at most
 /// this fraction of the rest margin. Smaller: bodies tip from one set of points to the next.
 inline constexpr double kPatchOfMargin = 0.5;
@@ -291,6 +296,8 @@ inline constexpr double kSlideLosesOfMargin = 0.1;
 /// Where an edge touches a round surface, the cosine of their angle is below this. Larger: the
 /// place jumps from one piece of the edge to the next.
 inline constexpr double kZeroWithin = 1e-4;
+/// The same where a contact follows a round surface. Larger: it stays where it is.
+inline constexpr double kFollowedZeroWithin = 1e-6;
 /// Most steps along an edge to that place.
 inline constexpr int kMostZeroSteps = 24;
 /// A normal beside an edge is that of a face of it where its cosine with the edge is below this.

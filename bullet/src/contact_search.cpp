@@ -176,6 +176,21 @@ bool ContactSearch::find_near(const ContactSettings& settings, PosedPair& pair, 
   return has_swapped_roles;
 }
 
+void ContactSearch::follow(const PosedPair& pair) {
+  const auto go_on = [&](const PosedShell& posed, OfShell& of) {
+    const std::uint32_t first_id = posed.is_of_field ? kFirstOfSecond : 0;
+    moved_.clear();
+    of.round.follow(contacts_, first_id, SmoothField(posed.other), posed.field_from_shell, moved_);
+    of.on_round.follow(contacts_, first_id, posed.other, posed.field_from_shell, moved_);
+    for (const Contact& contact : moved_) {
+      contacts_[find_from_id(contacts_, first_id + contact.id)] =
+          posed.is_of_field ? turn_over(contact, posed.field_from_shell) : contact;
+    }
+  };
+  go_on(PosedShell::first_of(pair), first_);
+  if (pair.asks_both) go_on(PosedShell::second_of(pair), second_);
+}
+
 /// Whether points of two models may be so near that they touch within the step. Bodies that fall
 /// are looked for farther away, and most of them in vain.
 bool ContactSearch::may_touch(const Question& question, const PosedPair& pair) {

@@ -36,6 +36,12 @@ class ContactSearch {
   bool find_near(const ContactSettings& settings, PosedPair& pair, double margin,
                  const PairStep* step, Wanted wanted);
 
+  /// Finds where contacts of the last search that have been carried along touch now: places of
+  /// round surfaces that roll, as the bodies turn.
+  void follow(const PosedPair& pair);
+  /// Whether follow() finds all of them. Those of features of Bullet's shapes it does not.
+  bool can_follow() const { return features_.empty(); }
+
   /// Finds those of the pose at which triangles first touch the model within the step, by
   /// conservative advancement of the whole body: its first contact need not be where it is nearest
   /// now. Returns the fraction of the step that is over then.
@@ -87,6 +93,7 @@ class ContactSearch {
   std::vector<Contact> second_found_;  ///< those of the second shell
   std::vector<std::uint32_t> exact_;
   std::vector<std::uint32_t> second_exact_;
+  std::vector<Contact> moved_;  ///< room for those of follow()
   std::vector<std::uint32_t> hits_;
 };
 

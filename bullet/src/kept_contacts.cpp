@@ -23,7 +23,12 @@ KeptContacts::Question KeptContacts::Question::of(const PairStep& step) {
 
 void KeptContacts::keep(const PairStep& step, std::span<const Contact> found) {
   asked_ = Question::of(step);
-  contacts_.assign(found.begin(), found.end());
+  renew(step, found);
+}
+
+void KeptContacts::renew(const PairStep& step, std::span<const Contact> contacts) {
+  contacts_.assign(contacts.begin(), contacts.end());
+  field_from_shell_ = step.field_from_shell;
 }
 
 void KeptContacts::reduce_to(std::span<const Contact> chosen) {
@@ -34,7 +39,7 @@ void KeptContacts::reduce_to(std::span<const Contact> chosen) {
           [&](const Contact& contact) { return std::ranges::binary_search(chosen_, contact.id); });
 }
 
-bool KeptContacts::hold_in(const PairStep& step) const {
+bool KeptContacts::hold_in(const PairStep& step, bool are_followed) const {
   if (!asked_) return false;
   const Question now = Question::of(step);
   if (now.geometry != asked_->geometry || now.shell_is_a != asked_->shell_is_a ||
@@ -45,7 +50,7 @@ bool KeptContacts::hold_in(const PairStep& step) const {
   }
   // Contacts are carried along by the inverse of the pose, which only rotations have.
   if (!(squared_length(now.field_from_shell.rotation.row_x) < 2.0)) return false;
-  const double most = kKeptOfMargin * step.rest_margin;
+  const double most = (are_followed ? kKeptOfMargin : kFollowedOfMargin) * step.rest_margin;
   if (!(bound_displacement(asked_->field_from_shell, now.field_from_shell, step.middle,
                            step.radius) <= most)) {
     return false;
@@ -58,11 +63,16 @@ bool KeptContacts::hold_in(const PairStep& step) const {
   return true;
 }
 
+bool KeptContacts::have_moved_in(const PairStep& step) const {
+  return bound_displacement(field_from_shell_, step.field_from_shell, step.middle, step.radius) >
+         kFollowedOfMargin * step.rest_margin;
+}
+
 void KeptContacts::carry_to(const PairStep& step, std::vector<Contact>& contacts) const {
   contacts.clear();
   if (!asked_) return;
   // How the field's body has moved since, as the shell's sees it.
-  const Pose now_from_then = step.field_from_shell.inverse() * asked_->field_from_shell;
+  const Pose now_from_then = step.field_from_shell.inverse() * field_from_shell_;
   contacts.assign(contacts_.begin(), contacts_.end());
   for (Contact& contact : contacts) {
     const auto normal = static_cast<Vec3>(contact.normal);

@@ -21,10 +21,15 @@ class KeptContacts {
   void keep(const PairStep& step, std::span<const Contact> found);
   /// Forgets those that are not among `chosen`.
   void reduce_to(std::span<const Contact> chosen);
+  /// Keeps what the same contacts are in this step.
+  void renew(const PairStep& step, std::span<const Contact> contacts);
 
   /// Whether a search in this step would find the same contacts, but for a small fraction of the
-  /// rest margin.
-  bool hold_in(const PairStep& step) const;
+  /// rest margin. `are_followed`: those of round surfaces are.
+  bool hold_in(const PairStep& step, bool are_followed) const;
+  /// Whether the pair has moved so far since the contacts were kept or renewed that round surfaces
+  /// touch elsewhere.
+  bool have_moved_in(const PairStep& step) const;
   /// Where the contacts are in this step; none if none were kept.
   void carry_to(const PairStep& step, std::vector<Contact>& contacts) const;
 
@@ -47,6 +52,7 @@ class KeptContacts {
 
   std::optional<Question> asked_;
   std::vector<Contact> contacts_;
+  Pose field_from_shell_;              ///< where they are contacts
   std::vector<std::uint32_t> chosen_;  ///< room for ids
 };
 

@@ -204,9 +204,13 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   prepared.takes_all =
       !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
   double fraction = 0.0;  // of the step, after which contacts are looked for
-  prepared.carries_on = kept.hold_in(step);
+  prepared.carries_on = kept.hold_in(step, search.can_follow());
   if (prepared.carries_on) {
     kept.carry_to(step, search.contacts());
+    if (kept.have_moved_in(step)) {
+      search.follow(pair);
+      kept.renew(step, search.contacts());
+    }
   } else if (step.uses_ccd && pair.has_triangles()) {
     fraction = search.find_on_the_way(settings_, step);
   } else {
@@ -253,7 +257,9 @@ void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
   choose_points(step, prepared.carries_on);
   clock.end(&NarrowPhaseTimings::reduction);
   fill(step, prepared.of_step);
-  if (!prepared.carries_on) near_->kept.reduce_to(chosen_);
+  // While bodies move as far as followed contacts are kept for, others than these come to carry.
+  const bool is_chosen_enough = near_->is_spanned || !near_->search.can_follow();
+  if (!prepared.carries_on && is_chosen_enough) near_->kept.reduce_to(chosen_);
   clock.end(&NarrowPhaseTimings::manifold);
 }
 

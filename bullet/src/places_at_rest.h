@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,19 @@ class PlacesAtRest {
     const Along along{position.x, at_rest_.size()};
     by_x_.insert(std::ranges::upper_bound(by_x_, along.x, {}, &Along::x), along);
     at_rest_.push_back({id, false, depth, position, of});
+  }
+
+  /// Moves each place to the one that `go_on(place)` returns, an AtRest or none.
+  template <class GoOn>
+  void follow(const GoOn& go_on) {
+    moved_.swap(at_rest_);
+    at_rest_.clear();
+    by_x_.clear();
+    for (const AtRest& then : moved_) {
+      const std::optional<AtRest> now = go_on(then);
+      const AtRest& at_rest = now ? *now : then;
+      add(at_rest.id, at_rest.depth, at_rest.position, at_rest.of);
+    }
   }
 
   const AtRest* find(const Vec3& position, double within) const {
@@ -127,6 +141,7 @@ class PlacesAtRest {
   std::vector<AtRest> at_rest_;
   std::vector<Along> by_x_;                                     ///< those, ascending by x
   std::vector<AtRest> before_;                                  ///< those of the step before
+  std::vector<AtRest> moved_;                                   ///< room for those of follow()
   std::vector<std::pair<std::size_t, std::uint32_t>> changes_;  ///< of ids, by place in the list
 };
 

@@ -81,6 +81,26 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
   return true;
 }
 
+void RoundContacts::follow(std::span<const Contact> kept, std::uint32_t first_id, SmoothField field,
+                           const Pose& field_from_shell, std::vector<Contact>& moved) {
+  if (at_rest_.empty()) return;
+  field.start_near(field_);
+  field_ = field;
+  field_from_shell_ = field_from_shell;
+  shell_from_field_ = field_from_shell.inverse();
+  using AtRest = PlacesAtRest<Touch>::AtRest;
+  at_rest_.follow([&](const AtRest& then) -> std::optional<AtRest> {
+    if (!has_id(kept, first_id + then.id)) return std::nullopt;
+    const auto touch = find_touch(then.of.place, -feel(then.position).outwards);
+    if (!touch) return std::nullopt;
+    const Facing& facing = touch->facing;
+    const auto depth = static_cast<float>(-facing.distance);
+    moved.push_back(
+        {then.id, depth, static_cast<Vec3f>(facing.position), static_cast<Vec3f>(facing.outwards)});
+    return AtRest{then.id, then.was_there, depth, facing.position, *touch};
+  });
+}
+
 /// Whether a place may touch, once the body has turned, before what is known does.
 bool RoundContacts::leads(const SmoothSurface::Place& start,
                           const PlacesAtRest<Touch>::AtRest& known, const TouchScale& scale,

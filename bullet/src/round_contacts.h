@@ -34,6 +34,15 @@ class RoundContacts {
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
              float least_depth);
 
+  /// Finds where the contacts of the last slide() are now, as the surface rolls over the field's.
+  ///
+  /// @param kept      Those of the pair, ascending by id; others are not looked for.
+  /// @param first_id  Of this shell among them.
+  /// @param field     Of the same geometry as then.
+  /// @param moved     To which those that were found are added, with the shell's own ids.
+  void follow(std::span<const Contact> kept, std::uint32_t first_id, SmoothField field,
+              const Pose& field_from_shell, std::vector<Contact>& moved);
+
   /// Drops those of `guards`, contacts of the same shell that will not touch within the step, from
   /// which the surface leads to one of the contacts of the last slide().
   void drop_guards(std::vector<Contact>& guards, const TouchScale& scale, const Turning& turning);

@@ -36,6 +36,34 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   on_faces_.keep_ids(contacts, followed_within_);
 }
 
+void RoundFieldContacts::follow(std::span<const Contact> kept, std::uint32_t first_id,
+                                const Side& other, const Pose& field_from_shell,
+                                std::vector<Contact>& moved) {
+  if (on_edges_.empty() && on_faces_.empty()) return;
+  round_ = RoundSide::of(other);
+  SmoothField field(other);
+  field.start_near(field_);
+  field_ = field;
+  field_from_shell_ = field_from_shell;
+  shell_from_field_ = field_from_shell.inverse();
+  const RoundSide& round = *round_;
+  using AtRest = PlacesAtRest<Touch>::AtRest;
+  const auto go_on = [&](const AtRest& then) -> std::optional<AtRest> {
+    if (!has_id(kept, first_id + then.id)) return std::nullopt;
+    const Touch& of = then.of;
+    const auto touch = of.is_on_edge
+                           ? on_edge(round, of.position, of.along, of.mean, kFollowedZeroWithin)
+                           : on_face(round, of.position, of.outwards);
+    if (!touch || touch->is_on_edge != of.is_on_edge) return std::nullopt;
+    const auto depth = static_cast<float>(touch->depth);
+    moved.push_back({then.id, depth, static_cast<Vec3f>(touch->position),
+                     static_cast<Vec3f>(-touch->outwards)});
+    return AtRest{then.id, then.was_there, depth, touch->position, *touch};
+  };
+  on_edges_.follow(go_on);
+  on_faces_.follow(go_on);
+}
+
 /// Whether the contact is one that no other is yet.
 bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   const PointShell& shell = shell_->shell();
@@ -49,7 +77,7 @@ bool RoundFieldContacts::slide_one(const RoundSide& round, Contact& contact) {
   if (!shell.is_point(contact.id)) {
     const auto index = contact.id - static_cast<std::uint32_t>(shell.size());
     const auto half = static_cast<Vec3>(shell.edges()->halves()[index]);
-    touch = on_edge(round, point, normalized(half), outwards);
+    touch = on_edge(round, point, normalized(half), outwards, kZeroWithin);
   } else {
     touch = on_face(round, point, outwards);
   }
@@ -79,11 +107,10 @@ std::optional<RoundSide::Place> RoundFieldContacts::nearest_on(const RoundSide& 
   return found;
 }
 
-/// Along an edge through a point. `mean` is the mean of the normals of the two faces beside it.
-std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const RoundSide& round,
-                                                                     const Vec3& point,
-                                                                     const Vec3& along,
-                                                                     const Vec3& mean) {
+/// Along an edge through a point. `mean` is the mean of the normals of the two faces beside it,
+/// `within` the sine by which the round surface's normal may lean along the edge.
+std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(
+    const RoundSide& round, const Vec3& point, const Vec3& along, const Vec3& mean, double within) {
   const Vec3 start = field_from_shell_.transform_point(point);
   const Vec3 along_in_field = field_from_shell_.rotate(along);
   std::optional<RoundSide::Place> on_round;
@@ -94,7 +121,7 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Round
         if (!on_round) return std::nullopt;
         return dot(on_round->normal, along_in_field);
       },
-      same_within_, least_curvature_, kZeroWithin);
+      same_within_, least_curvature_, within);
   if (!zero || !on_round) return std::nullopt;
   const Vec3 position = point + *zero * along;
   const GridField& own = shell_->grid();
@@ -117,7 +144,8 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(const Round
     const Vec3 into = normalized(away - dot(away, face) * face);
     if (dot(outwards, into) > kLeansOverFace) return on_face(round, position, face);
   }
-  return Touch{position, outwards, dot(on_round->position - in_field, normal), *on_round, true};
+  const double depth = dot(on_round->position - in_field, normal);
+  return Touch{position, outwards, depth, *on_round, true, along, mean};
 }
 
 /// Over the flat face that a point lies on.
@@ -147,7 +175,7 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_face(const Round
   const Vec3 there = normalized(
       static_cast<Vec3>(own.gradient(static_cast<Vec3f>(position + tolerance * outwards))));
   if (dot(there, outwards) < -static_cast<double>(kAlignedCosine)) return std::nullopt;
-  return Touch{position, outwards, depth, *lowest, false};
+  return Touch{position, outwards, depth, *lowest, false, {}, {}};
 }
 
 /// Whether a place of the shell's body may touch, once that has turned, before a contact does.

@@ -30,6 +30,10 @@ class RoundFieldContacts {
   void slide(std::vector<Contact>& contacts, const Model& model, const Side& other,
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
 
+  /// Finds where the contacts of the last slide() are now; see RoundContacts::follow().
+  void follow(std::span<const Contact> kept, std::uint32_t first_id, const Side& other,
+              const Pose& field_from_shell, std::vector<Contact>& moved);
+
   /// Slides those on rims of Bullet's shapes along these, and drops those that are of the same
   /// place as another or as a contact of the last slide().
   /// @param exact  To which the ids of those that have slid are added.
@@ -53,10 +57,12 @@ class RoundFieldContacts {
     double depth;
     RoundSide::Place on_round;
     bool is_on_edge;
+    Vec3 along;  ///< the edge, unit length
+    Vec3 mean;   ///< of the normals of its faces
   };
 
   std::optional<Touch> on_edge(const RoundSide& round, const Vec3& point, const Vec3& along,
-                               const Vec3& mean);
+                               const Vec3& mean, double within);
   std::optional<Touch> on_face(const RoundSide& round, const Vec3& point, const Vec3& outwards);
   bool slide_one(const RoundSide& round, Contact& contact);
   std::optional<RoundSide::Place> nearest_on(const RoundSide& round, const Vec3& place);

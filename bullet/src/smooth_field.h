@@ -27,6 +27,9 @@ class SmoothField {
   /// the search for that short.
   void start_from(std::uint32_t triangle);
 
+  /// The same near the last place that another one of the same geometry was asked about.
+  void start_near(const SmoothField& other) { before_ = other.before_; }
+
   struct Value {
     double distance;  ///< metres
     Vec3 outwards;    ///< unit length; zero where coarse fields have none

@@ -1,5 +1,7 @@
 #include "kept_contacts.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -58,19 +60,19 @@ double most_kept(const PairStep& step) { return kKeptOfMargin * step.rest_margin
 TEST(KeptContacts, HoldUntilTheBodiesHaveMoved) {
   CubeOnSlab scene;
   KeptContacts kept;
-  EXPECT_FALSE(kept.hold_in(scene.step()));
+  EXPECT_FALSE(kept.hold_in(scene.step(), true));
   kept.keep(scene.step(), scene.search());
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
   const double most = most_kept(scene.step());
   scene.move({0, 0, 0.9 * most});
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
   scene.move({0, 0, 0.2 * most});  // since they were kept, not since the last step
-  EXPECT_FALSE(kept.hold_in(scene.step()));
+  EXPECT_FALSE(kept.hold_in(scene.step(), true));
   scene.move({0, 0, -1.1 * most});
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
   const double radius = scene.step().radius;
   scene.move({}, btVector3(0, btScalar(2.0 * most / radius), 0));
-  EXPECT_FALSE(kept.hold_in(scene.step()));
+  EXPECT_FALSE(kept.hold_in(scene.step(), true));
 }
 
 TEST(KeptContacts, HoldUntilTheBodiesMoveOtherwise) {
@@ -80,27 +82,28 @@ TEST(KeptContacts, HoldUntilTheBodiesMoveOtherwise) {
   const PairStep& step = scene.step();
   const double slow = 0.5 * most_kept(step) / step.time_step;
   scene.cube.setLinearVelocity(to_bullet(Vec3{slow, 0, 0}));
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
   scene.cube.setLinearVelocity(to_bullet(Vec3{3.0 * slow, 0, 0}));
-  EXPECT_FALSE(kept.hold_in(scene.step()));
+  EXPECT_FALSE(kept.hold_in(scene.step(), true));
   scene.cube.setLinearVelocity({0, 0, 0});
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
   scene.cube.applyCentralForce({0, 0, 50});
-  EXPECT_FALSE(kept.hold_in(scene.step()));
+  EXPECT_FALSE(kept.hold_in(scene.step(), true));
   scene.cube.clearForces();
   scene.cube.applyGravity();
-  EXPECT_TRUE(kept.hold_in(scene.step()));
+  EXPECT_TRUE(kept.hold_in(scene.step(), true));
 }
 
 TEST(KeptContacts, OfOtherBodiesOrOtherStepsDoNotHold) {
   CubeOnSlab scene;
   KeptContacts kept;
   kept.keep(scene.step(), scene.search());
-  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.slab, scene.cube).step()));
-  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 100.0)));
-  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 200.0, {.margin = 1e-3})));
+  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.slab, scene.cube).step(), true));
+  EXPECT_FALSE(kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 100.0), true));
+  EXPECT_FALSE(
+      kept.hold_in(TwoBodies(scene.cube, scene.slab).step(1.0 / 200.0, {.margin = 1e-3}), true));
   CubeOnSlab other;
-  EXPECT_FALSE(kept.hold_in(other.step()));
+  EXPECT_FALSE(kept.hold_in(other.step(), true));
 }
 
 TEST(KeptContacts, OnBulletsShapesHoldUntilThoseChange) {
@@ -122,8 +125,8 @@ TEST(KeptContacts, OnBulletsShapesHoldUntilThoseChange) {
     const TwoBodies others(cube, *other);
     KeptContacts kept;
     kept.keep(bodies.step(), {});
-    EXPECT_TRUE(kept.hold_in(bodies.step()));
-    EXPECT_FALSE(kept.hold_in(others.step()));
+    EXPECT_TRUE(kept.hold_in(bodies.step(), true));
+    EXPECT_FALSE(kept.hold_in(others.step(), true));
   }
 }
 
@@ -136,7 +139,7 @@ TEST(KeptContacts, GoAlongWithTheBodies) {
   const double most = most_kept(scene.step());
   scene.move({0.3 * most, 0, -0.2 * most},
              btVector3(btScalar(0.1 * most / kHalf), 0, btScalar(0.1 * most / kHalf)));
-  ASSERT_TRUE(kept.hold_in(scene.step()));
+  ASSERT_TRUE(kept.hold_in(scene.step(), true));
   std::vector<Contact> carried;
   kept.carry_to(scene.step(), carried);
   const std::vector<Contact> searched = scene.search();
@@ -167,6 +170,91 @@ TEST(KeptContacts, AreThoseThatWereChosen) {
   EXPECT_EQ(carried[0].id, before[2].id);
   EXPECT_EQ(carried[1].id, before[7].id);
   EXPECT_EQ(carried[2].id, before[30].id);
+}
+
+/// How far contacts of round surfaces are from where a search finds them, at most, after one of two
+/// bodies that touch at the origin has turned about the x axis, in distances by which a ball of the
+/// smaller body's radius has rolled. Carried along by the bodies, and followed.
+struct Rolled {
+  double carried;
+  double followed;
+};
+Rolled roll(btRigidBody& low, btRigidBody& ball, bool ball_is_first, btRigidBody& turned) {
+  std::optional<TwoBodies> bodies;
+  std::optional<PairStep> step;
+  const auto describe = [&] {
+    if (ball_is_first) {
+      bodies.emplace(ball, low);
+    } else {
+      bodies.emplace(low, ball);
+    }
+    step.emplace(bodies->step());
+  };
+  const auto search_with = [&](ContactSearch& search) {
+    search.find_near({}, bodies->pair, step->margin, &*step, Wanted::kAll);
+  };
+  describe();
+  ContactSearch search;
+  search_with(search);
+  KeptContacts kept;
+  kept.keep(*step, search.contacts());
+  const double angle = 0.35 * most_kept(*step) / step->radius;
+  const btTransform turn(btQuaternion(btVector3(1, 0, 0), btScalar(angle)));
+  turned.setWorldTransform(turn * turned.getWorldTransform());
+  describe();
+  EXPECT_TRUE(kept.hold_in(*step, true));
+  EXPECT_TRUE(kept.have_moved_in(*step));
+  ContactSearch anew;
+  search_with(anew);
+  const auto farthest = [&] {
+    int compared = 0;
+    double most = 0.0;
+    for (const std::uint32_t id : anew.exact()) {
+      if (!has_id(anew.contacts(), id) || !has_id(search.contacts(), id)) continue;
+      const auto place = [&](ContactSearch& of) {
+        const std::vector<Contact>& contacts = of.contacts();
+        return bodies->pair.to_world(contacts[find_from_id(contacts, id)]).point_b;
+      };
+      most = std::max(most, length(place(search) - place(anew)));
+      ++compared;
+    }
+    EXPECT_GT(compared, 0);
+    return most / (angle * step->radius);
+  };
+  Rolled rolled{};
+  kept.carry_to(*step, search.contacts());
+  rolled.carried = farthest();
+  search.follow(bodies->pair);
+  rolled.followed = farthest();
+  kept.renew(*step, search.contacts());
+  EXPECT_TRUE(kept.hold_in(*step, true));
+  EXPECT_FALSE(kept.have_moved_in(*step));
+  return rolled;
+}
+
+/// A contact that is left behind as a ball rolls is a lever by which its own weight pushes it on.
+TEST(KeptContacts, OfRoundSurfacesFollowThemAsTheyRoll) {
+  constexpr double kRadius = 0.05;
+  const auto ball_shape = build_by_tolerance(voxshell::test_support::make_icosphere(kRadius, 5));
+  const auto slab = build_by_tolerance({0.2, 0.2, 0.02});
+  const auto bar = build_by_tolerance({0.02, 0.2, 0.02});
+  const double half_root = std::sqrt(0.5);
+  const Pose on_edge{{{half_root, 0, half_root}, {0, 1, 0}, {-half_root, 0, half_root}},
+                     {0, 0, -0.02 * std::sqrt(2.0)}};
+  for (const bool ball_is_first : {false, true}) {
+    for (const bool ball_turns : {false, true}) {
+      for (const bool is_on_edge : {false, true}) {
+        TestWorld world;
+        btRigidBody& low = is_on_edge ? world.add_model(bar, 0, on_edge)
+                                      : world.add_model(slab, 0, {{}, {0, 0, -0.02}});
+        btRigidBody& ball = world.add_model(ball_shape, 1, {{}, {0, 0, kRadius}});
+        ball.applyGravity();
+        const Rolled rolled = roll(low, ball, ball_is_first, ball_turns ? ball : low);
+        EXPECT_GT(rolled.carried, 0.5) << is_on_edge << ball_is_first << ball_turns;
+        EXPECT_LT(rolled.followed, 0.02) << is_on_edge << ball_is_first << ball_turns;
+      }
+    }
+  }
 }
 
 /// A floor that rises by far less in a step than contacts are kept for still lifts the cube.
