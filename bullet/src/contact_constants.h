@@ -33,6 +33,10 @@ inline constexpr double kCcdOfInnerDiameter = 0.125;
 /// solver may make a point faster than it is: an impulse at one end of a rod turns it about its
 /// middle. Smaller: the other end of a rod that falls flat goes into the ground. Larger: slower.
 inline constexpr double kCcdReach = 2.0;
+/// Without restitution, an impulse at one end of a rod makes its other end faster by at most this
+/// fraction, and those of wider bodies by less. Smaller: rods that fall flat go into the ground.
+/// Larger: slower.
+inline constexpr double kAddedOfDisplacement = 0.5;
 /// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
 /// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
 inline constexpr double kMostReachingTurn = 0.5;

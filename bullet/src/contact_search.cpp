@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "arrivals.h"
 #include "conservative_advancement.h"
 #include "contact_constants.h"
 #include "contact_list.h"
@@ -238,12 +240,22 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
   const Pose& field_from_shell = posed.field_from_shell;
   const float near = question.reach_of(posed.model());
   of.scratch.borrow(lists_of_this_thread());
+  const auto find_one_a_segment = [&] {
+    std::optional<Arrivals> arrivals;
+    if (question.slides && step->looks_ahead() && step->restitution == 0.0 &&
+        posed.other.model() != nullptr) {
+      arrivals.emplace(*step, posed.is_of_field,
+                       static_cast<double>(near) - step->margin + step->rest_margin);
+    }
+    return find_deepest_per_segment(posed.field(), posed.shell(), field_from_shell, question.level,
+                                    near, of.scratch,
+                                    arrivals ? arrivals->all() : std::span<const Arrival>{});
+  };
   const std::span<const Contact> found =
       question.wanted == Wanted::kAll
           ? find_contacts(posed.field(), posed.shell(), field_from_shell, {.margin = near},
                           of.scratch)
-          : find_deepest_per_segment(posed.field(), posed.shell(), field_from_shell, question.level,
-                                     near, of.scratch);
+          : find_one_a_segment();
   contacts.assign(found.begin(), found.end());
   of.hits.clear();
   if (step != nullptr && step->uses_ccd && question.wanted == Wanted::kOneASegment) {

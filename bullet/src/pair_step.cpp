@@ -13,9 +13,10 @@ namespace voxshell::bullet {
 
 double PairStep::touching_gap() const { return kTouchingOfDetail * detail; }
 
-Pose PairStep::field_from_shell_after(double fraction) const {
+Pose PairStep::field_from_shell_after(double fraction, const Motion& of_a,
+                                      const Motion& of_b) const {
   const auto moved = [&](const Side& side) {
-    const Motion& of_side = &side == &pair->a ? motion_a : motion_b;
+    const Motion& of_side = &side == &pair->a ? of_a : of_b;
     return of_side.moved(side.world_from_geometry(), fraction, time_step);
   };
   return moved(pair->field_side()).inverse() * moved(pair->shell_side());
@@ -37,6 +38,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   }
   // Bodies touch within the smaller one's ball.
   const Ball& ball = step.larger == &pair.a ? ball_b : ball_a;
+  step.ball = ball;
   step.radius = ball.radius;
   step.thickness = pair.thickness();
   const double rest_margin =

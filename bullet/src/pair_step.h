@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "ball.h"
 #include "motion.h"
 #include "posed_pair.h"
 #include "voxshell/bullet/contact_settings.h"
@@ -16,7 +17,8 @@ struct PairStep {
   Motion motion_a;
   Motion motion_b;
   const Side* larger;   ///< the body with the larger bounding ball; null where they are as large
-  double radius;        ///< of the smaller body's bounding ball
+  Ball ball;            ///< about the smaller body, world frame
+  double radius;        ///< of that ball
   double thickness;     ///< of both bodies' margins in Bullet
   double rest_margin;   ///< slow points count as contacts up to this gap
   double deep_overlap;  ///< bodies that are deeper in each other may hold each other's middles
@@ -42,7 +44,11 @@ struct PairStep {
   /// The gap at which surfaces count as touching.
   double touching_gap() const;
   /// Where the bodies are after a fraction of the step, if nothing stops them.
-  Pose field_from_shell_after(double fraction) const;
+  Pose field_from_shell_after(double fraction) const {
+    return field_from_shell_after(fraction, motion_a, motion_b);
+  }
+  /// The same if they move otherwise.
+  Pose field_from_shell_after(double fraction, const Motion& of_a, const Motion& of_b) const;
 };
 
 /// How a body may turn within a step, as the other one sees it, in the body's own frame.

@@ -41,9 +41,20 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
                                        QueryScratch& scratch,
                                        std::size_t max_points = kManifoldSize);
 
-/// The contacts that select_deepest_per_segment() would select, found in the same way.
+/// A pose at which a shell may arrive, and how near the field its elements are then to be.
+struct Arrival {
+  Pose field_from_shell;
+  float margin;  ///< metres
+};
+inline constexpr std::size_t kMostArrivals = 4;
+
+/// The contacts that select_deepest_per_segment() would select, found in the same way. With
+/// `arrivals`, of which there are at most kMostArrivals, only elements are considered whose
+/// distance is below the margin of one of them, too. Of an edge segment, that is the distance of
+/// its middle, less EdgeSegments::reach().
 std::span<const Contact> find_deepest_per_segment(const Field& field, const PointShell& shell,
                                                   const Pose& field_from_shell, int level,
-                                                  float margin, QueryScratch& scratch);
+                                                  float margin, QueryScratch& scratch,
+                                                  std::span<const Arrival> arrivals = {});
 
 }  // namespace voxshell

@@ -49,4 +49,19 @@ std::vector<Contact> find_contacts_flat(const Field& field, const PointShell& sh
   return contacts;
 }
 
+bool arrives_flat(const Field& field, const PointShell& shell, std::uint32_t id,
+                  std::span<const Arrival> arrivals) {
+  const bool is_point = shell.is_point(id);
+  const Vec3f place =
+      is_point ? shell.points()[id] : shell.edges()->middles()[id - shell.tree().point_count()];
+  const float reach = is_point ? 0.0f : shell.edges()->reach();
+  return std::ranges::any_of(arrivals, [&](const Arrival& arrival) {
+    float distance = 0.0f;
+    with_posed(field, shell, arrival.field_from_shell, [&](const auto& posed) {
+      distance = posed_distance(posed, simd::portable::Triple<float>{place.x, place.y, place.z});
+    });
+    return distance < arrival.margin + reach;
+  });
+}
+
 }  // namespace voxshell

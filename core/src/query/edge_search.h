@@ -11,16 +11,23 @@
 namespace voxshell {
 
 /// Lists the pieces of edges that may have a place below the margin after a motion of no more than
-/// `growth`. A piece is a ball of `reach` about its middle.
+/// `growth`, and that arrive. A piece is a ball of `reach` about its middle.
 template <class V>
 simd::PointList list_pieces(const simd::PosedView<V>& posed, const simd::EdgeView& edges,
-                            float margin, float growth, QueryScratch::State& state) {
+                            float margin, float growth, QueryScratch::State& state,
+                            const simd::Arrivals<V>& arrivals = {}) {
   const float reach = edges.reach + growth;
-  const simd::NodeList slots = walk_down(posed, edges.tree, margin, reach, SphereBounds::kUnwanted,
-                                         state, [](const simd::Seeds&) { return true; })
-                                   .nodes;
+  const simd::NodeList slots =
+      walk_down(posed, edges.tree, margin, reach, SphereBounds::kUnwanted, state,
+                [&](simd::Seeds& left) {
+                  keep_arriving(arrivals, edges.tree, reach, left);
+                  return true;
+                })
+          .nodes;
+  const auto& kernels = simd::query_kernels<V>(simd::active_isa());
   simd::PointList pieces = state.empty_survivors();
-  simd::query_kernels<V>(simd::active_isa()).sift(posed, edges.tree, slots, margin, reach, pieces);
+  kernels.sift(posed, edges.tree, slots, margin, reach, pieces);
+  if (arrivals.count > 0) kernels.keep_arriving_points(arrivals, reach, pieces);
   return pieces;
 }
 

@@ -157,13 +157,35 @@ void keep_deepest_per_segment(simd::PointList& points, const PointSphereTree& tr
   }
 }
 
+/// Arrivals as kernels take them.
+template <class V>
+class PosedArrivals {
+ public:
+  template <class F>
+  PosedArrivals(const F& field, const V& view, const PointShell& shell,
+                std::span<const Arrival> arrivals)
+      : count_(static_cast<std::uint32_t>(arrivals.size())) {
+    for (std::size_t i = 0; i < arrivals.size(); ++i) {
+      posed_[i] = make_posed(field, view, shell, arrivals[i].field_from_shell);
+      margins_[i] = arrivals[i].margin;
+    }
+  }
+  simd::Arrivals<V> view() const { return {posed_.data(), margins_.data(), count_}; }
+
+ private:
+  std::array<simd::PosedView<V>, kMostArrivals> posed_;
+  std::array<float, kMostArrivals> margins_;
+  std::uint32_t count_;
+};
+
 /// The deepest place of each segment of the edges' tree.
 template <class V>
 simd::PointList find_deepest_on_edges(const simd::PosedView<V>& posed, const simd::EdgeView& edges,
                                       const PointSphereTree& tree, int level, float margin,
-                                      QueryScratch::State& state) {
+                                      QueryScratch::State& state,
+                                      const simd::Arrivals<V>& arrivals) {
   state.reserve(edges.tree);
-  const simd::PointList pieces = list_pieces(posed, edges, margin, 0.0f, state);
+  const simd::PointList pieces = list_pieces(posed, edges, margin, 0.0f, state, arrivals);
   std::uint32_t* ends = state.reserve_group_ends();
   std::uint32_t groups = 0;
   std::uint32_t end_of_segment = 0;  // of its ids
@@ -267,7 +289,7 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
       kernels.evaluate(posed, tree, seeds.nodes, margin, points);
       found = choose_deepest(points);
     } else {
-      kernels.find_deepest(posed, tree, seeds, 0, margin, &found);
+      kernels.find_deepest(posed, tree, seeds, 0, margin, {}, &found);
     }
     EdgePlaces<V> on_edges(posed, shell, state);
     if (max_points == 1) {
@@ -308,35 +330,43 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
 
 std::span<const Contact> find_deepest_per_segment(const Field& field, const PointShell& shell,
                                                   const Pose& field_from_shell, int level,
-                                                  float margin, QueryScratch& scratch) {
+                                                  float margin, QueryScratch& scratch,
+                                                  std::span<const Arrival> arrivals) {
   assert(level >= 1 && level <= PointSphereTree::kMaxLevel);
+  assert(arrivals.size() <= kMostArrivals);
   QueryScratch::State& state = scratch.state();
   const simd::TreeView tree = view_tree(shell);
   state.reserve(tree, shell.element_count() - shell.size());
   const int depth = 2 * (level - 1);
-  with_posed(field, shell, field_from_shell, [&]<class V>(const simd::PosedView<V>& posed) {
+  with_view(field, [&]<class V>(const auto& typed, const V& view_of_field) {
+    const auto posed = make_posed(typed, view_of_field, shell, field_from_shell);
+    const PosedArrivals<V> posed_arrivals(typed, view_of_field, shell, arrivals);
+    const simd::Arrivals<V> arriving = posed_arrivals.view();
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     // Segments finer than slots have a bucket each.
-    const simd::Seeds seeds = walk_down(
-        posed, tree, margin, 0.0f, SphereBounds::kWanted, state,
-        [&](const simd::Seeds& left) { return depth > tree.depth || are_few(left, tree); });
+    const simd::Seeds seeds =
+        walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state, [&](simd::Seeds& left) {
+          keep_arriving(arriving, tree, 0.0f, left);
+          return depth > tree.depth || are_few(left, tree);
+        });
     simd::PointList points = state.empty_points();
     if (are_slots(seeds, tree)) {
       kernels.evaluate(posed, tree, seeds.nodes, margin, points);
+      if (arriving.count > 0) kernels.keep_arriving_points(arriving, 0.0f, points);
       keep_deepest_per_segment(points, shell.tree(), level);
     } else {
       const std::size_t segments = std::size_t{1} << depth;
       simd::FoundPoint* best = state.reserve_found(segments);
       std::fill_n(best, segments, simd::FoundPoint{simd::kNone, 0.0f, {}});
-      kernels.find_deepest(posed, tree, seeds, depth, margin, best);
+      kernels.find_deepest(posed, tree, seeds, depth, margin, arriving, best);
       append_found({best, segments}, points);
     }
     kernels.complete(posed, tree, points, state.contact_data());
     state.lists().contact_count = points.count;
     if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
       const simd::EdgeView view = edges->view();
-      const simd::PointList found =
-          find_deepest_on_edges(posed, view, edges->tree(), level, margin, state.of_edges());
+      const simd::PointList found = find_deepest_on_edges(posed, view, edges->tree(), level, margin,
+                                                          state.of_edges(), arriving);
       complete_on_edges(posed, view, found, shell.size(), state);
     }
   });

@@ -23,9 +23,19 @@ inline simd::Seeds start_walk(const simd::TreeView& tree, simd::NodeList nodes,
   return {nodes, is_pair ? 1 : 0};
 }
 
+/// Drops what is left of a walk and does not arrive.
+template <class V>
+void keep_arriving(const simd::Arrivals<V>& arrivals, const simd::TreeView& tree, float growth,
+                   simd::Seeds& left) {
+  if (arrivals.count == 0 || left.level == 0) return;
+  simd::query_kernels<V>(simd::active_isa())
+      .keep_arriving_spheres(arrivals, tree, left.level - 1, growth, left.nodes);
+}
+
 /// Walks the tree breadth first, a level at a time, as long as `go_on(what is left)` says so and
-/// something is left; where nothing is, all levels are done. Uses the state's node buffers, and so
-/// forgets the survivors in them. Without bounds, what is left has none, and the walk is faster.
+/// something is left, of which `go_on` may drop some; where nothing is, all levels are done. Uses
+/// the state's node buffers, and so forgets the survivors in them. Without bounds, what is left has
+/// none, and the walk is faster.
 template <class V, class GoOn>
 simd::Seeds walk_down(const simd::PosedView<V>& posed, const simd::TreeView& tree, float margin,
                       float growth, SphereBounds bounds, QueryScratch::State& state,

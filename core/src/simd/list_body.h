@@ -61,6 +61,28 @@ void expand(const PosedView<V>& posed, const TreeView& tree, int level, const No
   });
 }
 
+template <class V>
+void keep_arriving_spheres(const Arrivals<V>& arrivals, const TreeView& tree, int level,
+                           float growth, NodeList& nodes) {
+  uint32_t count = 0;
+  uint32_t tested = kNone;  // block
+  unsigned arriving = 0;
+  for (uint32_t i = 0; i < nodes.count; ++i) {
+    const uint32_t index = nodes.index[i];
+    if (index / kLanes != tested) {
+      tested = index / kLanes;
+      const Block block = load_block(tree, level, tested, growth);
+      arriving = find_arriving(arrivals, block, block.lanes);
+    }
+    if ((arriving >> (index % kLanes) & 1u) == 0) continue;
+    nodes.index[count] = index;
+    nodes.tag[count] = nodes.tag[i];
+    if (nodes.bound != nullptr) nodes.bound[count] = nodes.bound[i];
+    ++count;
+  }
+  nodes.count = count;
+}
+
 /// No point that is then below the margin has a smaller distance after it has moved by up to
 /// `growth`.
 template <class V>
@@ -178,6 +200,30 @@ void evaluate_sifted(const PosedView<V>& posed, const PointList& sifted, float m
     count += static_cast<uint32_t>(__builtin_popcount(lanes));
   }
   out.count = count;
+}
+
+template <class V>
+void keep_arriving_points(const Arrivals<V>& arrivals, float growth, PointList& points) {
+  fill_up(points);
+  const uint32_t end = points.count;
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < end; i += kLanes) {
+    const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
+    const uint32_t left = end - i;
+    const unsigned lanes =
+        find_arriving(arrivals, p, growth, left < kLanes ? (1u << left) - 1 : 255u);
+    const I8 ids = load_tags(points.id + i);
+    const I8 tags = load_tags(points.tag + i);
+    const F8 distance = load<F8>(points.distance + i);
+    compress(points.id + count, ids, lanes);
+    compress(points.tag + count, tags, lanes);
+    compress(points.distance + count, distance, lanes);
+    compress(points.x + count, p.x, lanes);
+    compress(points.y + count, p.y, lanes);
+    compress(points.z + count, p.z, lanes);
+    count += static_cast<uint32_t>(__builtin_popcount(lanes));
+  }
+  points.count = count;
 }
 
 template <class V>

@@ -52,6 +52,15 @@ struct FoundPoint {
   float score = 0.0f;  ///< what it adds to a manifold's area, where that was asked for
 };
 
+/// Poses of which one is to bring what is looked for below its margin; or none, and nothing is
+/// asked of it.
+template <class V>
+struct Arrivals {
+  const PosedView<V>* posed;
+  const float* margins;  ///< metres
+  uint32_t count;
+};
+
 /// The work of queries on one kind of field, compiled for one instruction set.
 template <class V>
 struct QueryKernels {
@@ -77,10 +86,16 @@ struct QueryKernels {
   /// kLanes more.
   void (*differentiate)(const PosedView<V>&, const PointList& points, float step, float* x,
                         float* y, float* z);
-  /// The smallest distance below `margin` in each of 2^segment_depth clusters, ties to the smaller
-  /// id; segment_depth must not be above the tree's. `best` holds one entry each, none found.
+  /// Drops spheres of a level that hold no point that arrives, if they count as larger by `growth`.
+  void (*keep_arriving_spheres)(const Arrivals<V>&, const TreeView&, int level, float growth,
+                                NodeList& nodes);
+  /// Drops points that do not arrive within `growth` of the margins.
+  void (*keep_arriving_points)(const Arrivals<V>&, float growth, PointList& points);
+  /// The smallest distance below `margin` in each of 2^segment_depth clusters, of the points that
+  /// arrive, ties to the smaller id; segment_depth must not be above the tree's. `best` holds one
+  /// entry each, none found.
   void (*find_deepest)(const PosedView<V>&, const TreeView&, const Seeds&, int segment_depth,
-                       float margin, FoundPoint* best);
+                       float margin, const Arrivals<V>&, FoundPoint* best);
   /// Whether any point lies below `margin`.
   bool (*find_any)(const PosedView<V>&, const TreeView&, float margin);
   /// The point below `margin` that makes the manifold's area largest, ties to the smaller id.

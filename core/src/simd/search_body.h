@@ -64,7 +64,7 @@ VOXSHELL_INLINE FoundPoint make_found(uint32_t id, float distance, const Triple<
 
 template <class V>
 void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& seeds,
-                  int segment_depth, float margin, FoundPoint* best) {
+                  int segment_depth, float margin, const Arrivals<V>& arrivals, FoundPoint* best) {
   // The best so far of the one segment that a sphere lies in; larger spheres may hold any.
   const auto limit = [&](int level, uint32_t index) {
     const int finer = depth_of(tree, level) - segment_depth;
@@ -79,7 +79,9 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
       const Triple<F8> p = load_triple(bucket_of(tree, bucket));
       const F8 distance = tagged_distance(posed, p, tag, margin);
       const float most = found.id == kNone ? margin : found.distance;
-      for (unsigned lanes = bits(distance <= most); lanes != 0; lanes &= lanes - 1) {
+      unsigned lanes = bits(distance <= most);
+      if (lanes != 0) lanes = find_arriving(arrivals, p, 0.0f, lanes);
+      for (; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const uint32_t id = bucket * kLanes + static_cast<uint32_t>(lane);
         const float d = distance[lane];
@@ -104,7 +106,9 @@ void find_deepest(const PosedView<V>& posed, const TreeView& tree, const Seeds& 
       const float reach = node.level > 0 ? limit(node.level - 1, node.index) + posed.slack : margin;
       const Balls balls = test_balls(posed, block, node.tag, reach < margin ? reach : margin);
       walk.begin_siblings();
-      for (unsigned lanes = balls.lanes; lanes != 0; lanes &= lanes - 1) {
+      unsigned lanes = balls.lanes;
+      if (lanes != 0) lanes = find_arriving(arrivals, block, lanes);
+      for (; lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const uint32_t child = node.index * kLanes + static_cast<uint32_t>(lane);
         if (balls.bound[lane] > limit(node.level, child)) continue;

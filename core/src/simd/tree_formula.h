@@ -156,6 +156,31 @@ VOXSHELL_INLINE F8 tagged_distance(const PosedView<G>& posed, const Triple<F8>& 
                   : distance_to_plane(posed.field, tag, q);
 }
 
+/// Those of `lanes` whose spheres may hold a point that arrives.
+template <class V>
+VOXSHELL_INLINE unsigned find_arriving(const Arrivals<V>& arrivals, const Block& block,
+                                       unsigned lanes) {
+  if (arrivals.count == 0) return lanes;
+  unsigned arriving = 0;
+  for (uint32_t i = 0; i < arrivals.count && arriving != lanes; ++i) {
+    arriving |= test_balls(arrivals.posed[i], block, 0, arrivals.margins[i]).lanes & lanes;
+  }
+  return arriving;
+}
+
+/// Those of `lanes` whose points arrive within `growth` of the margins.
+template <class V>
+VOXSHELL_INLINE unsigned find_arriving(const Arrivals<V>& arrivals, const Triple<F8>& p,
+                                       float growth, unsigned lanes) {
+  if (arrivals.count == 0) return lanes;
+  unsigned arriving = 0;
+  for (uint32_t i = 0; i < arrivals.count && arriving != lanes; ++i) {
+    const float margin = arrivals.margins[i] + growth;
+    arriving |= bits(tagged_distance(arrivals.posed[i], p, 0, margin) < margin) & lanes;
+  }
+  return arriving;
+}
+
 VOXSHELL_INLINE uint32_t first_bucket(const TreeView& tree, uint32_t slot) {
   return static_cast<uint32_t>((static_cast<uint64_t>(tree.bucket_count) * slot) >> tree.depth);
 }

@@ -71,7 +71,7 @@ TEST(ContactSearch, KeepsGuardsAsTheyWereSampled) {
   Random random(6);
   int guards = 0;
   int slid = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 400; ++i) {
     Fall fall(random, 5.0, random.uniform(0.1, 0.2));
     TwoBodies bodies(fall.low, fall.high);
     const PairStep step = bodies.step(kStep);

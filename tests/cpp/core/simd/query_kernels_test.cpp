@@ -93,10 +93,16 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
   simd::NodeList next = room.nodes(1);
   nodes.index[0] = nodes.tag[0] = 0;
   nodes.count = 1;
+  // The same pose, with less of a margin.
+  const float nearer = margin - 0.01f;
+  const simd::Arrivals<V> arrivals{&posed, &nearer, 1};
   const auto search = [&](const simd::Seeds& seeds, int segment_depth) {
     std::vector<simd::FoundPoint> best(std::size_t{1} << segment_depth, {simd::kNone, 0.0f, {}});
-    kernels.find_deepest(posed, tree, seeds, segment_depth, margin, best.data());
+    kernels.find_deepest(posed, tree, seeds, segment_depth, margin, {}, best.data());
     hash.add_all(best.data(), best.size());
+    std::vector<simd::FoundPoint> arriving(best.size(), {simd::kNone, 0.0f, {}});
+    kernels.find_deepest(posed, tree, seeds, segment_depth, margin, arrivals, arriving.data());
+    hash.add_all(arriving.data(), arriving.size());
     simd::ManifoldSearch chosen{};
     simd::FoundPoint found = best[0];
     while (found.id != simd::kNone && chosen.count < 3) {
@@ -132,6 +138,11 @@ std::uint64_t hash_kernels(simd::Isa isa, const simd::PosedView<V>& posed, const
   hash.add_all(points.id, points.count);
   hash.add_all(points.distance, points.count);
   point_count = points.count;
+  simd::NodeList slots = nodes;
+  kernels.keep_arriving_spheres(arrivals, tree, tree.level_count - 1, 0.0f, slots);
+  hash.add_all(slots.index, slots.count);
+  kernels.keep_arriving_points(arrivals, 0.0f, sifted);
+  hash.add_all(sifted.id, sifted.count);
   if (points.count > 0) {
     std::vector<Contact> contacts(points.count);
     kernels.complete(posed, tree, points, contacts.data());

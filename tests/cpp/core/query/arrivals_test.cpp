@@ -1,0 +1,71 @@
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/pairs.h"
+#include "support/random.h"
+#include "voxshell/contacts_flat.h"
+#include "voxshell/manifold.h"
+
+namespace voxshell {
+namespace {
+
+using namespace test_support;
+
+/// So many points that searches do not list them, and many edges.
+const std::vector<PointShell>& large_shells() {
+  static const auto* all = [] {
+    auto* shells = new std::vector<PointShell>{make_shell(make_torus(0.4, 0.12, 40, 20), 0.008)};
+    auto exact = PointShell::build(make_blob(0.35, 3).mesh(), {.tolerance = 1e-3});
+    if (!exact) std::abort();
+    shells->push_back(*std::move(exact));
+    return shells;
+  }();
+  return *all;
+}
+
+TEST(Arrivals, AreAskedAboutAsByTheFlatLoopToTheBit) {
+  Random random(77);
+  QueryScratch scratch;
+  std::size_t all = 0;
+  std::size_t arriving_of_them = 0;
+  for (const PointShell& shell : large_shells()) {
+    for (const Field& field : fields()) {
+      for (int i = 0; i < 6; ++i) {
+        const Pose pose = make_pose_at(field, shell, random.uniform(-0.02, 0.1), random);
+        const auto margin = static_cast<float>(random.uniform(0.1, 0.4));
+        std::vector<Arrival> arrivals;
+        for (std::size_t k = 0; k <= random.below(kMostArrivals); ++k) {
+          Pose moved = pose;
+          moved.translation += random.uniform(0.0, 0.2) * random.direction();
+          arrivals.push_back({moved, static_cast<float>(random.uniform(0.0, 0.1))});
+        }
+        const auto flat = find_contacts_flat(field, shell, pose, {.margin = margin});
+        std::vector<Contact> arriving;
+        for (const Contact& contact : flat) {
+          if (arrives_flat(field, shell, contact.id, arrivals)) arriving.push_back(contact);
+        }
+        all += flat.size();
+        arriving_of_them += arriving.size();
+        std::vector<std::uint32_t> deepest;
+        for (const int level : {1, 2, 4, 5, 7, 12}) {
+          select_deepest_per_segment(arriving, shell, level, deepest);
+          const auto found =
+              find_deepest_per_segment(field, shell, pose, level, margin, scratch, arrivals);
+          ASSERT_EQ(found.size(), deepest.size()) << "level " << level;
+          for (std::size_t k = 0; k < found.size(); ++k) {
+            ASSERT_EQ(found[k], arriving[deepest[k]]) << "level " << level;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(arriving_of_them, all / 20);
+  EXPECT_LT(arriving_of_them, all / 2);
+}
+
+}  // namespace
+}  // namespace voxshell
