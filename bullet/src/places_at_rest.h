@@ -47,14 +47,11 @@ class PlacesAtRest {
   /// Moves each place to the one that `go_on(place)` returns, an AtRest or none.
   template <class GoOn>
   void follow(const GoOn& go_on) {
-    moved_.swap(at_rest_);
-    at_rest_.clear();
-    by_x_.clear();
-    for (const AtRest& then : moved_) {
-      const std::optional<AtRest> now = go_on(then);
-      const AtRest& at_rest = now ? *now : then;
-      add(at_rest.id, at_rest.depth, at_rest.position, at_rest.of);
+    for (AtRest& at_rest : at_rest_) {
+      if (const std::optional<AtRest> now = go_on(std::as_const(at_rest))) at_rest = *now;
     }
+    for (Along& along : by_x_) along.x = at_rest_[along.index].position.x;
+    std::ranges::sort(by_x_, {}, &Along::x);
   }
 
   const AtRest* find(const Vec3& position, double within) const {
@@ -141,7 +138,6 @@ class PlacesAtRest {
   std::vector<AtRest> at_rest_;
   std::vector<Along> by_x_;                                     ///< those, ascending by x
   std::vector<AtRest> before_;                                  ///< those of the step before
-  std::vector<AtRest> moved_;                                   ///< room for those of follow()
   std::vector<std::pair<std::size_t, std::uint32_t>> changes_;  ///< of ids, by place in the list
 };
 

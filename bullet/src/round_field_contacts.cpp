@@ -41,6 +41,7 @@ void RoundFieldContacts::follow(std::span<const Contact> kept, std::uint32_t fir
                                 std::vector<Contact>& moved) {
   if (on_edges_.empty() && on_faces_.empty()) return;
   round_ = RoundSide::of(other);
+  if (!round_) return;
   SmoothField field(other);
   field.start_near(field_);
   field_ = field;
