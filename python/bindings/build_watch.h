@@ -5,6 +5,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include "interpreter_lock.h"
 #include "voxshell/ordinary_floats.h"
 
 namespace voxshell::python {
@@ -18,7 +19,7 @@ class BuildWatch {
 
   bool report(std::string_view stage, double fraction) {
     if (raised_ != nullptr) return false;
-    const nanobind::gil_scoped_acquire acquired;
+    const TakenInterpreter taken;
     const OrdinaryFloats floats;  // Python code may change the state, but the build needs it
     try {
       if (PyErr_CheckSignals() != 0) throw nanobind::python_error();

@@ -14,6 +14,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "pose_arrays.h"
 #include "voxshell/batch.h"
 
@@ -180,7 +181,7 @@ ContactBatchSet contacts_batch(const SharedField& field_a, const SharedModel& mo
   const Roles roles = choose_roles(bodies.view(), shells);
   BuildWatch watch(progress);
   auto result = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
     return ask_contacts(bodies, std::move(poses), roles, options, level, threads, watch);
   }();
@@ -229,7 +230,7 @@ nb::ndarray<nb::numpy, bool, nb::ndim<1>> collide_batch(
   const Roles roles = choose_roles(bodies, shells);
   BuildWatch watch(progress);
   auto result = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return ask_collisions(bodies, poses, roles, margin, threads, watch);
   }();
   watch.rethrow();

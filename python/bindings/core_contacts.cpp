@@ -12,6 +12,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "query_scratch.h"
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
@@ -74,7 +75,7 @@ ContactSet contacts(const SharedField& field_a, const SharedModel& model_a,
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies.view(), shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   const ContactOptions options{.margin = margin, .max_points = max_points.value_or(SIZE_MAX)};
   Asking<kSearch> asking(bodies.view(), pose, options, budget, scratch);
   for (const PairBody shell_body : roles.shell_bodies) asking.ask(shell_body);
@@ -128,7 +129,7 @@ ContactSet manifold(const SharedField& field_a, const SharedModel& model_a,
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies.view(), shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   if (roles.role() == Role::kBoth) {
     // The second point of a manifold depends on the first, which may belong to the other shell.
     const auto list = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
@@ -153,7 +154,7 @@ ContactSet deepest_per_segment(const SharedField& field_a, const SharedModel& mo
   const SharedBodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies.view(), shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   const auto find = [&](const Field& field, const PointShell& shell, const Pose& field_from_shell,
                         QueryScratch& own) {
     return find_deepest_per_segment(field, shell, field_from_shell, level, margin, own);
@@ -167,7 +168,7 @@ bool collide(const Field& field_a, const Model* model_a, const Field& field_b, c
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   const auto touches = [&](PairBody shell_body) {
     return collides(*bodies.field_of(other(shell_body)), *bodies.shell_of(shell_body),
                     pose.field_from_shell(shell_body), margin);

@@ -8,6 +8,7 @@
 #include "contact_set.h"
 #include "core_module.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
 #include "voxshell/distance.h"
@@ -31,7 +32,7 @@ std::optional<Nearest> distance(const Field& field_a, const Model* model_a, cons
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   std::optional<Contact> nearest;
   PairBody shell_body = roles.shell_bodies[0];
   const auto ask = [&](PairBody body) {

@@ -14,6 +14,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "voxshell/field.h"
 
 namespace nb = nanobind;
@@ -33,7 +34,7 @@ void for_each_point(const Field& field, const PointsArray& points, const Visit& 
   const std::size_t count = points.shape(0);
   std::size_t done = 0;
   {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     std::visit(
         [&](const auto& typed) {
           for (; done < count; ++done) {
@@ -78,7 +79,7 @@ std::tuple<Field, std::size_t> make_convex_field(const PointsArray& vertices,
                                                  const FacesArray& faces) {
   auto mesh = unwrap(TriangleMesh::create(read_points(vertices), read_triangles(faces)));
   auto field = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return ConvexField::create(mesh);
   }();
   auto convex = unwrap(std::move(field));

@@ -17,6 +17,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "voxshell/model.h"
 #include "voxshell/model_file.h"
 
@@ -49,7 +50,7 @@ std::shared_ptr<const Model> build(const PointsArray& vertices, const FacesArray
                                .threads = threads};
   BuildWatch watch(progress);
   auto result = [&]() -> Result<std::shared_ptr<const Model>> {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     auto mesh = TriangleMesh::create(corners, triangles);
     if (!mesh) return mesh.error();
     return Model::build(*std::move(mesh), settings, [&](std::string_view stage, double fraction) {
@@ -66,7 +67,7 @@ std::string read_path(const nb::bytes& path) { return {path.c_str(), path.size()
 void save(const Model& model, const nb::bytes& path) {
   const std::string name = read_path(path);
   unwrap([&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return save_model(model, name);
   }());
 }
@@ -74,14 +75,14 @@ void save(const Model& model, const nb::bytes& path) {
 std::shared_ptr<const Model> load(const nb::bytes& path) {
   const std::string name = read_path(path);
   return unwrap([&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return load_model(name);
   }());
 }
 
 nb::bytes to_bytes(const Model& model) {
   const auto content = [&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return model_to_bytes(model);
   }();
   return nb::bytes(content.data(), content.size());
@@ -90,7 +91,7 @@ nb::bytes to_bytes(const Model& model) {
 std::shared_ptr<const Model> from_bytes(const nb::bytes& content) {
   const std::span bytes(reinterpret_cast<const std::byte*>(content.c_str()), content.size());
   return unwrap([&] {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     return model_from_bytes(bytes);
   }());
 }

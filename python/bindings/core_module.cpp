@@ -4,6 +4,8 @@
 
 NB_MODULE(_core, module) {
   using namespace voxshell::python;
+  // What a thread still uses when the program ends is no leak, and no news for the user.
+  nanobind::set_leak_warnings(false);
   module.doc() = "The compiled core. Use it through the package voxshell, which checks arguments.";
   module.attr("version") = VOXSHELL_VERSION;
   translate_exceptions();

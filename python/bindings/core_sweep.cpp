@@ -18,6 +18,7 @@
 #include "core_module.h"
 #include "errors.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "pose_arrays.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
@@ -212,7 +213,7 @@ Sweeps sweep_one(const Field& field_a, const Model* model_a, const Field& field_
       make_question(field_a, model_a, field_b, model_b, shells, margin, tolerance);
   SweepArrays arrays(1);
   {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     arrays.set(0, motion, sweep_pair(question, motion, [&](PairBody body) {
                  return LockedScratch(scratch, body);
                }));
@@ -234,7 +235,7 @@ Sweeps sweep_batch(const Field& field_a, const Model* model_a, const Field& fiel
   SweepArrays arrays(count);
   BuildWatch watch(progress);
   {
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     constexpr std::size_t kMotionsATask = 16;
     const std::size_t tasks = (count + kMotionsATask - 1) / kMotionsATask;
     const auto report = [&](std::string_view stage, double fraction) {

@@ -6,6 +6,7 @@
 
 #include "core_module.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 #include "posed_pair.h"
 #include "query_scratch.h"
 #include "voxshell/wrench.h"
@@ -39,7 +40,7 @@ std::pair<Coordinates, Coordinates> wrench(const Field& field_a, const Model* mo
   const Bodies bodies{field_a, model_a, field_b, model_b};
   const PairPose pose{read_pose(a_pose, "a_pose"), read_pose(b_pose, "b_pose")};
   const Roles roles = choose_roles(bodies, shells);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   bool touches = false;
   Wrench result{};
   const auto ask = [&](PairBody body, double weight) {

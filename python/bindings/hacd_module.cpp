@@ -7,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
+#include "interpreter_lock.h"
 
 namespace {
 
@@ -53,7 +54,7 @@ std::vector<HullArray> decompose(const voxshell::python::PointsArray& vertices,
   }
   std::vector<HullPoints> hulls;
   {
-    const nb::gil_scoped_release released;
+    const voxshell::python::ReleasedInterpreter released;
     hulls = run_hacd(std::move(points), std::move(triangles), clusters, hull_vertices, concavity);
   }
   std::vector<HullArray> arrays;

@@ -17,6 +17,7 @@
 #include "bullet/shared_simulation.h"
 #include "bullet/simulation_state.h"
 #include "in_ordinary_floats.h"
+#include "interpreter_lock.h"
 
 namespace nb = nanobind;
 
@@ -29,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 /// a body's pose is no longer finite. Runs without the GIL. Other threads take turns between steps.
 std::size_t step_for_a_while(SharedSimulation& simulation, std::size_t count) {
   constexpr auto kSignalCheckEvery = std::chrono::milliseconds(10);
-  const nb::gil_scoped_release released;
+  const ReleasedInterpreter released;
   const OrdinaryFloats floats;
   const auto end = Clock::now() + kSignalCheckEvery;
   while (count > 0 && Clock::now() < end) {
@@ -82,7 +83,7 @@ nb::ndarray<nb::numpy, double> cast_rays(const Simulation& simulation, const Poi
   {
     const std::vector<Vec3> from = read_points(starts);
     const std::vector<Vec3> to = read_points(ends);
-    const nb::gil_scoped_release released;
+    const ReleasedInterpreter released;
     hits = simulation.cast_rays(from, to);
   }
   std::vector<std::array<double, 8>> rows;

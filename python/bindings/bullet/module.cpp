@@ -19,6 +19,8 @@ void* allocate_or_throw(std::size_t size) {
 }  // namespace
 
 NB_MODULE(_bullet, module) {
+  // What a thread still uses when the program ends is no leak, and no news for the user.
+  nanobind::set_leak_warnings(false);
   btAlignedAllocSetCustom(&allocate_or_throw, &std::free);
   module.doc() = "Stock Bullet with voxshell's models. Use it through voxshell.World.";
   voxshell::python::bind_geometries(module);

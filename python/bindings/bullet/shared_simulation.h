@@ -12,6 +12,7 @@
 #include <nanobind/nanobind.h>
 
 #include "bullet/simulation.h"
+#include "interpreter_lock.h"
 #include "voxshell/ordinary_floats.h"
 
 namespace voxshell::python {
@@ -95,7 +96,7 @@ class Turn {
  public:
   explicit Turn(SharedSimulation& simulation) : lock_(simulation.lock) {
     if (lock_.try_lock()) return;
-    const nanobind::gil_scoped_release released;
+    const ReleasedInterpreter released;
     lock_.lock();
   }
   ~Turn() { lock_.unlock(); }
