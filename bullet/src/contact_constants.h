@@ -99,10 +99,12 @@ inline constexpr double kStillOfMargin = 0.15;
 /// deeper by then than what was the deepest. 0: stacks that tremble by nanometres are searched in
 /// every step; 0.01: heaps that creep are, in every other one. Decision 47.
 inline constexpr double kKeptOfMargin = 0.1;
+/// The same where contacts are not followed, as those of features of Bullet's shapes.
+inline constexpr double kKeptUnfollowedOfMargin = 0.01;
 /// Kept contacts of round surfaces follow them once the pair has moved by this fraction of the rest
-/// margin. Larger: a ball that hardly rolls is pushed on by the contact that it leaves behind.
-/// Smaller: more slides.
-inline constexpr double kFollowedOfMargin = 0.01;
+/// margin. Larger: a ball that hardly rolls is pushed on by the contact that it leaves behind, and
+/// a shaft in a seat begins to rock. Smaller: more slides.
+inline constexpr double kFollowedOfMargin = 0.002;
 /// Points of a still body carry it if they are farther from the surface than the nearest by at most
 /// this fraction of the rest margin. Smaller: bodies tip from one set of points to the next.
 inline constexpr double kPatchOfMargin = 0.5;
@@ -265,6 +267,10 @@ inline constexpr double kNearestWithin = 1.25;
 inline constexpr double kSlideWithin = 1e-3;
 /// The same where both surfaces are smooth: a shaft that spins in a bearing lost 4 % a second.
 inline constexpr double kSmoothSlideWithin = 1e-4;
+/// The same of contacts that follow a round surface, if they can be found so precisely. Larger:
+/// they stay behind, the more the better the two surfaces fit, and bodies in round seats begin to
+/// rock.
+inline constexpr double kFollowedWithin = 1e-6;
 /// A place is nearest to the inside of a smooth surface, not to its end, where it is aside of that
 /// normal by at most this fraction of its distance. Larger: what is beyond an edge feels the face
 /// that ends there.
@@ -300,8 +306,6 @@ inline constexpr double kSlideLosesOfMargin = 0.1;
 /// Where an edge touches a round surface, the cosine of their angle is below this. Larger: the
 /// place jumps from one piece of the edge to the next.
 inline constexpr double kZeroWithin = 1e-4;
-/// The same where a contact follows a round surface. Larger: it stays where it is.
-inline constexpr double kFollowedZeroWithin = 1e-6;
 /// Most steps along an edge to that place.
 inline constexpr int kMostZeroSteps = 24;
 /// A normal beside an edge is that of a face of it where its cosine with the edge is below this.

@@ -50,7 +50,7 @@ bool KeptContacts::hold_in(const PairStep& step, bool are_followed) const {
   }
   // Contacts are carried along by the inverse of the pose, which only rotations have.
   if (!(squared_length(now.field_from_shell.rotation.row_x) < 2.0)) return false;
-  const double most = (are_followed ? kKeptOfMargin : kFollowedOfMargin) * step.rest_margin;
+  const double most = (are_followed ? kKeptOfMargin : kKeptUnfollowedOfMargin) * step.rest_margin;
   if (!(bound_displacement(asked_->field_from_shell, now.field_from_shell, step.middle,
                            step.radius) <= most)) {
     return false;

@@ -63,7 +63,7 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
     }
   }
   if (failed_.fails_again(contact.id)) return true;
-  const auto touch = find_touch(start, direction);
+  const auto touch = find_touch(start, direction, usual_precision());
   if (!touch) {
     failed_.add(contact.id);
     return true;
@@ -91,7 +91,9 @@ void RoundContacts::follow(std::span<const Contact> kept, std::uint32_t first_id
   using AtRest = PlacesAtRest<Touch>::AtRest;
   at_rest_.follow([&](const AtRest& then) -> std::optional<AtRest> {
     if (!has_id(kept, first_id + then.id)) return std::nullopt;
-    const auto touch = find_touch(then.of.place, -feel(then.position).outwards);
+    const Vec3 direction = -feel(then.position).outwards;
+    auto touch = find_touch(then.of.place, direction, kFollowedWithin);
+    if (!touch) touch = find_touch(then.of.place, direction, usual_precision());
     if (!touch) return std::nullopt;
     const Facing& facing = touch->facing;
     const auto depth = static_cast<float>(-facing.distance);
@@ -150,9 +152,15 @@ bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& to
   return dot(bends, aside) > least_curvature_ * squared_length(aside);
 }
 
-/// By way of the surface from a place on. `direction` is against the field's normal there.
+/// Radians by which the two normals may miss each other.
+double RoundContacts::usual_precision() const {
+  return field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
+}
+
+/// By way of the surface from a place on. `direction` is against the field's normal there, and
+/// normals may miss each other by `within` radians.
 std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurface::Place& start,
-                                                              Vec3 direction) {
+                                                              Vec3 direction, double within) {
   SmoothSurface::Place place = start;
   Vec3 wanted = direction - surface_->normal(start);
   const auto slide = [&](const Vec3& along) -> std::optional<Vec3> {
@@ -162,7 +170,6 @@ std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurfac
     return surface_->position(place);
   };
   const double follows = field_.is_smooth() ? kFollowsOfSmoothTurn : kFollowsOfTurn;
-  const double within = field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
   for (int i = 0; i < kMostStraight; ++i) {
     const auto facing = face_field(direction, wanted, follows, within, slide,
                                    [&](const Vec3& position) { return feel(position); });
@@ -251,7 +258,8 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     // In a bowl, what is deepest as a sample sees it is not as the next one does. On an edge,
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);
-    const auto touch = find_touch(surface_->below(start, beside), -feel(beside).outwards);
+    const auto touch =
+        find_touch(surface_->below(start, beside), -feel(beside).outwards, usual_precision());
     return touch && leads_to_rest(touch->facing.position);
   };
   std::erase_if(others, is_covered);

@@ -53,7 +53,7 @@ void RoundFieldContacts::follow(std::span<const Contact> kept, std::uint32_t fir
     if (!has_id(kept, first_id + then.id)) return std::nullopt;
     const Touch& of = then.of;
     const auto touch = of.is_on_edge
-                           ? on_edge(round, of.position, of.along, of.mean, kFollowedZeroWithin)
+                           ? on_edge(round, of.position, of.along, of.mean, kFollowedWithin)
                            : on_face(round, of.position, of.outwards);
     if (!touch || touch->is_on_edge != of.is_on_edge) return std::nullopt;
     const auto depth = static_cast<float>(touch->depth);

@@ -186,6 +186,26 @@ def test_a_shaft_spins_in_its_bearing(rate):
     assert body.angular_velocity[1] == pytest.approx(10.0, rel=0.01)
 
 
+@pytest.mark.parametrize(("rate", "swing"), [(1000, 12e-6), (200, 5e-6), (60, 3e-6)])
+def test_a_roller_lies_still_in_a_round_seat(rate, swing):
+    """Contacts that stayed behind as it trembled rocked it by 52, 20 and 6 micrometers."""
+    radius = 0.024
+    angles = np.linspace(1.2 * math.pi, 1.8 * math.pi, 200)
+    seat = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    right, low = seat[-1, 0], -1.3 * radius
+    world = vx.World(gravity=(0.0, 0.0, -GRAVITY), time_step=1 / rate, sleeping=False)
+    ground = extrude([*seat, (right, low), (-right, low)], 0.08)
+    world.add(ground, mass=0.0, pose=pose_of((0, 0, 0), PROFILE), friction=1.0)
+    roller = vx.Model.from_mesh(cylinder(0.02, 0.02, sections=256))
+    turned = Rotation.from_euler("x", 0.3) * ALONG_X
+    body = world.add(roller, mass=0.3, pose=pose_of((0, 0, -0.004), turned), friction=1.0)
+    farthest = 0.0
+    for _ in range(4 * rate):
+        world.step()
+        farthest = max(farthest, abs(body.position[1]))
+    assert farthest < swing
+
+
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("degrees", [20.0, 45.0, 70.0])
 @pytest.mark.parametrize("name", ["ball", "Bullet's ball", "Bullet's capsule"])
