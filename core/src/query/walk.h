@@ -23,7 +23,7 @@ inline simd::Seeds start_walk(const simd::TreeView& tree, simd::NodeList nodes,
   return {nodes, is_pair ? 1 : 0};
 }
 
-/// Drops what is left of a walk and does not arrive.
+/// Drops those of the spheres that a walk has left in which no point arrives.
 template <class V>
 void keep_arriving(const simd::Arrivals<V>& arrivals, const simd::TreeView& tree, float growth,
                    simd::Seeds& left) {

@@ -204,18 +204,18 @@ Rolled roll(btRigidBody& low, btRigidBody& ball, bool ball_is_first, btRigidBody
   describe();
   EXPECT_TRUE(kept.hold_in(*step, true));
   EXPECT_TRUE(kept.have_moved_in(*step));
-  ContactSearch anew;
-  search_with(anew);
+  ContactSearch fresh;
+  search_with(fresh);
   const auto farthest = [&] {
     int compared = 0;
     double most = 0.0;
-    for (const std::uint32_t id : anew.exact()) {
-      if (!has_id(anew.contacts(), id) || !has_id(search.contacts(), id)) continue;
+    for (const std::uint32_t id : fresh.exact()) {
+      if (!has_id(fresh.contacts(), id) || !has_id(search.contacts(), id)) continue;
       const auto place = [&](ContactSearch& of) {
         const std::vector<Contact>& contacts = of.contacts();
         return bodies->pair.to_world(contacts[find_from_id(contacts, id)]).point_b;
       };
-      most = std::max(most, length(place(search) - place(anew)));
+      most = std::max(most, length(place(search) - place(fresh)));
       ++compared;
     }
     EXPECT_GT(compared, 0);

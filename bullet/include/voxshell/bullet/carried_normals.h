@@ -18,8 +18,8 @@ namespace voxshell::bullet {
 class CarriedNormals {
  public:
   /// Turns the normals of a world's contacts like the body that has turned less since the last
-  /// call: a normal belongs to a face of either body, and Bullet does not say which. It leaves
-  /// out contacts of models, which are found anew in each step.
+  /// call: a normal belongs to a face of either body, and Bullet does not say which. Contacts of
+  /// models stay as they are, because their algorithm sets their normals in each step.
   void carry(btDispatcher& dispatcher, const btCollisionObjectArray& objects);
 
  private:
