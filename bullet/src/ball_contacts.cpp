@@ -99,9 +99,8 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
 
 /// Where the model's surface faces a ball, from a direction on.
 std::optional<Facing> BallContacts::face(const Ball& ball, const Vec3& direction) {
-  const double within = field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
   return face_field(
-      direction, {}, std::numeric_limits<double>::infinity(), within,
+      direction, {}, std::numeric_limits<double>::infinity(), field_.faces_within(),
       [&](const Vec3& along) { return std::optional(ball.centre + ball.radius * along); },
       [&](const Vec3& position) {
         const SmoothField::Value there = field_.at(position);

@@ -63,7 +63,7 @@ bool RoundContacts::slide_one(Contact& contact, const TouchScale& scale, const T
     }
   }
   if (failed_.fails_again(contact.id)) return true;
-  const auto touch = find_touch(start, direction, usual_precision());
+  const auto touch = find_touch(start, direction, field_.faces_within());
   if (!touch) {
     failed_.add(contact.id);
     return true;
@@ -93,7 +93,7 @@ void RoundContacts::follow(std::span<const Contact> kept, std::uint32_t first_id
     if (!has_id(kept, first_id + then.id)) return std::nullopt;
     const Vec3 direction = -feel(then.position).outwards;
     auto touch = find_touch(then.of.place, direction, kFollowedWithin);
-    if (!touch) touch = find_touch(then.of.place, direction, usual_precision());
+    if (!touch) touch = find_touch(then.of.place, direction, field_.faces_within());
     if (!touch) return std::nullopt;
     const Facing& facing = touch->facing;
     const auto depth = static_cast<float>(-facing.distance);
@@ -150,11 +150,6 @@ bool RoundContacts::slides_to(const SmoothSurface::Place& start, const Touch& to
   if (squared_length(turned) > kStraightLean * kStraightLean) return false;
   const Vec3 bends = feel(position).outwards - touch.facing.outwards;
   return dot(bends, aside) > least_curvature_ * squared_length(aside);
-}
-
-/// Radians by which the two normals may miss each other.
-double RoundContacts::usual_precision() const {
-  return field_.is_smooth() ? kSmoothSlideWithin : kSlideWithin;
 }
 
 /// By way of the surface from a place on. `direction` is against the field's normal there, and
@@ -259,7 +254,7 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
     // normals are those of either face.
     const Vec3 beside = place + same_within_ * normalized(nearest.position - place);
     const auto touch =
-        find_touch(surface_->below(start, beside), -feel(beside).outwards, usual_precision());
+        find_touch(surface_->below(start, beside), -feel(beside).outwards, field_.faces_within());
     return touch && leads_to_rest(touch->facing.position);
   };
   std::erase_if(others, is_covered);

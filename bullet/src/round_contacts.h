@@ -74,7 +74,6 @@ class RoundContacts {
              const TouchScale& scale, const Turning& turning) const;
   bool is_below(const Contact& contact, const Touch& touch) const;
   bool slides_to(const SmoothSurface::Place& start, const Touch& touch);
-  double usual_precision() const;
   std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction, double within);
   std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
                                                   const Facing& facing);

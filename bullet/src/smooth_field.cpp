@@ -17,6 +17,8 @@ SmoothField::SmoothField(const Side& side) : field_(side.participant().field) {
   deepest_ = kSmoothOfLift * walk_within_;
 }
 
+double SmoothField::faces_within() const { return is_smooth() ? kSmoothSlideWithin : kSlideWithin; }
+
 void SmoothField::start_from(std::uint32_t triangle) {
   if (!round_) return;
   constexpr double kThird = 1.0 / 3.0;

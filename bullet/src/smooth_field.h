@@ -23,6 +23,9 @@ class SmoothField {
   /// Whether some of it is a smooth surface.
   bool is_smooth() const { return round_.has_value(); }
 
+  /// Radians by which normals may miss each other where a round surface faces it.
+  double faces_within() const;
+
   /// Of the smooth surface, a triangle near the first place that will be asked about, which makes
   /// the search for that short.
   void start_from(std::uint32_t triangle);

@@ -179,6 +179,28 @@ void evaluate(const PosedView<V>& posed, const TreeView& tree, const NodeList& s
   out.count = count;
 }
 
+/// The lanes of eight that a list still has from its point `i` on.
+VOXSHELL_INLINE unsigned lanes_of_list(const PointList& points, uint32_t i) {
+  const uint32_t left = points.count - i;
+  return left < kLanes ? (1u << left) - 1 : 255u;
+}
+
+/// Writes those lanes of the eight points of a list from its point `i` on, whose places are `p`,
+/// behind `count` points of another or of those before `i`.
+VOXSHELL_INLINE void append_listed(const PointList& from, uint32_t i, const Triple<F8>& p,
+                                   const F8& distance, unsigned lanes, PointList& to,
+                                   uint32_t& count) {
+  const I8 ids = load_tags(from.id + i);
+  const I8 tags = load_tags(from.tag + i);
+  compress(to.id + count, ids, lanes);
+  compress(to.tag + count, tags, lanes);
+  compress(to.distance + count, distance, lanes);
+  compress(to.x + count, p.x, lanes);
+  compress(to.y + count, p.y, lanes);
+  compress(to.z + count, p.z, lanes);
+  count += static_cast<uint32_t>(__builtin_popcount(lanes));
+}
+
 template <class V>
 void evaluate_sifted(const PosedView<V>& posed, const PointList& sifted, float margin,
                      PointList& out) {
@@ -187,17 +209,8 @@ void evaluate_sifted(const PosedView<V>& posed, const PointList& sifted, float m
     const Triple<F8> p{load<F8>(sifted.x + i), load<F8>(sifted.y + i), load<F8>(sifted.z + i)};
     const I8 tags = load_tags(sifted.tag + i);
     const F8 distance = tagged_distance(posed, p, is_uniform(tags) ? sifted.tag[i] : 0, margin);
-    const uint32_t left = sifted.count - i;
-    const unsigned lanes = bits(distance < margin) & (left < kLanes ? (1u << left) - 1 : 255u);
-    I8 ids;
-    memcpy(&ids, sifted.id + i, sizeof ids);
-    compress(out.id + count, ids, lanes);
-    compress(out.tag + count, tags, lanes);
-    compress(out.distance + count, distance, lanes);
-    compress(out.x + count, p.x, lanes);
-    compress(out.y + count, p.y, lanes);
-    compress(out.z + count, p.z, lanes);
-    count += static_cast<uint32_t>(__builtin_popcount(lanes));
+    const unsigned lanes = bits(distance < margin) & lanes_of_list(sifted, i);
+    append_listed(sifted, i, p, distance, lanes, out, count);
   }
   out.count = count;
 }
@@ -205,23 +218,11 @@ void evaluate_sifted(const PosedView<V>& posed, const PointList& sifted, float m
 template <class V>
 void keep_arriving_points(const Arrivals<V>& arrivals, float growth, PointList& points) {
   fill_up(points);
-  const uint32_t end = points.count;
   uint32_t count = 0;
-  for (uint32_t i = 0; i < end; i += kLanes) {
+  for (uint32_t i = 0; i < points.count; i += kLanes) {
     const Triple<F8> p{load<F8>(points.x + i), load<F8>(points.y + i), load<F8>(points.z + i)};
-    const uint32_t left = end - i;
-    const unsigned lanes =
-        find_arriving(arrivals, p, growth, left < kLanes ? (1u << left) - 1 : 255u);
-    const I8 ids = load_tags(points.id + i);
-    const I8 tags = load_tags(points.tag + i);
-    const F8 distance = load<F8>(points.distance + i);
-    compress(points.id + count, ids, lanes);
-    compress(points.tag + count, tags, lanes);
-    compress(points.distance + count, distance, lanes);
-    compress(points.x + count, p.x, lanes);
-    compress(points.y + count, p.y, lanes);
-    compress(points.z + count, p.z, lanes);
-    count += static_cast<uint32_t>(__builtin_popcount(lanes));
+    const unsigned lanes = find_arriving(arrivals, p, growth, lanes_of_list(points, i));
+    append_listed(points, i, p, load<F8>(points.distance + i), lanes, points, count);
   }
   points.count = count;
 }

@@ -1,10 +1,10 @@
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/flat_loop.h"
 #include "support/pairs.h"
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
@@ -29,7 +29,6 @@ const std::vector<PointShell>& large_shells() {
 
 TEST(Arrivals, AreAskedAboutAsByTheFlatLoopToTheBit) {
   Random random(77);
-  QueryScratch scratch;
   std::size_t all = 0;
   std::size_t arriving_of_them = 0;
   for (const PointShell& shell : large_shells()) {
@@ -44,22 +43,9 @@ TEST(Arrivals, AreAskedAboutAsByTheFlatLoopToTheBit) {
           arrivals.push_back({moved, static_cast<float>(random.uniform(0.0, 0.1))});
         }
         const auto flat = find_contacts_flat(field, shell, pose, {.margin = margin});
-        std::vector<Contact> arriving;
-        for (const Contact& contact : flat) {
-          if (arrives_flat(field, shell, contact.id, arrivals)) arriving.push_back(contact);
-        }
         all += flat.size();
-        arriving_of_them += arriving.size();
-        std::vector<std::uint32_t> deepest;
-        for (const int level : {1, 2, 4, 5, 7, 12}) {
-          select_deepest_per_segment(arriving, shell, level, deepest);
-          const auto found =
-              find_deepest_per_segment(field, shell, pose, level, margin, scratch, arrivals);
-          ASSERT_EQ(found.size(), deepest.size()) << "level " << level;
-          for (std::size_t k = 0; k < found.size(); ++k) {
-            ASSERT_EQ(found[k], arriving[deepest[k]]) << "level " << level;
-          }
-        }
+        arriving_of_them +=
+            expect_arriving_equal_to_flat(field, shell, pose, margin, flat, arrivals);
       }
     }
   }
