@@ -17,10 +17,10 @@ REGISTRY = "soak.tasks"
 DESCRIPTION = """\
 Holds every promise of voxshell to its oracle, in random cases, and counts.
 
-Counters stay in build/soak: run the command again to add to them, as often and as long as you like, and
-interrupt it with Ctrl-C whenever you like. They add up as long as the sources stay the same; a change to
-the library starts them again. Tasks share the time: whoever had least of it takes the next turn, until
-its target is met.
+Counters stay in build/soak, and --write puts them into docs/evidence.json: run the command again, here or
+elsewhere, to add to them, as often and as long as you like, and interrupt it with Ctrl-C whenever you
+like. A change to the sources that a promise is about starts its counter again. Tasks share the time:
+whoever had least of it takes the next turn, until its target is met.
 """
 EPILOG = """\
 examples:
@@ -52,8 +52,9 @@ def main(arguments: list[str] | None = None) -> int:
         code = 130
     records = {name: ledger.load(name, task) for name, task in TASKS.items()}
     if options.write:
+        ledger.commit(records)
         page.write_page(TASKS, records)
-        print(f"wrote {page.PAGE}")
+        print(f"wrote {page.PAGE} and {ledger.committed.name}")
     return code or sum_up(tasks, records)
 
 
@@ -80,7 +81,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--only", nargs="+", choices=list(TASKS), metavar="NAME", help="tasks to run"
     )
-    parser.add_argument("--write", action="store_true", help="then write docs/evidence.md")
+    parser.add_argument(
+        "--write", action="store_true", help="then write docs/evidence.md and .json"
+    )
     parser.add_argument(
         "--case", type=int, metavar="NUMBER", help="run this case of the --only task, uncounted"
     )

@@ -1,7 +1,7 @@
-"""What has been counted so far, on the disk: build/soak/CODE/NAME.json.
+"""What has been counted so far: build/soak/NAME.json on this machine, docs/evidence.json in the repository.
 
-CODE is a digest of the sources that a counter speaks of, so that counters add up over commits that
-change none of them, and begin at zero where one does. The figures of other code stay in their folders.
+A counter speaks of some of the sources (`Task.sources`) and of the source of its task. It adds up over
+commits and machines that change none of them, and begins at zero where one does.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import inspect
 import json
 import os
 import subprocess
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -22,10 +23,7 @@ from soak.task import Task, Totals
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build/soak"
-SOURCES = (
-    *("core", "bullet", "python", "cmake", "fuzz", "CMakeLists.txt"),
-    *("tests/python/support", "tests/cpp/core/support", "tests/cpp/soak"),
-)
+COMMITTED = ROOT / "docs/evidence.json"
 MOST_FAULTS = 20  # of a task that are kept with their text; all are counted
 
 
@@ -34,7 +32,7 @@ class Record:
     """The counter of one task.
 
     Attributes:
-        check: Digest of the task's own source.
+        code: Digest of the sources that it speaks of, the task's own among them.
         next_case: Where the next turn begins.
         totals: Of all cases so far.
         seconds: That they took.
@@ -47,7 +45,7 @@ class Record:
         last: When it ended last.
     """
 
-    check: str
+    code: str
     next_case: int = 0
     totals: Totals = field(default_factory=Totals)
     seconds: float = 0.0
@@ -65,59 +63,72 @@ class Record:
         if len(self.faults) < MOST_FAULTS:
             self.faults.append({"case": case, "what": what})
 
-    def stamp(self) -> None:
+    def stamp(self, sources: tuple[str, ...]) -> None:
         """Says when, where and on which commit."""
         self.last = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M")
         self.first = self.first or self.last
-        self.commit, self.machine = name_commit(), name_machine()
+        self.commit, self.machine = name_commit(sources), name_machine()
 
 
 class Ledger:
     """The records of the code as it is now.
 
     Args:
-        folder: Where they are kept.
+        folder: Where this machine keeps them.
+        committed: The file of those that the repository has.
     """
 
-    def __init__(self, folder: Path = FOLDER) -> None:
-        self.folder = folder / digest_of_code()
+    def __init__(self, folder: Path = FOLDER, committed: Path = COMMITTED) -> None:
+        self.folder = folder
+        self.committed = committed
 
     def load(self, name: str, task: Task) -> Record:
-        """What was counted with this code and this task; an empty record otherwise."""
-        check = hashlib.sha256(Path(inspect.getfile(task.prepare)).read_bytes()).hexdigest()[:12]
-        try:
-            found = json.loads(self._path(name).read_text())
-        except FileNotFoundError:
-            return Record(check)
-        if found["check"] != check:
-            return Record(check)
+        """What was counted with this code and this task, here or by whoever committed more of it."""
+        code = digest(task)
+        known = [_read(self._path(name)), _read(self.committed).get(name, {})]
+        fitting = [record for record in known if record.get("code") == code]
+        if not fitting:
+            return Record(code)
+        found = max(fitting, key=lambda record: record["next_case"])
         return Record(**{**found, "totals": Totals(**found["totals"])})
 
     def save(self, name: str, record: Record) -> None:
         """Replaces the file at once, so that a kill leaves the old one or the new one."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        unfinished = self._path(name).with_suffix(f".{os.getpid()}")
-        unfinished.write_text(json.dumps(asdict(record), indent=1))
-        unfinished.replace(self._path(name))
+        _replace(self._path(name), asdict(record))
+
+    def commit(self, records: Mapping[str, Record]) -> None:
+        """Replaces the repository's file, for others to go on from."""
+        _replace(self.committed, {name: asdict(record) for name, record in records.items()})
 
     def _path(self, name: str) -> Path:
         return self.folder / f"{name}.json"
 
 
-def digest_of_code() -> str:
+def _read(path: Path) -> dict[str, Any]:
+    return json.loads(path.read_text()) if path.is_file() else {}
+
+
+def _replace(path: Path, content: dict[str, Any]) -> None:
+    unfinished = path.with_suffix(f".{os.getpid()}")
+    unfinished.write_text(json.dumps(content, indent=1) + "\n")
+    unfinished.replace(path)
+
+
+def digest(task: Task) -> str:
     """Of all files that a counter speaks of, tracked or not."""
-    listed = _git("ls-files", "--cached", "--others", "--exclude-standard", "--", *SOURCES)
-    digest = hashlib.sha256()
+    listed = _git("ls-files", "--cached", "--others", "--exclude-standard", "--", *task.sources)
+    combined = hashlib.sha256(Path(inspect.getfile(task.prepare)).read_bytes())
     for name in sorted(set(listed.splitlines())):
         path = ROOT / name
         if path.is_file():
-            digest.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:12]
+            combined.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return combined.hexdigest()[:12]
 
 
-def name_commit() -> str:
-    """The commit, with "-dirty" where the sources of the counters are not as it has them."""
-    changed = _git("status", "--porcelain", "--", *SOURCES)
+def name_commit(sources: tuple[str, ...]) -> str:
+    """The commit, with "-dirty" where these sources are not as it has them."""
+    changed = _git("status", "--porcelain", "--", *sources)
     return _git("rev-parse", "--short=12", "HEAD").strip() + ("-dirty" if changed else "")
 
 

@@ -17,7 +17,8 @@ INTRODUCTION = """\
 voxshell checks each promise below against an independent oracle and counts every run. `./dev soak` adds to the
 counters until they reach the target of a release, and `./dev soak --write` writes this page. A row is **short**
 while it is below its target, and short rows come first. "Found" counts the cases in which the promise did not
-hold. Counters belong to the code of the commit in the second table: a change to the library's sources resets them.
+hold. Each counter belongs to the sources that its promise is about, as of the commit in the second table, and a
+change to these resets it. [evidence.json](evidence.json) has the counters, from which the next run goes on.
 
 The counters are numbers of random cases. They do not prove that the next case holds.
 """

@@ -155,7 +155,7 @@ def take_turns(shift: Shift, ledger: Ledger, report: Callable[[str, Record], Non
 def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: Shift) -> None:
     """Runs cases until that time or the target, at least one."""
     with shift.lock:
-        record.stamp()
+        record.stamp(task.sources)
     while True:
         began = time.monotonic()
         with shift.lock:
@@ -183,5 +183,5 @@ def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: S
                 record.totals.add(found)
             record.seconds += time.monotonic() - began
             if time.monotonic() >= until or not wants_more(task, record):
-                record.stamp()
+                record.stamp(task.sources)
                 return

@@ -54,6 +54,11 @@ Raises AssertionError, with a text that says what was wrong, where the promise d
 """
 
 
+CORE = ("core", "cmake", "CMakeLists.txt", "tests/cpp/core/support", "tests/cpp/soak")
+WORLDS = (*CORE, "bullet", "python/bindings", "python/voxshell/simulation")
+EVERYTHING = (*CORE, "bullet", "python", "tests/python/support")
+
+
 @dataclass(frozen=True)
 class Task:
     """One line of the page.
@@ -68,6 +73,7 @@ class Task:
         describe: What the cases covered or measured, in a few words.
         doubt: Says why the totals prove little, as where hardly any pose collided; else "".
         done: How much of the target the totals reach; by default their count.
+        sources: Files and folders that the counter speaks of: a change to any resets it.
         patience: Seconds after which a case hangs.
         alone: Whether at most one worker runs its cases at a time, since they are of one process or
             are timed.
@@ -81,5 +87,6 @@ class Task:
     describe: Callable[[Totals], str] = lambda totals: ""
     doubt: Callable[[Totals], str] = lambda totals: ""
     done: Callable[[Totals], float] = lambda totals: totals.count
+    sources: tuple[str, ...] = EVERYTHING
     patience: float = 300.0
     alone: bool = False

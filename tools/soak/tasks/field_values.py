@@ -12,7 +12,7 @@ import trimesh
 import voxshell as vx
 from voxshell_studies.peers.protocol import load_library
 
-from soak.task import Check, Outcome, Task, Totals, UnavailableError
+from soak.task import CORE, Check, Outcome, Task, Totals, UnavailableError
 
 POINTS = 20_000  # a case: half of them within two voxels of the surface, the others anywhere
 ROUNDING = 1e-6  # of the body's longest side: single precision
@@ -139,5 +139,6 @@ TASK = Task(
     unit="points",
     target=10_000_000,
     prepare=prepare,
+    sources=(*CORE, "tests/python/support/parts.py"),
     describe=describe,
 )

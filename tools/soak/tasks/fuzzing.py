@@ -11,7 +11,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from soak.task import Check, Outcome, Task, Totals, UnavailableError
+from soak.task import CORE, Check, Outcome, Task, Totals, UnavailableError
 
 ROOT = Path(__file__).resolve().parents[3]
 SECONDS = 5  # a case
@@ -60,6 +60,7 @@ def make_task(target: str, promise: str, executions: float) -> Task:
         target=executions,
         prepare=lambda: fuzz(target),
         describe=describe,
+        sources=(*CORE, "fuzz"),
     )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import trimesh
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals, UnavailableError
+from soak.task import CORE, Check, Outcome, Task, Totals, UnavailableError
 
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / "build/release/tests/cpp/soak/voxshell_query_latency"
@@ -73,6 +73,7 @@ TASK = Task(
     unit="queries",
     target=100_000_000,
     prepare=prepare,
+    sources=CORE,
     describe=describe,
     doubt=doubt,
     alone=True,

@@ -16,7 +16,7 @@ import parts
 import trimesh
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals
+from soak.task import WORLDS, Check, Outcome, Task, Totals
 
 RADIUS = 0.1  # metres: no body reaches farther from its origin
 SPACING = 0.25  # between origins at the start, so that no two bodies overlap
@@ -204,6 +204,7 @@ TASK = Task(
     unit="worlds",
     target=10_000,
     prepare=prepare,
+    sources=(*WORLDS, "tests/python/support/parts.py"),
     describe=describe,
     doubt=doubt,
     patience=120.0,

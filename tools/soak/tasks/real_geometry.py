@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from soak.task import Check, Outcome, Task, Totals, UnavailableError
+from soak.task import CORE, Check, Outcome, Task, Totals, UnavailableError
 
 BUNNY = Path("/usr/share/glmark2/models/bunny.obj")
 POSES = 10  # a case
@@ -65,6 +65,7 @@ TASK = Task(
     unit="poses",
     target=100_000,
     prepare=prepare,
+    sources=(*CORE, "tests/python/support/real_geometry.py"),
     describe=describe,
     doubt=doubt,
 )

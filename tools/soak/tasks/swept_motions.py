@@ -6,7 +6,7 @@ import fast_paths
 import numpy as np
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals
+from soak.task import CORE, Check, Outcome, Task, Totals
 from soak.tasks import tree_poses
 
 POSES = 30  # a case: twenty motions, from a far pose to one that touches and to one that is deep
@@ -72,6 +72,7 @@ TASK = Task(
     unit="motions",
     target=100_000,
     prepare=prepare,
+    sources=(*CORE, "tests/python/support/fast_paths.py", "tests/python/support/parts.py"),
     describe=describe,
     doubt=doubt,
 )

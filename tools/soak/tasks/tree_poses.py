@@ -11,7 +11,7 @@ import parts
 import trimesh
 import voxshell as vx
 
-from soak.task import Check, Outcome, Task, Totals
+from soak.task import CORE, Check, Outcome, Task, Totals
 
 POSES = 30  # a case: each of the settings of fast_paths three times
 
@@ -137,6 +137,7 @@ TASK = Task(
     unit="poses",
     target=1_000_000,
     prepare=prepare,
+    sources=(*CORE, "tests/python/support/fast_paths.py", "tests/python/support/parts.py"),
     describe=describe,
     doubt=doubt,
 )
