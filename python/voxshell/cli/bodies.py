@@ -42,7 +42,8 @@ class ModelOptions:
         point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by
             default.
         target_points: Number of points, reached within 1 %, instead of point_spacing.
-        scale: Factor that converts the mesh to meters: 0.001 for millimeters.
+        scale: Factor that converts the mesh to meters: 0.001 for millimeters. By default, 3MF and
+            COLLADA files have the unit that they state, and others are in meters.
         padding: Width of the grid beyond the mesh's bounds in meters; 16 voxels by default.
         sign: How to find the inside: by the closed surface, by winding numbers, or automatically.
         open: Build a closed solid or a sheet from an open mesh, or decide by its openings.
@@ -57,7 +58,7 @@ class ModelOptions:
     resolution: int | None = None
     point_spacing: float | None = None
     target_points: int | None = None
-    scale: float = 1.0
+    scale: float | None = None
     padding: float | None = None
     sign: Literal["auto", "closed", "winding"] = "auto"
     open: Literal["auto", "solid", "sheet"] = "auto"

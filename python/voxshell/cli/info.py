@@ -24,7 +24,7 @@ from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import MeshError, SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length, format_size, format_time
-from voxshell.model.meshes import Mesh, MeshWarning, read_mesh
+from voxshell.model.meshes import Mesh, MeshWarning, doubt_unit, read_mesh
 from voxshell.model.model import Model
 
 if TYPE_CHECKING:
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
 
 _COARSE = 20
 """Resolution of the coarse model that shows whether a model can be built from a mesh."""
-
-_LARGE = 10.0
-"""A mesh larger than this, in meters, is probably in millimeters."""
 
 
 def info(
@@ -82,8 +79,10 @@ def info(
         facts.append(("file", format_size(file.stat().st_size)))
     else:
         require_file(file)
-        mesh = _read_scaled(file, 1.0 if scale is None else scale)
+        mesh = read_mesh(file, scale)
         described, facts = _describe_mesh(mesh, file)
+        if scale is None and (doubt := doubt_unit(file, mesh.vertices)):
+            facts.append(("hint", doubt))
         described = {"kind": "mesh"} | described
     estimates = _measure(mesh, console_quiet=json_only) if advise else []
     if json_only:
@@ -98,13 +97,6 @@ def info(
         console.print(_explain(estimates, file, scale), soft_wrap=True)
 
 
-def _read_scaled(file: Path, scale: float) -> Mesh:
-    if not scale > 0.0 or not np.isfinite(scale):
-        raise SettingsError(f"scale must be above 0, not {scale:g}")
-    mesh = read_mesh(file)
-    return Mesh(mesh.vertices * scale, mesh.faces)
-
-
 def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """Describe a mesh for JSON and in words, from itself and a coarse model of it."""
     try:
@@ -116,7 +108,6 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
     complaints = [str(each.message) for each in caught if each.category is MeshWarning]
     volume, area = _measure_mesh(model.mesh)
     vertices, faces = model.mesh
-    extents = np.ptp(model.bounds, axis=0)
     facts = [
         ("mesh", f"{len(faces):,} triangles, {len(vertices):,} vertices"),
         ("extents", format_extents(model.bounds)),
@@ -126,10 +117,6 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
         ("closed", "yes" if model.field.sign_method == "closed" else "no"),
         *(("warning", each) for each in complaints),
     ]
-    if extents.max() > _LARGE:
-        facts.append(
-            ("hint", f"{extents.max():.4g} m is large; for a mesh in millimeters, --scale 0.001")
-        )
     described = {
         "vertices": len(vertices),
         "triangles": len(faces),

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats, describe
+from voxshell.base.arguments import as_floats, as_positive, describe
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
-from voxshell.model.mesh_files.reading import open_mesh_file
+from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,18 +49,30 @@ class Mesh(NamedTuple):
     faces: NDArray[np.uint32]
 
 
-def read_mesh(mesh: MeshLike) -> Mesh:
+_LONG = 10.0
+"""A mesh longer than this, in meters, is probably in millimeters."""
+
+
+def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     """Return the arrays of a mesh after checking types, shapes, finite numbers and indices.
+
+    Args:
+        mesh: The mesh.
+        scale: Factor on all vertices, to convert them to meters. By default it is the unit that a
+            3MF or COLLADA file states, and 1 for all else.
 
     Raises:
         MeshError: A file cannot be read or holds no triangles; or arrays have a wrong shape or
             type, numbers that are not finite, or indices out of range. The message names the file.
         MemoryLimitError: The system has not enough memory for a file.
         InputTypeError: ``mesh`` has an unsupported type.
+        SettingsError: ``scale`` is not positive.
     """
+    factor = None if scale is None else as_positive(scale, "scale")
     if isinstance(mesh, (str, os.PathLike)):
         with naming_file(mesh):
-            return read_mesh(_load(os.fspath(mesh)))
+            loaded, unit = _load(os.fspath(mesh))
+            return read_mesh(loaded, unit if factor is None else factor)
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         vertices, faces = mesh
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
@@ -78,7 +90,28 @@ def read_mesh(mesh: MeshLike) -> Mesh:
             f"{len(wrong)} of {len(vertices)} vertices of the mesh are not finite (first: vertex "
             f"{wrong[0]}); remove them, or export the mesh again"
         )
+    if factor is not None and factor != 1.0:
+        vertices = vertices * factor
     return Mesh(vertices, _as_faces(faces, len(vertices)))
+
+
+def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
+    """Return why a mesh that was read without a scale is probably not in meters; else "".
+
+    Args:
+        mesh: The mesh; only files whose format states no unit are doubted.
+        vertices: (n, 3), as read.
+    """
+    if not isinstance(mesh, (str, os.PathLike)) or len(vertices) == 0:
+        return ""
+    kind = os.path.splitext(os.fspath(mesh))[1][1:].lower()
+    longest = float(np.ptp(vertices, axis=0).max())
+    if longest <= _LONG or kind not in UNITLESS:
+        return ""
+    return (
+        f"{os.fspath(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
+        "millimeters, build its model with scale=0.001 (--scale 0.001); scale=1 accepts the size"
+    )
 
 
 @contextmanager
@@ -92,15 +125,15 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
         raise MeshError(f"{os.fspath(mesh)}: {error}") from None
 
 
-def _load(path: str) -> trimesh.Trimesh:
-    """Return the mesh of a file; the bodies of a scene become one mesh."""
+def _load(path: str) -> tuple[trimesh.Trimesh, float]:
+    """Return the mesh of a file and its unit in meters; the bodies of a scene become one mesh."""
     if path.lower().endswith(MODEL_SUFFIX) and os.path.isfile(path):
         raise MeshError(
             f"{path} is a model already: load it with voxshell.Model.load, or pass the mesh that it "
             "was built from"
         )
     try:
-        kind, data, neighbors = open_mesh_file(path)
+        kind, data, neighbors, unit = open_mesh_file(path)
         with _keeping_interrupts(until_the_end=True):
             import trimesh  # this import takes longer than that of voxshell
         # Materials may refer to any file, and do not affect a mesh.
@@ -130,7 +163,7 @@ def _load(path: str) -> trimesh.Trimesh:
         raise MeshError(
             f"cannot read mesh {path}: it holds no triangles, or is damaged; export it again"
         )
-    return mesh
+    return mesh, 1.0 if unit is None else unit
 
 
 def _explain(path: str, error: Exception) -> str:

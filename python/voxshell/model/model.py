@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -15,14 +16,14 @@ from voxshell.base.arguments import (
     as_threads,
 )
 from voxshell.base.notebook import make_table
-from voxshell.errors import InputTypeError, SettingsError
+from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, SettingsError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_open, as_padding, as_sheet_thickness, as_sign
 from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.field import SERIALS, DistanceField
 from voxshell.model.mass_properties import MassProperties
-from voxshell.model.meshes import Mesh, naming_file, read_mesh
+from voxshell.model.meshes import Mesh, MeshWarning, doubt_unit, naming_file, read_mesh
 from voxshell.model.shell import PointShell
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ class Model:
         resolution: int | None = None,
         point_spacing: float | None = None,
         target_points: int | None = None,
-        scale: float = 1.0,
+        scale: float | None = None,
         padding: float | None = None,
         sign: Literal["auto", "closed", "winding"] = "auto",
         open: Literal["auto", "solid", "sheet"] = "auto",  # noqa: A002
@@ -111,7 +112,9 @@ class Model:
             point_spacing: Edge length of the voxels that get one point each, meters, after
                 ``scale``. The default is the field's voxel size.
             target_points: Alternative to ``point_spacing``: number of points, reached within 1 %.
-            scale: Factor on all vertices, to convert the mesh to meters (0.001 for millimeters).
+            scale: Factor on all vertices, to convert the mesh to meters (0.001 for millimeters). By
+                default, 3MF and COLLADA files have the unit that they state, and everything else is
+                in meters. A warning asks for ``scale`` if a file without a unit is longer than 10 m.
             padding: Width of the grid beyond the mesh's bounds, meters. The default is 16 voxels;
                 at least eight are used. The field continues beyond its grid, less accurately.
             sign: How to find the inside of the mesh. "closed": by the surface; a mesh that is not
@@ -205,22 +208,29 @@ class Model:
             "sheet_thickness": as_sheet_thickness(sheet_thickness, open),
         }
         count = as_threads(threads)
-        factor = as_positive(scale, "scale")
         with naming_file(mesh):
-            vertices, faces = read_mesh(mesh)
-            mesh = Mesh(vertices * factor, faces)
+            arrays = read_mesh(mesh, scale)
+        doubt = doubt_unit(mesh, arrays.vertices) if scale is None else ""
 
-            def build() -> CoreModel:
-                return CoreModel.build(*mesh, **settings, threads=count, progress=progress)
+        def build() -> CoreModel:
+            return CoreModel.build(*arrays, **settings, threads=count, progress=progress)
 
-            def waiting() -> None:
-                if progress is not None:
-                    progress("waiting for another process", 0.0)
+        def waiting() -> None:
+            if progress is not None:
+                progress("waiting for another process", 0.0)
 
-            if cache:
-                core = open_cache().fetch(compute_key(mesh, settings), build, waiting)
-            else:
-                core = build()
+        try:
+            with naming_file(mesh):
+                if cache:
+                    core = open_cache().fetch(compute_key(arrays, settings), build, waiting)
+                else:
+                    core = build()
+        except (MeshError, MemoryLimitError) as error:
+            if not doubt:
+                raise
+            raise type(error)(f"{error}; {doubt}") from None
+        if doubt:
+            warnings.warn(doubt, MeshWarning, stacklevel=2)
         if sign == "auto":
             warn_of_faults(core, open)
         model = cls(core)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NoReturn
-from xml.parsers import expat
 
 import numpy as np
 
@@ -37,13 +35,13 @@ def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
     if is_collada:
         _need_collada(file.path)
     try:
-        mesh = read_mesh(file.path)
+        # Others are scaled by the robot's file alone.
+        mesh = read_mesh(file.path, None if is_collada else 1.0)
     except MeshError as error:
         refuse_mesh(owner, file, error)
     affine = np.array(file.geometry_from_file)
-    unit = _read_unit(file.path) if is_collada else 1.0
     faces = mesh.faces[:, ::-1] if np.linalg.det(affine[:, :3]) < 0.0 else mesh.faces
-    return Mesh(mesh.vertices * unit @ affine[:, :3].T + affine[:, 3], faces)
+    return Mesh(mesh.vertices @ affine[:, :3].T + affine[:, 3], faces)
 
 
 def refuse_mesh(owner: str, file: MeshFile | MeshArrays, error: MeshError) -> NoReturn:
@@ -60,33 +58,3 @@ def _need_collada(path: str) -> None:
             f"cannot read mesh {path}: COLLADA files need pycollada, which cannot be imported "
             f"({error}); run: pip install 'voxshell[urdf]'"
         ) from error
-
-
-class _Found(Exception):  # noqa: N818
-    """Ends the parsing early."""
-
-
-def _read_unit(path: str) -> float:
-    """Return the unit of a COLLADA file in meters; 1 if the file does not state it."""
-    parser = expat.ParserCreate()
-    unit = [1.0]
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        if tag.rpartition(":")[2] == "unit":
-            meters = float(attributes.get("meter", "1"))
-            if math.isfinite(meters) and meters > 0.0:
-                unit[0] = meters
-            raise _Found
-
-    def end(tag: str) -> None:
-        if tag.rpartition(":")[2] == "asset":
-            raise _Found
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    try:
-        with open(path, "rb") as file:
-            parser.ParseFile(file)
-    except (_Found, expat.ExpatError, ValueError, OSError):
-        pass
-    return unit[0]

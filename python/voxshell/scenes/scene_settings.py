@@ -98,14 +98,14 @@ class MeshSettings:
     Attributes:
         file: Path, relative to the folder of the scene file.
         collide_as: "model" for voxshell's model, or Bullet's GImpact, or the convex hull.
-        scale: Factor that converts the mesh to meters.
+        scale: Factor that converts the mesh to meters; as for :meth:`voxshell.Model.from_mesh`.
         voxel_size, resolution, point_spacing, target_points, sign: As for
             :meth:`voxshell.Model.from_mesh`; only for models.
     """
 
     file: str
     collide_as: Literal["model", "gimpact", "hull"] = "model"
-    scale: float = 1.0
+    scale: float | None = None
     voxel_size: float | None = None
     resolution: int | None = None
     point_spacing: float | None = None
@@ -115,7 +115,8 @@ class MeshSettings:
     def __post_init__(self) -> None:
         if not self.file:
             raise SettingsError("file must name a mesh")
-        as_positive(self.scale, "scale")
+        if self.scale is not None:
+            as_positive(self.scale, "scale")
         for one, other in (("voxel_size", "resolution"), ("point_spacing", "target_points")):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise SettingsError(f"{other} and {one} cannot both be given")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from voxshell.errors import MemoryLimitError
-from voxshell.model.meshes import Mesh, read_mesh
+from voxshell.model.meshes import read_mesh
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
@@ -97,8 +97,7 @@ def _build_mesh(
         sizes = {name: getattr(settings, name) for name in _BUILD_NAMES}
         return Model.from_mesh(path, scale=settings.scale, progress=progress, **sizes)
     progress("read", 0.0)
-    mesh = read_mesh(path)
-    scaled = Mesh(mesh.vertices * settings.scale, mesh.faces)
+    scaled = read_mesh(path, settings.scale)
     return GImpact(scaled) if settings.collide_as == "gimpact" else ConvexHull(scaled.vertices)
 
 

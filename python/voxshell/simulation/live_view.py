@@ -271,7 +271,6 @@ class LiveView:
             self._news.notify_all()
 
     def _take(self) -> LiveFrame | None:
-        self._has_unseen = False
         return take_frame(self._simulation, self._bodies, self._gravity, self._time_step)
 
     def _send(self) -> None:
@@ -284,6 +283,7 @@ class LiveView:
                 frame, self._frame = self._frame, None
             is_last = frame is None and time.perf_counter() - self._last_step > _STILL
             if is_last and self._pages and self._has_unseen:
+                self._has_unseen = False
                 frame = self._take()
             if frame is not None and not self._closed:
                 self._page.show(frame, last=is_last)

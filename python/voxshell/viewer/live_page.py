@@ -97,7 +97,8 @@ class LivePage:
 
         Args:
             frame: The state.
-            last: Update numbers and plots now; otherwise their updates are less frequent.
+            last: No step is being made: update numbers and plots now, and say so. Otherwise their
+                updates are less frequent.
         """
         self._frame = frame
         with self._server.atomic():
@@ -107,7 +108,7 @@ class LivePage:
             self._plots.add(frame)
             now = time.perf_counter()
             if last or now - self._last_text >= _TEXT_EVERY:
-                self._show_text(frame, now)
+                self._show_text(frame, now, waits=last)
                 self._plots.show()
                 self._last_text = now
 
@@ -157,14 +158,17 @@ class LivePage:
         if self._hold.label != label:
             self._hold.label = label
 
-    def _show_text(self, frame: LiveFrame, now: float) -> None:
+    def _show_text(self, frame: LiveFrame, now: float, *, waits: bool) -> None:
         rate = ""
-        if self._rate is not None and now > self._rate[0] and not self._view.paused:
+        if self._rate is not None and now > self._rate[0] and not (waits or self._view.paused):
             rate = (
                 f", {max(frame.time - self._rate[1], 0.0) / (now - self._rate[0]):.2g} x real time"
             )
         self._rate = (now, frame.time)
-        state = "**paused**" if self._view.paused else "running"
+        if self._view.paused:
+            state = "**paused**"
+        else:
+            state = "waiting for the next step" if waits else "running"
         self._status.content = (
             f"{state} at **{frame.time:.3f} s**{rate}  \n"
             f"{len(frame.bodies):,} bodies, {len(frame.depths):,} contacts"

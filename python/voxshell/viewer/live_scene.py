@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
     Grab = Callable[[Body, "viser.SceneNodeDragEvent[Any]"], None]
 
-_KINEMATIC_COLOR = (150, 158, 140)
 _DIAGONAL = 6.0
 """Diagonal of the first view in display units; it suits viser's clipping planes and shadows."""
 _MOST_CONTACTS = 400
@@ -103,6 +102,7 @@ class LiveScene:
         self._meshes: dict[int, tuple[object, Mesh]] = {}
         self._groups: dict[tuple[int, str], _Group] = {}
         self._grounds: dict[Body, Any] = {}
+        self._movers: dict[Body, int] = {}  # in the order of their colors, as in a replay
         self._extras: dict[str, Any] = {}
         self._deepest = 0.0
         self._opacity: float | None = _OPACITY
@@ -195,6 +195,8 @@ class LiveScene:
     def _show_bodies(self, frame: LiveFrame) -> None:
         members: dict[tuple[int, str], list[int]] = {}
         for index, body in enumerate(frame.bodies):
+            if body.motion != "static":
+                self._movers.setdefault(body, len(self._movers))
             if not isinstance(body.shape, Plane):
                 members.setdefault((id(body.shape), body.motion), []).append(index)
             elif body not in self._grounds:
@@ -250,11 +252,13 @@ class LiveScene:
         return node
 
     def _choose_colors(self, bodies: tuple[Body, ...]) -> NDArray[np.uint8]:
-        kinds = {"static": FIXED_COLOR, "kinematic": _KINEMATIC_COLOR}
         chosen = [
             self._colors.get(body)
-            or kinds.get(body.motion)
-            or BODY_COLORS[body.number % len(BODY_COLORS)]
+            or (
+                FIXED_COLOR
+                if body.motion == "static"
+                else BODY_COLORS[self._movers[body] % len(BODY_COLORS)]
+            )
             for body in bodies
         ]
         return as_light(np.array(chosen, np.float64))

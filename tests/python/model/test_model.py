@@ -193,7 +193,7 @@ def test_a_wrong_padding_is_refused(padding):
         box(padding=padding)
 
 
-@pytest.mark.parametrize("scale", [0, -1, np.nan, np.inf, "1", None, True])
+@pytest.mark.parametrize("scale", [0, -1, np.nan, np.inf, "1", [], True])
 def test_a_wrong_scale_is_refused(scale):
     with pytest.raises(vx.SettingsError, match="scale"):
         box(scale=scale)

@@ -112,6 +112,16 @@ def test_buttons_pause_step_and_resume_and_a_closed_page_lets_the_run_go_on(watc
     assert watched.view.is_open
 
 
+def test_a_page_says_when_the_program_makes_no_steps(watched: Watched):
+    watched.page.get_by_text("running at").wait_for()
+    watched.ends.set()
+    watched.page.get_by_text("waiting for the next step").wait_for()
+    watched.world.step()
+    watched.wait(lambda: watched.is_still(), "the run goes on")
+    time_shown = f"{watched.world.time:.3f} s"
+    watched.page.get_by_text(time_shown).first.wait_for()
+
+
 def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
     mouse, box = watched.page.mouse, watched.box
     watched.wait(lambda: watched.find_box() != (0.0, 0.0), "the box is not seen")

@@ -9,6 +9,8 @@ import pytest
 import voxshell as vx
 from live_worlds import read_frame
 from voxshell.viewer.live_scene import LiveScene
+from voxshell.viewer.palette import choose_colors
+from voxshell.viewer.pins import as_light
 from voxshell.viewer.server import silent_server
 
 NOTHING_PULLS = np.zeros((0, 2, 3))
@@ -117,6 +119,22 @@ def test_the_spring_of_the_mouse_is_an_arrow_as_long_as_it_lasts(scene: LiveScen
     assert not arrow.visible
     scene.show(frame, lines)
     assert arrow.visible
+
+
+def test_bodies_have_the_colors_that_a_replay_gives_them(scene: LiveScene):
+    world = vx.World()
+    world.add(vx.Box((1.0, 1.0, 0.1)), mass=0)
+    shape = vx.Sphere(0.1)
+    world.add(shape, pose=(0, 0, 1.0))
+    world.add(vx.Box((0.1, 0.1, 0.1)), pose=(0.5, 0, 1.0))
+    world.add(shape, pose=(-0.5, 0, 1.0))
+    recorder = world.record()
+    scene.show(read_frame(world), NOTHING_PULLS)
+    world.step(20)
+    expected = choose_colors(recorder.recording())
+    for group in scene._groups.values():
+        colors = as_light(np.array([expected[body.number] for body in group.bodies], np.float64))
+        assert group.node.batched_colors.tolist() == colors.tolist()
 
 
 def test_bodies_are_as_dark_as_their_colors():

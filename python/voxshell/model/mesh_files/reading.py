@@ -12,6 +12,9 @@ from voxshell.model.mesh_files.regular import Neighbors, read_regular
 KINDS = ("3mf", "dae", "glb", "gltf", "obj", "off", "ply", "stl")
 """Suffixes of the supported formats."""
 
+UNITLESS = ("obj", "off", "ply", "stl")
+"""Those whose files do not state the unit of their coordinates."""
+
 
 class MeshFile(NamedTuple):
     """A checked file that a library may read.
@@ -20,11 +23,13 @@ class MeshFile(NamedTuple):
         kind: One of :data:`KINDS`.
         data: The file's content.
         neighbors: The files that it may refer to.
+        unit: Of its coordinates, meters; None if files of this format state none.
     """
 
     kind: str
     data: bytes
     neighbors: Neighbors
+    unit: float | None
 
 
 def open_mesh_file(path: str) -> MeshFile:
@@ -44,15 +49,18 @@ def open_mesh_file(path: str) -> MeshFile:
         )
     data = read_regular(path)
     neighbors = Neighbors(path)
+    unit = None
     match kind:
         case "3mf":
-            xml_scenes.check_3mf(data)
+            unit = xml_scenes.check_3mf(data)
         case "dae":
-            xml_scenes.check_dae(data)
+            unit = xml_scenes.check_dae(data)
         case "glb":
             gltf.check_glb(data, neighbors)
+            unit = 1.0
         case "gltf":
             gltf.check_gltf(data, neighbors)
+            unit = 1.0
         case "obj":
             data = polygons.merge_materials(data)
         case "off":
@@ -61,4 +69,4 @@ def open_mesh_file(path: str) -> MeshFile:
             polygons.check_ply(data)
         case _:
             data = polygons.merge_solids(data)
-    return MeshFile(kind, data, neighbors)
+    return MeshFile(kind, data, neighbors, unit)

@@ -1,8 +1,9 @@
-"""Checks of 3MF and COLLADA files: sizes in archives, faces, and how often parts are placed."""
+"""Checks of 3MF and COLLADA files, and their units: sizes in archives, faces, and how often parts are placed."""
 
 from __future__ import annotations
 
 import io
+import math
 import re
 import zipfile
 from collections import defaultdict
@@ -30,8 +31,22 @@ _MOST_PLACED_DAE = 12_000
 """Nodes and geometries. trimesh takes 1.5 s for these."""
 
 
-def check_3mf(data: bytes) -> None:
+_UNITS_3MF = {
+    "micron": 1e-6,
+    "millimeter": 1e-3,
+    "centimeter": 1e-2,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "meter": 1.0,
+}
+"""In meters (3MF Core Specification 1.3, section 3.4.1)."""
+
+
+def check_3mf(data: bytes) -> float:
     """Check the expanded size of the archive, and how often and how deeply objects are placed.
+
+    Returns:
+        The unit of its coordinates in meters: a millimeter if it states none.
 
     Raises:
         MeshError: The file exceeds a limit.
@@ -45,10 +60,14 @@ def check_3mf(data: bytes) -> None:
             if member.filename.lower().endswith(".model"):
                 objects.scan(archive.read(member))
     check_placed(objects.children, objects.roots, objects.sizes, _MOST_PLACED_3MF)
+    return objects.unit
 
 
-def check_dae(data: bytes) -> None:
+def check_dae(data: bytes) -> float:
     """Check the corners of faces, and how often nodes place geometries.
+
+    Returns:
+        The unit of its coordinates in meters: 1 if it states none that is finite and above 0.
 
     Raises:
         MeshError: The file exceeds a limit.
@@ -57,6 +76,7 @@ def check_dae(data: bytes) -> None:
     nodes.scan(data)
     # COLLADA's transforms are multiplied one by one, in negligible time.
     check_placed(nodes.children, nodes.roots, nodes.sizes, _MOST_PLACED_DAE)
+    return nodes.unit
 
 
 class _Scan:
@@ -116,11 +136,19 @@ class _Objects(_Scan):
 
     def __init__(self) -> None:
         super().__init__()
+        self.unit = _UNITS_3MF["millimeter"]
         self._object = ""
         self._began = 0
 
     def start(self, name: str, attributes: dict[str, str], at: int) -> None:
-        if name == "object":
+        if name == "model":
+            unit = attributes.get("unit", "millimeter")
+            if unit not in _UNITS_3MF:
+                raise MeshError(
+                    f"its unit is {unit!r}, but 3MF has only {', '.join(_UNITS_3MF)}; export the mesh again"
+                )
+            self.unit = _UNITS_3MF[unit]
+        elif name == "object":
             self._object = attributes.get("id", "")
         elif name == "mesh":
             self._began = at
@@ -139,6 +167,7 @@ class _Nodes(_Scan):
 
     def __init__(self) -> None:
         super().__init__()
+        self.unit = 1.0
         self._nodes: list[str] = []
         self._count = 0
         self._geometry = ""
@@ -164,6 +193,10 @@ class _Nodes(_Scan):
             self.children["node", self._nodes[-1]].append(("node", target))
         elif name == "instance_geometry" and self._nodes:
             self.children["node", self._nodes[-1]].append(("geometry", target))
+        elif name == "unit":
+            meters = float(attributes.get("meter", 1.0))
+            if math.isfinite(meters) and meters > 0.0:
+                self.unit = meters
         elif name == "geometry":
             self._geometry, self._began = attributes.get("id", ""), at
         elif name in ("polygons", "polylist"):

@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import time
+import warnings
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -379,3 +380,74 @@ def test_memory_that_runs_out_is_a_typed_error(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(trimesh, "load", fail)
     with pytest.raises(vx.MemoryLimitError, match=r"part.stl: out of memory"):
         read_mesh(path)
+
+
+# ---- units -----------------------------------------------------------------------------------------
+
+
+def state_unit(unit: str) -> bytes:
+    """A 3MF file with another unit, or with none."""
+    made = zipfile.ZipFile(io.BytesIO(make_3mf("", '<item objectid="1"/>')))
+    text = made.read("3D/3dmodel.model").decode().replace('unit="millimeter" ', unit)
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("3D/3dmodel.model", text)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "meters"),
+    [
+        ("mm.3mf", state_unit('unit="millimeter" '), 0.001),
+        ("none.3mf", state_unit(""), 0.001),
+        ("inch.3mf", state_unit('unit="inch" '), 0.0254),
+        ("meter.3mf", state_unit('unit="meter" '), 1.0),
+        ("meter.dae", make_dae("<node id='n0'><instance_geometry url='#g'/></node>"), 1.0),
+        (
+            "inch.dae",
+            make_dae("<node id='n0'><instance_geometry url='#g'/></node>").replace(
+                b'meter="1"', b'name="inch" meter="0.0254"'
+            ),
+            0.0254,
+        ),
+        ("meter.gltf", make_gltf([{"mesh": 0}]), 1.0),
+    ],
+)
+def test_a_file_that_states_its_unit_is_read_in_meters(
+    tmp_path: Path, name: str, content: bytes, meters: float
+):
+    path = tmp_path / name
+    path.write_bytes(content)
+    side = np.ptp(read_mesh(path).vertices, axis=0)
+    np.testing.assert_allclose(side, meters, rtol=1e-6)
+    given = np.ptp(read_mesh(path, 0.5).vertices, axis=0)
+    np.testing.assert_allclose(given, 0.5, rtol=1e-6, err_msg="a scale replaces the unit")
+
+
+def test_an_unknown_unit_is_refused(tmp_path: Path):
+    path = tmp_path / "part.3mf"
+    path.write_bytes(state_unit('unit="furlong" '))
+    with pytest.raises(vx.MeshError, match=r"part\.3mf: its unit is 'furlong', but 3MF has only"):
+        read_mesh(path)
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off"])
+def test_a_long_file_without_a_unit_is_doubted(tmp_path: Path, suffix: str):
+    path = tmp_path / f"part.{suffix}"
+    trimesh.creation.box((80, 60, 20)).export(path)
+    with pytest.warns(vx.MeshWarning, match=f"80 m long, and {suffix.upper()} files state no unit"):
+        model = vx.Model.from_mesh(path, resolution=20)
+    assert np.ptp(model.bounds, axis=0)[0] == 80.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vx.Model.from_mesh(path, resolution=20, scale=1)
+        small = vx.Model.from_mesh(path, resolution=20, scale=0.001)
+        vx.Model.from_mesh(trimesh.load(path), resolution=20)  # whoever made it knows
+    np.testing.assert_allclose(np.ptp(small.bounds, axis=0), (0.08, 0.06, 0.02), rtol=1e-6)
+
+
+def test_a_model_that_is_too_large_in_a_wrong_unit_is_refused_with_the_reason(tmp_path: Path):
+    path = tmp_path / "part.stl"
+    trimesh.creation.box((80, 60, 20)).export(path)
+    with pytest.raises(vx.MeshError, match=r"reaches 40 m.*80 m long.*build its model with scale=0\.001"):
+        vx.Model.from_mesh(path, voxel_size=0.001)
