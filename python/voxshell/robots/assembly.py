@@ -217,6 +217,7 @@ class Assembly:
                     robot.without_limits,
                     "no <limit>, or a lower above the upper one: it moves without limits",
                 ),
+                (robot.flat, "a flat collision mesh: made it a thin sheet"),
                 (
                     weak,
                     f"no effort to follow its leader with: used {_MIMIC_EFFORT:g} N or N m",

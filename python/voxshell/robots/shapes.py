@@ -9,6 +9,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
+from voxshell.model.meshes import Mesh
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from voxshell.robots.description import MeshArrays, MeshFile, Primitive
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
     from voxshell.robots.lumps import Lump
 
 _DEFAULT_RESOLUTION = 100
+
+_FLAT = 1e-6
+"""Thickness of a mesh below which it lies in a plane, in diameters: files may have single precision."""
+
+_SHEET_THICKNESS = 1.0 / 200.0
+"""Of the hull of a flat mesh, in longest sides, as sheets of :meth:`voxshell.Model.from_mesh` have it."""
 
 _ELLIPSOID_SUBDIVISIONS = 4
 """Subdivisions of an ellipsoid's mesh: 5120 triangles, within 0.06 % of its largest radius."""
@@ -105,30 +112,52 @@ class Shaper:
                 from trimesh.creation import icosphere
 
                 ball = icosphere(subdivisions=_ELLIPSOID_SUBDIVISIONS)
-                return self._shape_mesh(ball.vertices * geometry.sizes, ball.faces)
+                return self._shape_mesh(Mesh(ball.vertices * geometry.sizes, ball.faces))
 
     def _make_mesh(
         self, link: str, file: MeshFile | MeshArrays, place: NDArray[np.float64]
     ) -> Part:
         mesh = read_link_mesh(self._robot.links[link].owner, file)
-        vertices = mesh.vertices @ place[:3, :3].T + place[:3, 3]
+        mesh = Mesh(mesh.vertices @ place[:3, :3].T + place[:3, 3], mesh.faces)
         try:
-            return self._shape_mesh(vertices, mesh.faces)
+            normal = _find_flat_normal(mesh)
+            if normal is None:
+                return self._shape_mesh(mesh)
+            self._robot.flat.append(link)
+            return self._shape_sheet(mesh, normal)
         except MeshError as error:
             refuse_mesh(self._robot.links[link].owner, file, error)
         except MemoryLimitError as error:
             raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
 
-    def _shape_mesh(self, vertices: NDArray[np.float64], faces: NDArray[np.uint32]) -> Part:
+    def _shape_sheet(self, mesh: Mesh, normal: NDArray[np.float64]) -> Part:
+        vertices, faces = mesh
         if self._mesh_as == "hull":
-            return _make_hull(vertices)
+            half = 0.5 * _SHEET_THICKNESS * float(np.ptp(vertices, axis=0).max()) * normal
+            return _make_hull(np.concatenate([vertices - half, vertices + half]))
+        a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+        up = np.cross(b - a, c - a) @ normal > 0.0
+        # Both sides of a closed mesh are the same surface.
+        return self._shape_mesh(Mesh(vertices, faces[up] if up.any() else faces), open="sheet")
+
+    def _shape_mesh(self, mesh: Mesh, open: Literal["auto", "sheet"] = "auto") -> Part:  # noqa: A002
+        if self._mesh_as == "hull":
+            return _make_hull(mesh.vertices)
         voxel_size = self._voxel_size
-        side = float(np.ptp(vertices, axis=0).max()) if len(vertices) > 0 else 0.0
+        side = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.vertices) > 0 else 0.0
         if voxel_size is not None and side > 0.0:
             voxel_size = min(voxel_size, side)
-        return Model.from_mesh(
-            (vertices, faces), voxel_size=voxel_size, resolution=self._resolution
-        )
+        return Model.from_mesh(mesh, voxel_size=voxel_size, resolution=self._resolution, open=open)
+
+
+def _find_flat_normal(mesh: Mesh) -> NDArray[np.float64] | None:
+    """Return the unit normal of a mesh in a plane, (3,); None if it has a volume, or is a wire."""
+    if len(mesh.faces) == 0:
+        return None
+    used = mesh.vertices[np.unique(mesh.faces)]
+    _, spread, axes = np.linalg.svd(used - used.mean(axis=0), full_matrices=False)
+    is_flat = len(spread) == 3 and spread[1] > _FLAT * spread[0] >= spread[2]
+    return axes[2] if is_flat else None
 
 
 def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:

@@ -52,9 +52,9 @@ def test_ellipsoids_and_meshes_become_models_or_hulls(mesh_as, kind):
 
 
 def test_a_mesh_without_a_volume_is_refused_by_link_and_line():
-    flat = MeshArrays("flat", read_mesh(([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2), (1, 3, 2)])))  # fmt: skip
-    with pytest.raises(vx.RobotError, match=r"robot\.xml:7: link 'a': flat: .*give it a thickness"):
-        shape_of(Collision(flat, np.eye(4)), mesh_as="hull")
+    line = MeshArrays("line", read_mesh(([(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)], [(0, 1, 2), (1, 3, 2)])))  # fmt: skip
+    with pytest.raises(vx.RobotError, match=r"robot\.xml:7: link 'a': line: .*give it a thickness"):
+        shape_of(Collision(line, np.eye(4)), mesh_as="hull")
 
 
 @pytest.mark.parametrize(

@@ -449,5 +449,7 @@ def test_a_long_file_without_a_unit_is_doubted(tmp_path: Path, suffix: str):
 def test_a_model_that_is_too_large_in_a_wrong_unit_is_refused_with_the_reason(tmp_path: Path):
     path = tmp_path / "part.stl"
     trimesh.creation.box((80, 60, 20)).export(path)
-    with pytest.raises(vx.MeshError, match=r"reaches 40 m.*80 m long.*build its model with scale=0\.001"):
+    with pytest.raises(
+        vx.MeshError, match=r"reaches 40 m.*80 m long.*build its model with scale=0\.001"
+    ):
         vx.Model.from_mesh(path, voxel_size=0.001)

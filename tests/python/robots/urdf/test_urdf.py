@@ -291,12 +291,33 @@ def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
         vx.load_urdf(vx.World(), path)
 
 
-def test_a_flat_mesh_has_no_hull_and_needs_a_thickness(write, tmp_path):
-    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
+FLAT = "v 0 0 0.1\nv 1 0 0.1\nv 0 1 0.1\nv 1 1 0.1\nf 1 2 3\nf 2 4 3\n"
+
+
+@pytest.mark.parametrize("mesh_as", ["model", "hull"])
+@pytest.mark.parametrize("back", ["", "f 1 3 2\nf 2 3 4\n"], ids=["open", "both sides"])
+def test_a_flat_mesh_becomes_a_thin_sheet_with_a_warning(write, tmp_path, mesh_as, back):
+    (tmp_path / "flat.obj").write_text(FLAT + back)
     path = write(
         link("a", '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>')
     )
-    with pytest.raises(vx.RobotError, match=r"'a': .*flat\.obj: .*or give it a thickness"):
+    world = vx.World()
+    with pytest.warns(vx.RobotWarning, match=r"flat collision mesh: made it a thin sheet \('a'\)"):
+        robot = vx.load_urdf(world, path, mesh_as=mesh_as, fixed_base=True)
+    size = np.ptp(robot.links["a"].body.shape.mesh.vertices, axis=0)
+    np.testing.assert_allclose(size[:2], 1.0, atol=0.025)
+    assert 0.004 < size[2] < 0.025
+    ball = world.add(vx.Sphere(0.05), pose=(0.5, 0.5, 0.3))
+    world.step(200)
+    assert ball.position[2] == pytest.approx(0.15, abs=0.015)
+
+
+def test_a_mesh_that_is_a_line_is_refused_by_link_and_line(write, tmp_path):
+    (tmp_path / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\nf 2 4 3\n")
+    path = write(
+        link("a", '<collision><geometry><mesh filename="line.obj"/></geometry></collision>')
+    )
+    with pytest.raises(vx.RobotError, match=r"'a': .*line\.obj: .*or give it a thickness"):
         vx.load_urdf(vx.World(), path, mesh_as="hull")
 
 
