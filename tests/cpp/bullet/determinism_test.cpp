@@ -100,6 +100,9 @@ constexpr int kSteps = 1000;
 std::string platform() {
   std::string name =
       "Bullet " + std::to_string(btGetVersion()) + (kIsDouble ? " double" : " float");
+#ifdef VOXSHELL_PORTABLE_FUNCTIONS
+  return name + ", anywhere";
+#endif
 #ifdef __GLIBC__
   name += std::string(", glibc ") + gnu_get_libc_version();
 #endif
@@ -115,6 +118,9 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
        {0x273b156400209664, 0xbd5fa58e0ffde398, 0xe40c559700dca41b, 0x6684f33f76829675,
         0x95c2c2669b2ca53d, 0xeb1d2f6e6a25c18}},
+      {"Bullet 324 double, anywhere",
+       {0x3358a624bfec7940, 0x57ae837d2cc0a0ab, 0x5a5719ab0c1532ec, 0x290d23e86605ec62,
+        0x98f639477bf809dd, 0x47f4a78769640121}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
        {0x42ded6dbe47aa261, 0xa2bb16c10b4a6ede, 0x54fe14e5eaa0b165, 0xdf47da5af8cbd81d,
         0x91f58f7815a3e974, 0xe82cf8e9645a30a4}},
