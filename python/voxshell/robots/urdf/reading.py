@@ -82,7 +82,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
     }
     links: dict[str, LinkDescription] = {}
     for each in found:
-        link = _describe_link(each, colors)
+        link = _describe_link(each, colors, robot.left_out)
         if link.name in links:
             each.refuse(
                 f"is the second link of that name; the first is in line "
@@ -136,7 +136,13 @@ def _describe(path: str, element: Element) -> RobotDescription:
         lost = sorted(set(links) - set(reached))
         robot.refuse(f"links {shorten_names(lost)} form a loop")
     return RobotDescription(
-        path, robot.name, {roots[0]: np.eye(4)}, links, ordered, robot.without_limits
+        path,
+        robot.name,
+        {roots[0]: np.eye(4)},
+        links,
+        ordered,
+        without_limits=robot.without_limits,
+        left_out=robot.left_out,
     )
 
 
@@ -153,14 +159,17 @@ def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) 
         checked.update(followed)
 
 
-def _describe_link(element: Element, colors: dict[str, Color]) -> LinkDescription:
+def _describe_link(
+    element: Element, colors: dict[str, Color], left_out: list[str]
+) -> LinkDescription:
+    name = element.text("name")
     collisions = tuple(
         collision
         for each in element.all("collision")
-        if (collision := _describe_collision(each)) is not None
+        if (collision := _describe_collision(each, name, left_out)) is not None
     )
     return LinkDescription(
-        element.text("name"),
+        name,
         element.where,
         collisions,
         _describe_inertial(element.first("inertial")),
@@ -217,8 +226,8 @@ def _describe_inertial(element: Element | None) -> Inertial | None:
     return Inertial(mass, place[:3, 3], inertia)
 
 
-def _describe_collision(element: Element) -> Collision | None:
-    """Return a collision; None without geometry, which some exporters write."""
+def _describe_collision(element: Element, link: str, left_out: list[str]) -> Collision | None:
+    """Return a collision; None without geometry or with a point, which some exporters write."""
     geometry = element.first("geometry")
     if geometry is None or not geometry.children:
         return None
@@ -240,6 +249,9 @@ def _describe_collision(element: Element) -> Collision | None:
             )
     if sizes is None:
         shape.refuse("has a box without a size; add it")
+    if shape.tag == "sphere" and sizes == [0.0]:
+        left_out.append(f"a sphere of radius 0 ({link!r})")
+        return None
     if min(sizes) <= 0.0:
         shape.refuse(f"has a {shape.tag} of {sizes} m; it must be above 0")
     kind = cast("Literal['box', 'sphere', 'cylinder', 'capsule']", shape.tag)

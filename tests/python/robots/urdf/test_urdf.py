@@ -291,6 +291,15 @@ def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
         vx.load_urdf(vx.World(), path)
 
 
+def test_a_sphere_that_is_a_point_is_left_out_with_a_warning(write):
+    point = '<collision><geometry><sphere radius="0.0"/></geometry></collision>'
+    path = write(link("a", BALL + point))
+    with pytest.warns(vx.RobotWarning, match=r"not simulated: a sphere of radius 0 \('a'\)"):
+        robot = vx.load_urdf(vx.World(), path)
+    assert isinstance(robot.links["a"].body.shape, vx.Sphere)
+    assert robot.links["a"].body.shape.radius == 0.05
+
+
 FLAT = "v 0 0 0.1\nv 1 0 0.1\nv 0 1 0.1\nv 1 1 0.1\nf 1 2 3\nf 2 4 3\n"
 
 
