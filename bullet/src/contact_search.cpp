@@ -118,7 +118,7 @@ struct ContactSearch::Question {
         level(level_of(of, at != nullptr && at->uses_ccd)),
         reach(static_cast<float>(margin + pair.thickness())),
         touch(at == nullptr ? TouchScale{}
-                            : TouchScale{at->radius, at->rest_margin, at->thickness}),
+                            : TouchScale{at->ball.radius, at->rest_margin, at->thickness}),
         // What kSegmented promises are points, and so are contacts without a margin.
         slides(at != nullptr && touch.margin > 0.0 && of.mode != ContactMode::kSegmented) {}
 

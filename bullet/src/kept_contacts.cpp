@@ -52,20 +52,20 @@ bool KeptContacts::hold_in(const PairStep& step, bool are_followed) const {
   if (!(squared_length(now.field_from_shell.rotation.row_x) < 2.0)) return false;
   const double most = (are_followed ? kKeptOfMargin : kKeptUnfollowedOfMargin) * step.rest_margin;
   if (!(bound_displacement(asked_->field_from_shell, now.field_from_shell, step.middle,
-                           step.radius) <= most)) {
+                           step.ball.radius) <= most)) {
     return false;
   }
   for (std::size_t i = 0; i < now.motions.size(); ++i) {
     const double difference =
-        bound_difference(asked_->motions[i], now.motions[i], step.middle, step.radius);
+        bound_difference(asked_->motions[i], now.motions[i], step.middle, step.ball.radius);
     if (!(difference * step.time_step <= most)) return false;
   }
   return true;
 }
 
 bool KeptContacts::have_moved_in(const PairStep& step) const {
-  return bound_displacement(field_from_shell_, step.field_from_shell, step.middle, step.radius) >
-         kFollowedOfMargin * step.rest_margin;
+  return bound_displacement(field_from_shell_, step.field_from_shell, step.middle,
+                            step.ball.radius) > kFollowedOfMargin * step.rest_margin;
 }
 
 void KeptContacts::carry_to(const PairStep& step, std::vector<Contact>& contacts) const {

@@ -177,7 +177,7 @@ void ModelAlgorithm::span_patches(const PairStep& step) {
   }
   near_->is_on_few_segments = count_segments(step) <= kFewSegments;
   near_->is_spanned =
-      leave_outer(kLeastPatchShrinkOfRadius * step.radius,
+      leave_outer(kLeastPatchShrinkOfRadius * step.ball.radius,
                   kFlatOfMargin * static_cast<float>(step.rest_margin), near_->search.contacts());
 }
 

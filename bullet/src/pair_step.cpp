@@ -37,16 +37,14 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
     step.larger = ball_b.radius < ball_a.radius ? &pair.a : &pair.b;
   }
   // Bodies touch within the smaller one's ball.
-  const Ball& ball = step.larger == &pair.a ? ball_b : ball_a;
-  step.ball = ball;
-  step.radius = ball.radius;
+  step.ball = step.larger == &pair.a ? ball_b : ball_a;
   step.thickness = pair.thickness();
   const double rest_margin =
-      default_rest_margin(step.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
+      default_rest_margin(step.ball.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
   step.rest_margin = settings.margin >= 0.0 ? settings.margin : rest_margin;
   step.deep_overlap = kDeepOfMargin * rest_margin;
   step.farthest_displacement =
-      find_farthest_displacement(step.motion_a, step.motion_b, ball, time_step);
+      find_farthest_displacement(step.motion_a, step.motion_b, step.ball, time_step);
   step.detail = std::min(pair.a.detail(), pair.b.detail());
   step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
   // Inside each other the nearest surface is a face, not the edge or corner that they hit.
@@ -58,15 +56,16 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.margin = step.rest_margin;
   if (step.uses_ccd) step.margin = std::max(step.margin, kCcdReach * step.farthest_displacement);
   const double farthest_if_stopped =
-      find_farthest_if_stopped(step.motion_a, step.motion_b, ball, time_step);
+      find_farthest_if_stopped(step.motion_a, step.motion_b, step.ball, time_step);
   if (farthest_if_stopped > threshold) step.margin = std::max(step.margin, farthest_if_stopped);
   step.touch_margin = std::min(
-      step.margin,
-      std::max(step.rest_margin, find_touch_reach(step.motion_a, step.motion_b, ball, time_step)));
+      step.margin, std::max(step.rest_margin,
+                            find_touch_reach(step.motion_a, step.motion_b, step.ball, time_step)));
 
   const double fastest =
-      length(step.motion_a.velocity_at(ball.centre) - step.motion_b.velocity_at(ball.centre)) +
-      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.radius;
+      length(step.motion_a.velocity_at(step.ball.centre) -
+             step.motion_b.velocity_at(step.ball.centre)) +
+      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.ball.radius;
   const double weight =
       std::max(length(step.motion_a.velocity_of_forces), length(step.motion_b.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillOfMargin * step.rest_margin;
@@ -81,7 +80,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.motion = RelativeMotion::of(of_shell, of_field, world_from_shell);
   step.if_stopped = {RelativeMotion::of(of_shell, Motion{}, world_from_shell),
                      RelativeMotion::of(Motion{}, of_field, world_from_shell)};
-  step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(ball.centre);
+  step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(step.ball.centre);
   step.displacement =
       time_step * (step.motion.velocity_at(step.middle) + step.motion.velocity_of_forces);
   return step;
@@ -135,7 +134,7 @@ Turning turning_of(const PairStep& step, bool is_of_field) {
   };
   return {side.world_from_geometry().inverse().transform_point(moves ? own.centre : other.centre),
           kCcdReach * step.time_step * to_own(step.motion.angular_velocity),
-          kCcdReach / step.radius * to_own(step.displacement)};
+          kCcdReach / step.ball.radius * to_own(step.displacement)};
 }
 
 Turning own_turning_of(const PairStep& step, bool is_of_field) {

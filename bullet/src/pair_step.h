@@ -18,7 +18,6 @@ struct PairStep {
   Motion motion_b;
   const Side* larger;   ///< the body with the larger bounding ball; null where they are as large
   Ball ball;            ///< about the smaller body, world frame
-  double radius;        ///< of that ball
   double thickness;     ///< of both bodies' margins in Bullet
   double rest_margin;   ///< slow points count as contacts up to this gap
   double deep_overlap;  ///< bodies that are deeper in each other may hold each other's middles

@@ -1,6 +1,7 @@
-// The functions of the C library whose last bits differ between processors and versions, for all that links our own
-// Bullet: the linker's --wrap (cmake/pinned_bullet.cmake) has calls of sin end in __wrap_sin, Bullet's own included.
-// Thus motions have the same bits everywhere. The adapters for other people's Bullet leave the C library as it is.
+// The functions of the C library whose last bits differ between processors and versions, for all
+// that links our own Bullet: the linker's --wrap (cmake/pinned_bullet.cmake) has calls of sin end
+// in __wrap_sin, Bullet's own included. Thus motions have the same bits everywhere. The adapters
+// for other people's Bullet leave the C library as it is.
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,8 @@ double hypotenuse(double x, double y) {
 }  // namespace
 }  // namespace voxshell::bullet
 
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names that the linker sets.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names that the linker
+// sets.
 extern "C" {
 double __wrap_sin(double x) { return voxshell::bullet::sine(x); }
 double __wrap_cos(double x) { return voxshell::bullet::cosine(x); }
@@ -82,9 +84,7 @@ double __wrap_acos(double x) {
 double __wrap_asin(double x) {
   return voxshell::bullet::angle_of(x, voxshell::bullet::other_side(x));
 }
-double __wrap_pow(double base, double exponent) {
-  return voxshell::bullet::power(base, exponent);
-}
+double __wrap_pow(double base, double exponent) { return voxshell::bullet::power(base, exponent); }
 double __wrap_hypot(double x, double y) { return voxshell::bullet::hypotenuse(x, y); }
 }
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

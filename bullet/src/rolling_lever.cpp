@@ -17,7 +17,7 @@ double rolling_lever_of(const PairStep& step, std::span<const Contact> contacts,
   };
   const Vec3f farthest = contacts[find_largest(contacts, squared_arm)].point - deepest;
   const float radius = length(farthest);
-  const double small = kSmallPatchOfRadius * step.radius;
+  const double small = kSmallPatchOfRadius * step.ball.radius;
   const bool are_samples = std::ranges::any_of(contacts, [&](const Contact& contact) {
     return !std::ranges::binary_search(exact, contact.id);
   });

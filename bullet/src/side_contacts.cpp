@@ -25,8 +25,8 @@ bool is_beside(const PairStep& step, const Contact& contact, const Vec3f& normal
   const bool is_point = shell.is_point(id);
   if (is_point && dot(shell.normals()[id], outwards) < kOpposedByLess) return false;
   const double spacing = shell.spacing();
-  const auto reach =
-      static_cast<float>(is_point ? spacing : std::min(spacing, kEdgeReachOfRadius * step.radius));
+  const auto reach = static_cast<float>(
+      is_point ? spacing : std::min(spacing, kEdgeReachOfRadius * step.ball.radius));
   if (contact.depth > reach) return false;
   const Vec3f in_front = point - reach * outwards;
   return side.model()->grid().distance(in_front) < kFreeInFront * reach;

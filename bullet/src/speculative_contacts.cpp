@@ -104,8 +104,9 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3
       dot(touch.outwards, point->out_of_field) < -static_cast<double>(kAlignedCosine)) {
     const auto place = static_cast<Vec3>(touch.place);
     const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
-    const std::size_t bends = bends_from(*point->own, point->place, point->normal, step.radius);
-    if (bends_before(field, on_field, touch.outwards, step.radius, bends)) {
+    const std::size_t bends =
+        bends_from(*point->own, point->place, point->normal, step.ball.radius);
+    if (bends_before(field, on_field, touch.outwards, step.ball.radius, bends)) {
       const auto depth =
           depth_along(field, place, point->out_of_field, offset, kColumnGaps * step.touching_gap());
       if (!depth) return std::nullopt;

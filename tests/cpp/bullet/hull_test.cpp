@@ -284,8 +284,9 @@ int count_calm(const std::vector<Vec3>& points, double margin, int placements = 
   for (int placement = 0; placement < placements; ++placement) {
     TestWorld world;
     world.add_model(slab_model(), 0).setFriction(1);
-    btRigidBody& body = world.add(make_hull(world, points, margin), 1,
-                                  {{}, {0.013 + 1e-3 * placement / placements, 0.007, 0.15 + margin}});
+    btRigidBody& body =
+        world.add(make_hull(world, points, margin), 1,
+                  {{}, {0.013 + 1e-3 * placement / placements, 0.007, 0.15 + margin}});
     body.setFriction(scalar(0.8));
     body.setDamping(0, scalar(0.05));
     body.setActivationState(DISABLE_DEACTIVATION);

@@ -70,7 +70,7 @@ TEST(KeptContacts, HoldUntilTheBodiesHaveMoved) {
   EXPECT_FALSE(kept.hold_in(scene.step(), true));
   scene.move({0, 0, -1.1 * most});
   EXPECT_TRUE(kept.hold_in(scene.step(), true));
-  const double radius = scene.step().radius;
+  const double radius = scene.step().ball.radius;
   scene.move({}, btVector3(0, btScalar(2.0 * most / radius), 0));
   EXPECT_FALSE(kept.hold_in(scene.step(), true));
 }
@@ -198,7 +198,7 @@ Rolled roll(btRigidBody& low, btRigidBody& ball, bool ball_is_first, btRigidBody
   search_with(search);
   KeptContacts kept;
   kept.keep(*step, search.contacts());
-  const double angle = 0.35 * most_kept(*step) / step->radius;
+  const double angle = 0.35 * most_kept(*step) / step->ball.radius;
   const btTransform turn(btQuaternion(btVector3(1, 0, 0), btScalar(angle)));
   turned.setWorldTransform(turn * turned.getWorldTransform());
   describe();
@@ -219,7 +219,7 @@ Rolled roll(btRigidBody& low, btRigidBody& ball, bool ball_is_first, btRigidBody
       ++compared;
     }
     EXPECT_GT(compared, 0);
-    return most / (angle * step->radius);
+    return most / (angle * step->ball.radius);
   };
   Rolled rolled{};
   kept.carry_to(*step, search.contacts());

@@ -39,7 +39,7 @@ TEST(PairStep, SaysHowFarTheBodiesMove) {
   const PairStep step = scene.step();
   // Every place of the ball; gravity has not been applied yet.
   EXPECT_NEAR(step.farthest_displacement, (3 + 7 * kBallRadius) * kStep, 0.02 * kStep);
-  EXPECT_NEAR(step.radius, kBallRadius, 1e-3);
+  EXPECT_NEAR(step.ball.radius, kBallRadius, 1e-3);
   EXPECT_EQ(step.motion_a.inverse_mass, 0.5);
 }
 

@@ -11,7 +11,7 @@ namespace {
 /// Of a still body of 0.1 m in radius: levers shorter than 1 cm count.
 PairStep make_step() {
   PairStep step{};
-  step.radius = 0.1;
+  step.ball.radius = 0.1;
   step.is_still = true;
   step.rolls_at_rest = true;
   return step;
