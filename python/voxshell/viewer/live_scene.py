@@ -19,7 +19,7 @@ from voxshell.viewer.palette import (
     FORCE_COLOR,
     PULL_COLOR,
 )
-from voxshell.viewer.pins import as_light, build_pins
+from voxshell.viewer.pins import LEAST_DEPTH, as_light, build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
 from voxshell.viewer.stage import nice_length
 from voxshell.viewer.surface import split_creases
@@ -42,8 +42,6 @@ _MOST_CONTACTS = 400
 _GRAIN = 2.0**-13
 _BALL = 0.012
 """Radius of a contact's ball, in diameters of a typical body."""
-_LEAST_DEPTH = 1e-4
-"""Smallest depth with a color of its own, in diameters of a typical body."""
 _LONGEST_ARROW = 1.0
 """Length of the longest arrow, in diameters of a typical body; its weight has a quarter of that."""
 _ARROWS_A_WEIGHT = 0.25
@@ -118,7 +116,7 @@ class LiveScene:
         """Depth of the darkest color, meters: the largest so far, rounded up, or a minimum."""
         if self._deepest == 0.0 or self.extent is None:
             return 0.0
-        return nice_length(max(self._deepest, _LEAST_DEPTH * self.extent.body))
+        return nice_length(max(self._deepest, LEAST_DEPTH * self.extent.body))
 
     @property
     def longest_force(self) -> float:

@@ -58,7 +58,7 @@ class MarkedContacts:
         self.body_size: float = plan_stage([Lane("", recording)], up=up).body_size
         self.ball: float = _BALL * self.body_size
         """Radius of a ball, meters."""
-        self.deepest: float = full_depth([recording])
+        self.deepest: float = full_depth([recording], self.body_size)
         """Depth with the darkest color, meters; 0 if nothing overlaps."""
         self.strongest: float = full_force([recording])
         """Force of the longest arrow, newtons; 0 without forces."""

@@ -69,16 +69,24 @@ def build_pin_mesh(
     return np.concatenate(rings).astype(np.float32), np.array(faces, dtype=np.uint32)
 
 
-def full_depth(recordings: Sequence[Recording]) -> float:
+LEAST_DEPTH = 1e-4
+"""Smallest depth of the darkest color, in diameters of a typical body: less is rounding."""
+
+
+def full_depth(recordings: Sequence[Recording], body_size: float) -> float:
     """Return the depth of the darkest color, meters: about that of the deepest contact.
 
     It is rounded up to one or two digits, because the scale shows it. It is 0 if nothing overlaps.
+
+    Args:
+        recordings: The recordings that share the scale.
+        body_size: Diameter of a typical body, meters.
     """
     depths = np.concatenate([recording.contacts.depths for recording in recordings])
     depths = depths[depths > 0.0]
     if len(depths) == 0:
         return 0.0
-    deep = float(np.quantile(depths, _FULL_DEPTH_QUANTILE))
+    deep = max(float(np.quantile(depths, _FULL_DEPTH_QUANTILE)), LEAST_DEPTH * body_size)
     digit = 10.0 ** math.floor(math.log10(deep))
     steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
     return digit * next(step for step in steps if step * digit >= deep * (1.0 - 1e-9))

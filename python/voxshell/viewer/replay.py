@@ -115,7 +115,7 @@ def make_replay(
         timeline=plan_timeline(recordings, frames_per_second=frames_per_second, speed=speed),
         up=up,
         lane_count=len(lanes),
-        deepest=full_depth(recordings),
+        deepest=full_depth(recordings, stage.body_size),
         strongest=full_force(recordings),
         counted=any(len(recording.contacts.points) for recording in recordings),
         max_contacts=max_contacts,

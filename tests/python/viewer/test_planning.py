@@ -240,8 +240,13 @@ class TestPins:
         depths = np.full(n, 0.0019)
         depths[0] = 1.0
         contacts = ContactTrack([0, n], np.zeros((n, 3)), np.tile([0, 0, 1.0], (n, 1)), depths)
-        assert full_depth([fall(1, contacts=contacts)]) == pytest.approx(0.002)
-        assert full_depth([fall()]) == 0.0
+        assert full_depth([fall(1, contacts=contacts)], 0.1) == pytest.approx(0.002)
+        assert full_depth([fall()], 0.1) == 0.0
+
+    def test_depths_of_rounding_do_not_set_the_scale(self):
+        depths = np.array([4e-17, 0.0])
+        contacts = ContactTrack([0, 2], np.zeros((2, 3)), np.tile([0, 0, 1.0], (2, 1)), depths)
+        assert full_depth([fall(1, contacts=contacts)], 0.1) == pytest.approx(1e-5)
 
 
 class TestQuaternions:
