@@ -19,6 +19,13 @@ constexpr double kServoGain = 0.2;
 /// own default of 0.2 lets arms sag.
 constexpr double kErrorReduction = 0.8;
 constexpr double kStill = 1e-6;  // m/s, rad/s
+/// Fastest return of a joint that is beyond a limit, where it began or was thrown. Larger: joints
+/// are shot in, and through the other limit.
+constexpr double kSlideBackSpeed = 0.1;  // m/s
+constexpr double kTurnBackSpeed = 1.0;   // rad/s
+/// Limits farther away than this are not reached within a step. Less than half a turn: Bullet takes
+/// angles for others that are whole turns away.
+constexpr double kFarLimit = 3.0;  // rad
 
 /// Six axes and, where the joint is damped, a row that brakes along the axis of joints.
 class AxesConstraint : public btGeneric6DofSpring2Constraint {
@@ -195,21 +202,31 @@ void Joint::drive(double velocity, double force) {
   motor_of_axis.m_maxMotorForce = force;
 }
 
+void Joint::set_limits(double position, double time_step) {
+  const bool slides = settings_.kind == JointKind::kSlider;
+  const double back = (slides ? kSlideBackSpeed : kTurnBackSpeed) * time_step / kErrorReduction;
+  const double lower = is_limited() ? std::min(settings_.lower, position + back) : 1.0;
+  const double upper = is_limited() ? std::max(settings_.upper, position - back) : -1.0;
+  if (slides) {
+    axes_->setLimit(0, lower, upper);
+    return;
+  }
+  // Bullet's angles have the opposite sign.
+  btRotationalLimitMotor2& axis = *axes_->getRotationalLimitMotor(0);
+  axis.m_loLimit = -upper;
+  axis.m_hiLimit = -lower;
+  if (!is_limited()) return;
+  // They do not count turns either, so they begin where the joint is now.
+  const btTransform turned(btQuaternion(btVector3(1, 0, 0), raw_position()));
+  axes_->getFrameOffsetA() = parent_from_joint_ * turned;
+  axis.m_loLimit = -std::min(upper - position, kFarLimit);
+  axis.m_hiLimit = -std::max(lower - position, -kFarLimit);
+}
+
 void Joint::prepare_step(double time_step, const JointReading& leader) {
   if (!has_axis()) return;
   const double position = unwrap();
-  const double lower = is_limited() ? settings_.lower : 1.0;
-  const double upper = is_limited() ? settings_.upper : -1.0;
-  if (settings_.kind == JointKind::kSlider) {
-    axes_->setLimit(0, lower, upper);
-  } else {
-    // Bullet's angles have the opposite sign and do not count turns, so limits are shifted to the
-    // present turn.
-    const double turns = is_limited() ? position - raw_position() : 0.0;
-    btRotationalLimitMotor2& axis = *axes_->getRotationalLimitMotor(0);
-    axis.m_loLimit = is_limited() ? turns - upper : 1.0;
-    axis.m_hiLimit = is_limited() ? turns - lower : -1.0;
-  }
+  set_limits(position, time_step);
 
   double velocity = 0.0;
   const auto towards = [&](double target, double speed) {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from parts import random_rotation
 
 
 def at(x=0.0, y=0.0, z=0.0):
@@ -74,6 +75,52 @@ def test_limits_hold_against_a_motor(bar, kind, limits, sign):
     joint.set_target_position(sum(limits) / 2.0, max_force=50.0, max_speed=10.0)
     world.step(400)
     assert joint.position == pytest.approx(sum(limits) / 2.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("halves", [(-1, 1), (-2, 2), (0, 2), (-1, 3), (-3, 3)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_limits_of_whole_and_half_turns_hold(bar, halves, sign):
+    """Where Bullet's angle wraps, the last bit decides its sign: bodies were thrown at 1000 rad/s."""
+    limits = tuple(math.pi * half for half in halves)
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        world = vx.World()
+        pose = np.eye(4)
+        pose[:3, :3] = random_rotation(rng)
+        joint = world.add_joint(
+            vx.HingeJoint(axis=(0, 0, 1), limits=limits), None, world.add(bar, pose=pose)
+        )
+        joint.set_target_velocity(sign * 5.0, max_force=200.0)
+        fastest, farthest = [], []
+
+        def measure(world, joint=joint, fastest=fastest, farthest=farthest):
+            fastest.append(abs(joint.velocity))
+            farthest.append(sign * joint.position)
+
+        world.step(600, measure)
+        assert max(fastest) < 5.1
+        assert max(farthest) < sign * limits[sign > 0] + 1e-3
+        assert joint.position == pytest.approx(limits[sign > 0], abs=1e-3)
+
+
+@pytest.mark.parametrize("limits", [(-2.7, -0.9), (0.3, 0.3), (3.0, 3.3), (4.0, 5.0), (10.0, 11.0)])
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+def test_a_joint_that_begins_outside_its_limits_turns_back_slowly(bar, limits, rate):
+    world = vx.World(gravity=(0, 0, 0), time_step=1.0 / rate)
+    joint = world.add_joint(vx.HingeJoint(axis=(0, 0, 1), limits=limits), None, world.add(bar))
+    fastest = []
+    world.step(12 * rate, lambda world: fastest.append(abs(joint.velocity)))
+    assert max(fastest) < 1.05  # rad/s
+    assert limits[0] - 1e-3 < joint.position < limits[1] + 1e-3
+
+
+def test_a_slider_that_begins_outside_its_limits_slides_back_slowly(bar):
+    world = vx.World(gravity=(0, 0, 0))
+    joint = world.add_joint(vx.SliderJoint(axis=(0, 0, 1), limits=(0.1, 0.2)), None, world.add(bar))
+    fastest = []
+    world.step(600, lambda world: fastest.append(abs(joint.velocity)))
+    assert max(fastest) < 0.105
+    assert 0.099 < joint.position < 0.201
 
 
 def test_motor_is_no_stronger_than_it_is_told(bar):
