@@ -217,7 +217,11 @@ class Assembly:
                     robot.without_limits,
                     "no <limit>, or a lower above the upper one: it moves without limits",
                 ),
-                (robot.flat, "a flat collision mesh: made it a thin sheet"),
+                (
+                    list(robot.flat),
+                    "a flat collision mesh: made it a sheet "
+                    f"{1e3 * max(robot.flat.values(), default=0.0):.3g} mm thick",
+                ),
                 (
                     weak,
                     f"no effort to follow its leader with: used {_MIMIC_EFFORT:g} N or N m",

@@ -156,7 +156,7 @@ class RobotDescription:
         links: All links, by name.
         joints: All joints, each before those of its child.
         without_limits: Joints that need limits, but have none in the file.
-        flat: Links with a collision mesh in a plane, which was given a thickness.
+        flat: Links with a collision mesh in a plane, and the thickness that it was given, meters.
         left_out: Contents of the file that are not simulated.
     """
 
@@ -166,7 +166,7 @@ class RobotDescription:
     links: dict[str, LinkDescription]
     joints: list[JointDescription] = field(default_factory=list)
     without_limits: list[str] = field(default_factory=list)
-    flat: list[str] = field(default_factory=list)
+    flat: dict[str, float] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
 
     def refuse(self, what: str, at: LinkDescription | JointDescription | None = None) -> NoReturn:

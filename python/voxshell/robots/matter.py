@@ -13,6 +13,7 @@ from voxshell.errors import MissingExtraError
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
 from voxshell.robots.mesh_files import read_link_mesh
+from voxshell.robots.sheets import find_sheet
 from voxshell.robots.solids import add_up, weigh_primitive
 
 if TYPE_CHECKING:
@@ -122,7 +123,9 @@ def _weigh_collision(
     if isinstance(collision.geometry, Primitive):
         solid = weigh_primitive(collision.geometry, DENSITY)
         return solid if solid.mass > 0.0 else None
-    vertices, _ = read_link_mesh(robot.links[link].owner, collision.geometry)
+    mesh = read_link_mesh(robot.links[link].owner, collision.geometry)
+    sheet = find_sheet(mesh)
+    vertices = mesh.vertices if sheet is None else sheet.find_points()
     if np.abs(vertices).max(initial=0.0) > FARTHEST:
         return None  # no shape can be made of it, either
     try:

@@ -14,6 +14,7 @@ from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from voxshell.robots.description import MeshArrays, MeshFile, Primitive
 from voxshell.robots.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.robots.sheets import Sheet, find_sheet
 from voxshell.simulation.comparison_shapes import ConvexHull
 from voxshell.simulation.compound import Compound, Part
 
@@ -24,12 +25,6 @@ if TYPE_CHECKING:
     from voxshell.robots.lumps import Lump
 
 _DEFAULT_RESOLUTION = 100
-
-_FLAT = 1e-6
-"""Thickness of a mesh below which it lies in a plane, in diameters: files may have single precision."""
-
-_SHEET_THICKNESS = 1.0 / 200.0
-"""Of the hull of a flat mesh, in longest sides, as sheets of :meth:`voxshell.Model.from_mesh` have it."""
 
 _ELLIPSOID_SUBDIVISIONS = 4
 """Subdivisions of an ellipsoid's mesh: 5120 triangles, within 0.06 % of its largest radius."""
@@ -66,7 +61,7 @@ class Shaper:
         if settings.voxel_size is None and settings.resolution is None:
             self._resolution = _DEFAULT_RESOLUTION
         self._mesh_as = settings.mesh_as
-        self._made: dict[tuple[Geometry, bytes], Part] = {}
+        self._made: dict[tuple[Geometry, bytes], tuple[Part, Sheet | None]] = {}
 
     def shape_of(self, lump: Lump) -> Part | Compound | Plane | None:
         """Return a lump's shape; None without a surface. A plane must be alone, at z = 0."""
@@ -92,7 +87,10 @@ class Shaper:
             key = geometry, place.tobytes()
             if key not in self._made:
                 self._made[key] = self._make_mesh(link, geometry, place)
-            return self._made[key], np.eye(4)
+            part, sheet = self._made[key]
+            if sheet is not None:
+                self._robot.flat[link] = sheet.thickness
+            return part, np.eye(4)
         try:
             return self._make_primitive(geometry), place
         except (SettingsError, MeshError) as error:
@@ -116,48 +114,30 @@ class Shaper:
 
     def _make_mesh(
         self, link: str, file: MeshFile | MeshArrays, place: NDArray[np.float64]
-    ) -> Part:
+    ) -> tuple[Part, Sheet | None]:
         mesh = read_link_mesh(self._robot.links[link].owner, file)
         mesh = Mesh(mesh.vertices @ place[:3, :3].T + place[:3, 3], mesh.faces)
+        sheet = find_sheet(mesh)
         try:
-            normal = _find_flat_normal(mesh)
-            if normal is None:
-                return self._shape_mesh(mesh)
-            self._robot.flat.append(link)
-            return self._shape_sheet(mesh, normal)
+            return (self._shape_mesh(mesh) if sheet is None else self._shape_sheet(sheet)), sheet
         except MeshError as error:
             refuse_mesh(self._robot.links[link].owner, file, error)
         except MemoryLimitError as error:
             raise MemoryLimitError(f"{self._robot.path}: link {link!r}: {error}") from error
 
-    def _shape_sheet(self, mesh: Mesh, normal: NDArray[np.float64]) -> Part:
-        vertices, faces = mesh
+    def _shape_sheet(self, sheet: Sheet) -> Part:
         if self._mesh_as == "hull":
-            half = 0.5 * _SHEET_THICKNESS * float(np.ptp(vertices, axis=0).max()) * normal
-            return _make_hull(np.concatenate([vertices - half, vertices + half]))
-        a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-        up = np.cross(b - a, c - a) @ normal > 0.0
-        # Both sides of a closed mesh are the same surface.
-        return self._shape_mesh(Mesh(vertices, faces[up] if up.any() else faces), open="sheet")
+            return _make_hull(sheet.find_points())
+        return Model.from_mesh(sheet.mesh, open="sheet", sheet_thickness=sheet.thickness)
 
-    def _shape_mesh(self, mesh: Mesh, open: Literal["auto", "sheet"] = "auto") -> Part:  # noqa: A002
+    def _shape_mesh(self, mesh: Mesh) -> Part:
         if self._mesh_as == "hull":
             return _make_hull(mesh.vertices)
         voxel_size = self._voxel_size
         side = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.vertices) > 0 else 0.0
         if voxel_size is not None and side > 0.0:
             voxel_size = min(voxel_size, side)
-        return Model.from_mesh(mesh, voxel_size=voxel_size, resolution=self._resolution, open=open)
-
-
-def _find_flat_normal(mesh: Mesh) -> NDArray[np.float64] | None:
-    """Return the unit normal of a mesh in a plane, (3,); None if it has a volume, or is a wire."""
-    if len(mesh.faces) == 0:
-        return None
-    used = mesh.vertices[np.unique(mesh.faces)]
-    _, spread, axes = np.linalg.svd(used - used.mean(axis=0), full_matrices=False)
-    is_flat = len(spread) == 3 and spread[1] > _FLAT * spread[0] >= spread[2]
-    return axes[2] if is_flat else None
+        return Model.from_mesh(mesh, voxel_size=voxel_size, resolution=self._resolution)
 
 
 def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:

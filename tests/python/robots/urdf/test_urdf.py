@@ -6,6 +6,7 @@ import importlib
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -300,25 +301,41 @@ def test_a_sphere_that_is_a_point_is_left_out_with_a_warning(write):
     assert robot.links["a"].body.shape.radius == 0.05
 
 
-FLAT = "v 0 0 0.1\nv 1 0 0.1\nv 0 1 0.1\nv 1 1 0.1\nf 1 2 3\nf 2 4 3\n"
-
-
 @pytest.mark.parametrize("mesh_as", ["model", "hull"])
-@pytest.mark.parametrize("back", ["", "f 1 3 2\nf 2 3 4\n"], ids=["open", "both sides"])
-def test_a_flat_mesh_becomes_a_thin_sheet_with_a_warning(write, tmp_path, mesh_as, back):
-    (tmp_path / "flat.obj").write_text(FLAT + back)
-    path = write(
-        link("a", '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>')
-    )
+@pytest.mark.parametrize(
+    "faces",
+    [[(0, 1, 2), (1, 3, 2)], [(0, 1, 2), (1, 3, 2), (0, 2, 1), (1, 2, 3)], [(0, 1, 2), (1, 2, 3)]],
+    ids=["open", "both sides", "wound both ways"],
+)
+def test_a_flat_mesh_becomes_a_thin_sheet_with_a_warning(write, tmp_path, mesh_as, faces):
+    corners = [(0, 0, 0.1), (1, 0, 0.1), (0, 1, 0.1), (1, 1, 0.1)]
+    trimesh.Trimesh(corners, faces, process=False).export(tmp_path / "flat.obj")
+    flat = '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>'
+    path = write(link("a", flat), link("b", flat), joint("j", "revolute", "a", "b", LIMIT))
     world = vx.World()
-    with pytest.warns(vx.RobotWarning, match=r"flat collision mesh: made it a thin sheet \('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"made it a sheet 5 mm thick \('a', 'b'\)"):
         robot = vx.load_urdf(world, path, mesh_as=mesh_as, fixed_base=True)
     size = np.ptp(robot.links["a"].body.shape.mesh.vertices, axis=0)
-    np.testing.assert_allclose(size[:2], 1.0, atol=0.025)
-    assert 0.004 < size[2] < 0.025
-    ball = world.add(vx.Sphere(0.05), pose=(0.5, 0.5, 0.3))
+    np.testing.assert_allclose(size, (1.0, 1.0, 0.005), atol=0.006)
+    balls = [
+        world.add(vx.Sphere(0.05), pose=(*place, 0.3))
+        for place in ((0.25, 0.2), (0.75, 0.8))  # each over one triangle
+    ]
     world.step(200)
-    assert ball.position[2] == pytest.approx(0.15, abs=0.015)
+    for ball in balls:
+        assert ball.position[2] == pytest.approx(0.1525, abs=2e-3)
+
+
+def test_a_flat_mesh_without_a_mass_weighs_as_its_sheet_does(write, tmp_path):
+    trimesh.creation.box((1, 1, 0)).export(tmp_path / "flat.stl")
+    path = write(
+        '<link name="a"><collision><geometry><mesh filename="flat.stl"/></geometry></collision></link>'
+    )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        robot = vx.load_urdf(vx.World(), path, fixed_base=False)
+    assert [each.category for each in caught] == [vx.RobotWarning]
+    assert robot.links["a"].body.mass == pytest.approx(1000.0 * 0.005, rel=0.01)
 
 
 def test_a_mesh_that_is_a_line_is_refused_by_link_and_line(write, tmp_path):
