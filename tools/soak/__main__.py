@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 
 from soak import page, runner
-from soak.ledger import Ledger, Record
+from soak.ledger import DamagedFileError, Ledger, Record
 from soak.task import Task, UnavailableError
 from soak.tasks import TASKS
 from soak.worker import CaseError, Worker
@@ -42,6 +42,15 @@ def main(arguments: list[str] | None = None) -> int:
     if options.case is not None:
         return run_case(names[0], options.case)
     ledger = Ledger()
+    try:
+        return count(options, tasks, ledger)
+    except DamagedFileError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+def count(options: argparse.Namespace, tasks: Mapping[str, Task], ledger: Ledger) -> int:
+    """Runs the tasks and writes the page; returns the exit code."""
     code = 0
     try:
         if options.minutes > 0:
@@ -52,8 +61,9 @@ def main(arguments: list[str] | None = None) -> int:
         code = 130
     records = {name: ledger.load(name, task) for name, task in TASKS.items()}
     if options.write:
-        ledger.commit(records)
-        page.write_page(TASKS, records)
+        latest = {name: ledger.load_latest(name, task) for name, task in TASKS.items()}
+        ledger.commit(latest)
+        page.write_page(TASKS, latest)
         print(f"wrote {page.PAGE} and {ledger.committed.name}")
     return code or sum_up(tasks, records)
 

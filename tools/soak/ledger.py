@@ -70,6 +70,10 @@ class Record:
         self.commit, self.machine = name_commit(sources), name_machine()
 
 
+class DamagedFileError(Exception):
+    """A file of counters cannot be read; the message names it."""
+
+
 class Ledger:
     """The records of the code as it is now.
 
@@ -85,17 +89,33 @@ class Ledger:
     def load(self, name: str, task: Task) -> Record:
         """What was counted with this code and this task, here or by whoever committed more of it."""
         code = digest(task)
-        known = [_read(self._path(name)), _read(self.committed).get(name, {})]
-        fitting = [record for record in known if record.get("code") == code]
-        if not fitting:
-            return Record(code)
-        found = max(fitting, key=lambda record: record["next_case"])
-        return Record(**{**found, "totals": Totals(**found["totals"])})
+        fitting = [record for record in self._find(name) if record.code == code]
+        return max(fitting, key=lambda record: record.next_case, default=Record(code))
+
+    def load_latest(self, name: str, task: Task) -> Record:
+        """The same; of older code where nothing was counted with this code yet."""
+        record = self.load(name, task)
+        older = [each for each in self._find(name) if each.last]
+        return record if record.last or not older else max(older, key=lambda each: each.last)
 
     def save(self, name: str, record: Record) -> None:
         """Replaces the file at once, so that a kill leaves the old one or the new one."""
         self.folder.mkdir(parents=True, exist_ok=True)
         _replace(self._path(name), asdict(record))
+
+    def _find(self, name: str) -> list[Record]:
+        """What this machine has of a task, and what the repository has."""
+        found = []
+        for path, keys in ((self._path(name), ()), (self.committed, (name,))):
+            content = _read(path)
+            try:
+                for key in keys:
+                    content = content.get(key)
+                if content:
+                    found.append(Record(**{**content, "totals": Totals(**content["totals"])}))
+            except (AttributeError, KeyError, TypeError) as error:
+                raise _damaged(path, error) from error
+        return found
 
     def commit(self, records: Mapping[str, Record]) -> None:
         """Replaces the repository's file, for others to go on from."""
@@ -105,8 +125,15 @@ class Ledger:
         return self.folder / f"{name}.json"
 
 
-def _read(path: Path) -> dict[str, Any]:
-    return json.loads(path.read_text()) if path.is_file() else {}
+def _read(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text()) if path.is_file() else {}
+    except ValueError as error:
+        raise _damaged(path, error) from error
+
+
+def _damaged(path: Path, error: Exception) -> DamagedFileError:
+    return DamagedFileError(f"{path} holds no counters ({error}); delete it to count from zero")
 
 
 def _replace(path: Path, content: dict[str, Any]) -> None:

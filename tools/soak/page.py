@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from soak.ledger import ROOT, Record
+from soak.ledger import ROOT, Record, digest
 from soak.task import Task
 
 PAGE = ROOT / "docs/evidence.md"
@@ -17,8 +17,9 @@ INTRODUCTION = """\
 voxshell checks each promise below against an independent oracle and counts every run. `./dev soak` adds to the
 counters until they reach the target of a release, and `./dev soak --write` writes this page. A row is **short**
 while it is below its target, and short rows come first. "Found" counts the cases in which the promise did not
-hold. Each counter belongs to the sources that its promise is about, as of the commit in the second table, and a
-change to these resets it. [evidence.json](evidence.json) has the counters, from which the next run goes on.
+hold. Each counter belongs to the sources that its promise is about, as of the commit in the second table. A change to
+these marks it as **older**, and the next run counts from zero. [evidence.json](evidence.json) has the counters, from which
+runs go on.
 
 The counters are numbers of random cases. They do not prove that the next case holds.
 """
@@ -64,6 +65,8 @@ def count_row(task: Task, record: Record) -> str:
     """The counts of a task and its findings."""
     done = task.done(record.totals)
     short = " **short**" if done < task.target else ""
+    if record.last and record.code != digest(task):
+        short += " **older**"
     measured = task.describe(record.totals) if record.totals.count else "nothing yet"
     if record.unavailable:
         measured = f"not run: {record.unavailable}"

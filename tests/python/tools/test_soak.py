@@ -17,7 +17,7 @@ import toy_soak
 import voxshell as vx
 from soak import page, runner
 from soak.__main__ import main, parse
-from soak.ledger import Ledger, Record
+from soak.ledger import DamagedFileError, Ledger, Record
 from soak.task import Totals
 from soak.tasks import TASKS, random_worlds, tree_poses, write_faults, wrong_arguments
 from soak.worker import CaseError, Worker
@@ -109,6 +109,33 @@ def test_another_machine_goes_on_from_what_was_committed(tmp_path: Path):
         Ledger(tmp_path / "there", committed).load("sound", toy_soak.TASKS["sound"])
         == there["sound"]
     )
+
+
+def test_counters_of_older_code_stay_on_the_page_with_a_mark(ledger: Ledger):
+    record = run(ledger, "sound")["sound"]
+    task = replace(toy_soak.TASKS["sound"], sources=("README.md",))
+    assert ledger.load_latest("sound", task) == record
+    assert "10 cases **older** | 10 |" in page.render({"sound": task}, {"sound": record})
+    assert (
+        "**older**"
+        not in page.render({"sound": toy_soak.TASKS["sound"]}, {"sound": record}).split("|", 3)[3]
+    )
+    newer = run(ledger, "sound", sources=("README.md",), target=2)["sound"]
+    assert ledger.load_latest("sound", task) == newer
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", "5", '{"sound": 5}', '{"totals": {}}'])
+@pytest.mark.parametrize("is_committed", [True, False])
+def test_a_damaged_file_is_named(ledger: Ledger, content: str, is_committed: bool):
+    path = ledger.committed if is_committed else ledger.folder / "sound.json"
+    path.write_text(content)
+    if content == "[]" and not is_committed:
+        return  # as good as none
+    if content == '{"totals": {}}' and is_committed:
+        assert ledger.load("sound", toy_soak.TASKS["sound"]).totals.count == 0
+        return
+    with pytest.raises(DamagedFileError, match=rf"{path} holds no counters .*; delete it"):
+        ledger.load("sound", toy_soak.TASKS["sound"])
 
 
 @pytest.mark.parametrize(
