@@ -116,24 +116,16 @@ def test_counters_of_older_code_stay_on_the_page_with_a_mark(ledger: Ledger):
     task = replace(toy_soak.TASKS["sound"], sources=("README.md",))
     assert ledger.load_latest("sound", task) == record
     assert "10 cases **older** | 10 |" in page.render({"sound": task}, {"sound": record})
-    assert (
-        "**older**"
-        not in page.render({"sound": toy_soak.TASKS["sound"]}, {"sound": record}).split("|", 3)[3]
-    )
+    assert "10 cases | 10 |" in page.render({"sound": toy_soak.TASKS["sound"]}, {"sound": record})
     newer = run(ledger, "sound", sources=("README.md",), target=2)["sound"]
     assert ledger.load_latest("sound", task) == newer
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", "5", '{"sound": 5}', '{"totals": {}}'])
+@pytest.mark.parametrize("content", ["", "{", "5", '{"sound": {"totals": 3}}'])
 @pytest.mark.parametrize("is_committed", [True, False])
 def test_a_damaged_file_is_named(ledger: Ledger, content: str, is_committed: bool):
     path = ledger.committed if is_committed else ledger.folder / "sound.json"
     path.write_text(content)
-    if content == "[]" and not is_committed:
-        return  # as good as none
-    if content == '{"totals": {}}' and is_committed:
-        assert ledger.load("sound", toy_soak.TASKS["sound"]).totals.count == 0
-        return
     with pytest.raises(DamagedFileError, match=rf"{path} holds no counters .*; delete it"):
         ledger.load("sound", toy_soak.TASKS["sound"])
 
