@@ -59,7 +59,7 @@ def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     Args:
         mesh: The mesh.
         scale: Factor on all vertices, to convert them to meters. By default it is the unit that a
-            3MF or COLLADA file states, and 1 for all else.
+            3MF or COLLADA file or a ``trimesh.Trimesh`` states, and 1 for all else.
 
     Raises:
         MeshError: A file cannot be read or holds no triangles; or arrays have a wrong shape or
@@ -76,6 +76,7 @@ def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         vertices, faces = mesh
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        factor = _read_unit(mesh) if factor is None else factor
         vertices, faces = mesh.vertices, mesh.faces  # pyright: ignore[reportAttributeAccessIssue]
     else:
         hint = "; pass scene.to_mesh()" if hasattr(mesh, "to_mesh") else ""
@@ -95,6 +96,22 @@ def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     return Mesh(vertices, _as_faces(faces, len(vertices)))
 
 
+def _read_unit(mesh: Any) -> float:
+    """Return the unit of a ``trimesh.Trimesh``, meters; 1 if it states none."""
+    stated = getattr(mesh, "units", None)
+    if not isinstance(stated, str):
+        return 1.0
+    from trimesh.units import unit_conversion
+
+    try:
+        unit = float(unit_conversion(stated, "meters"))
+    except (KeyError, ValueError) as error:
+        raise MeshError(f"mesh.units is {stated!r}, which is no length; pass scale") from error
+    if not (np.isfinite(unit) and unit > 0.0):
+        raise MeshError(f"mesh.units is {stated!r}, which is no length; pass scale")
+    return float(f"{unit:.12g}")  # trimesh converts by way of inches
+
+
 def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
     """Return why a mesh that was read without a scale is probably not in meters; else "".
 
@@ -110,7 +127,7 @@ def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
         return ""
     return (
         f"{os.fspath(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
-        "millimeters, build its model with scale=0.001 (--scale 0.001); scale=1 accepts the size"
+        "millimeters, pass Model.from_mesh(..., scale=0.001) or --scale 0.001; scale=1 accepts the size"
     )
 
 

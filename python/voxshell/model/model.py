@@ -113,8 +113,8 @@ class Model:
                 ``scale``. The default is the field's voxel size.
             target_points: Alternative to ``point_spacing``: number of points, reached within 1 %.
             scale: Factor on all vertices, to convert the mesh to meters (0.001 for millimeters). By
-                default, 3MF and COLLADA files have the unit that they state, and everything else is
-                in meters. A warning asks for ``scale`` if a file without a unit is longer than 10 m.
+                default, 3MF and COLLADA files and trimesh objects have the unit that they state, and
+                everything else is in meters. A warning asks for ``scale`` if a file without a unit is longer than 10 m.
             padding: Width of the grid beyond the mesh's bounds, meters. The default is 16 voxels;
                 at least eight are used. The field continues beyond its grid, less accurately.
             sign: How to find the inside of the mesh. "closed": by the surface; a mesh that is not

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
-    """Return a mesh with its scale and the unit of a COLLADA file applied.
+    """Return a mesh with its scale and the unit of its file applied.
 
     Faces of a mirrored mesh are reversed, so that they stay counterclockwise when seen from
     outside. The up axis of a COLLADA file is ignored, as in ROS.
@@ -31,12 +31,10 @@ def read_link_mesh(owner: str, file: MeshFile | MeshArrays) -> Mesh:
     """
     if isinstance(file, MeshArrays):
         return file.mesh
-    is_collada = file.path.lower().endswith(".dae")
-    if is_collada:
+    if file.path.lower().endswith(".dae"):
         _need_collada(file.path)
     try:
-        # Others are scaled by the robot's file alone.
-        mesh = read_mesh(file.path, None if is_collada else 1.0)
+        mesh = read_mesh(file.path)
     except MeshError as error:
         refuse_mesh(owner, file, error)
     affine = np.array(file.geometry_from_file)

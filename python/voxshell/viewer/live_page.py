@@ -171,7 +171,8 @@ class LivePage:
             state = "waiting for the next step" if waits else "running"
         self._status.content = (
             f"{state} at **{frame.time:.3f} s**{rate}  \n"
-            f"{len(frame.bodies):,} bodies, {len(frame.depths):,} contacts"
+            f"{_count(len(frame.bodies), 'body', 'bodies')}, "
+            f"{_count(len(frame.depths), 'contact', 'contacts')}"
         )
         self._show_pause()
         legend = self._describe()
@@ -255,6 +256,10 @@ class LivePage:
             local = pose[:3, :3].T @ (point - pose[:3, 3])
             pulls.grab(hand, body, local, float(np.linalg.norm(size)))
         pulls.move(hand, np.array(event.end_position) / self._scene.scale)
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number:,} {one if number == 1 else many}"
 
 
 def find_up(gravity: NDArray[np.float64]) -> str:

@@ -67,7 +67,7 @@ def check_dae(data: bytes) -> float:
     """Check the corners of faces, and how often nodes place geometries.
 
     Returns:
-        The unit of its coordinates in meters: 1 if it states none that is finite and above 0.
+        The unit of its coordinates in meters: 1 if it states none.
 
     Raises:
         MeshError: The file exceeds a limit.
@@ -194,9 +194,11 @@ class _Nodes(_Scan):
         elif name == "instance_geometry" and self._nodes:
             self.children["node", self._nodes[-1]].append(("geometry", target))
         elif name == "unit":
-            meters = float(attributes.get("meter", 1.0))
-            if math.isfinite(meters) and meters > 0.0:
-                self.unit = meters
+            self.unit = float(attributes.get("meter", 1.0))
+            if not (math.isfinite(self.unit) and self.unit > 0.0):
+                raise MeshError(
+                    f"its unit is {self.unit:g} meters, which is no length; export the mesh again"
+                )
         elif name == "geometry":
             self._geometry, self._began = attributes.get("id", ""), at
         elif name in ("polygons", "polylist"):

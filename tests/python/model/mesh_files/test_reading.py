@@ -424,6 +424,34 @@ def test_a_file_that_states_its_unit_is_read_in_meters(
     np.testing.assert_allclose(given, 0.5, rtol=1e-6, err_msg="a scale replaces the unit")
 
 
+@pytest.mark.parametrize(
+    ("units", "meters"),
+    [(None, 1.0), ("meters", 1.0), ("millimeters", 0.001), ("in", 0.0254), ("0.01 * meters", 0.01)],
+)
+def test_a_trimesh_that_states_its_unit_is_read_in_meters(units: str | None, meters: float):
+    box = trimesh.creation.box((1, 1, 1))
+    if units is not None:
+        box.units = units
+    assert np.ptp(read_mesh(box).vertices, axis=0).tolist() == [meters] * 3
+    assert np.ptp(read_mesh(box, 0.5).vertices, axis=0).tolist() == [0.5] * 3
+
+
+def test_a_trimesh_in_no_length_is_refused():
+    box = trimesh.creation.box((1, 1, 1))
+    box.units = "furlongs of cheese"
+    with pytest.raises(vx.MeshError, match=r"mesh\.units is 'furlongs of cheese'"):
+        vx.Model.from_mesh(box)
+
+
+@pytest.mark.parametrize("meter", ["0", "-1", "nan", "inf"])
+def test_a_unit_that_is_no_length_is_refused(tmp_path: Path, meter: str):
+    path = tmp_path / "part.dae"
+    content = make_dae("<node id='n0'><instance_geometry url='#g'/></node>")
+    path.write_bytes(content.replace(b'meter="1"', f'meter="{meter}"'.encode()))
+    with pytest.raises(vx.MeshError, match=r"part\.dae: its unit is .* meters, which is no length"):
+        read_mesh(path)
+
+
 def test_an_unknown_unit_is_refused(tmp_path: Path):
     path = tmp_path / "part.3mf"
     path.write_bytes(state_unit('unit="furlong" '))
@@ -449,7 +477,5 @@ def test_a_long_file_without_a_unit_is_doubted(tmp_path: Path, suffix: str):
 def test_a_model_that_is_too_large_in_a_wrong_unit_is_refused_with_the_reason(tmp_path: Path):
     path = tmp_path / "part.stl"
     trimesh.creation.box((80, 60, 20)).export(path)
-    with pytest.raises(
-        vx.MeshError, match=r"reaches 40 m.*80 m long.*build its model with scale=0\.001"
-    ):
+    with pytest.raises(vx.MeshError, match=r"reaches 40 m.*80 m long.*scale=0\.001"):
         vx.Model.from_mesh(path, voxel_size=0.001)
