@@ -62,7 +62,8 @@ class HingeJoint:
 
     Args:
         axis: (3,), joint frame; any nonzero length.
-        limits: Lowest and highest angle, radians, over any number of turns; None for no limits.
+        limits: Lowest and highest angle, radians, over any number of turns; None for no limits. A
+            joint that begins outside turns back at up to 1 rad/s.
         friction: Friction torque while no motor drives the joint, newton meters.
         damping: Torque against the motion, newton meters per rad/s.
 
@@ -99,7 +100,8 @@ class SliderJoint:
 
     Args:
         axis: (3,), joint frame; any nonzero length.
-        limits: Lowest and highest position, meters; None for no limits.
+        limits: Lowest and highest position, meters; None for no limits. A joint that begins outside
+            slides back at up to 0.1 m/s.
         friction: Friction force while no motor drives the joint, newtons.
         damping: Force against the motion, newtons per m/s.
 
