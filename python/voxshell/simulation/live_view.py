@@ -270,24 +270,28 @@ class LiveView:
             self._has_unseen = True
             self._news.notify_all()
 
+    def _find_bodies(self) -> tuple[Body, ...]:
+        return tuple(body for body in self._bodies if not body.removed)
+
     def _take(self) -> LiveFrame | None:
         return take_frame(self._simulation, self._bodies, self._gravity, self._time_step)
 
     def _send(self) -> None:
         """Show the states in a separate thread, which reads the world itself if no step is made."""
         assert self._page is not None
+        shown = self._find_bodies()
         while not self._closed:
             with self._news:
                 if self._frame is None and not self._closed:
                     self._news.wait(_STILL if self._pages else None)
                 frame, self._frame = self._frame, None
             is_last = frame is None and time.perf_counter() - self._last_step > _STILL
-            if is_last and self._pages and self._has_unseen:
+            if is_last and self._pages and (self._has_unseen or self._find_bodies() != shown):
                 self._has_unseen = False
                 frame = self._take()
             if frame is not None and not self._closed:
                 self._page.show(frame, last=is_last)
-                self._shown += 1
+                self._shown, shown = self._shown + 1, frame.bodies
 
     def _wait_for_speed(self, speed: float) -> None:
         now, simulated = time.perf_counter(), self._simulation.step_count() * self._time_step

@@ -120,6 +120,10 @@ def test_a_page_says_when_the_program_makes_no_steps(watched: Watched):
     watched.wait(lambda: watched.is_still(), "the run goes on")
     time_shown = f"{watched.world.time:.3f} s"
     watched.page.get_by_text(time_shown).first.wait_for()
+    ball = watched.world.add(vx.Sphere(0.05), pose=(0, 0, 0.5))
+    watched.page.get_by_text("3 bodies").wait_for()
+    watched.world.remove(ball)
+    watched.page.get_by_text("2 bodies").wait_for()
 
 
 def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
