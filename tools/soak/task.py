@@ -54,9 +54,12 @@ Raises AssertionError, with a text that says what was wrong, where the promise d
 """
 
 
-CORE = ("core", "cmake", "CMakeLists.txt", "tests/cpp/core/support", "tests/cpp/soak")
-WORLDS = (*CORE, "bullet", "python/bindings", "python/voxshell/simulation")
-EVERYTHING = (*CORE, "bullet", "python", "tests/python/support")
+CORE = (
+    *("core", "CMakeLists.txt", "cmake/voxshell_code_generation.cmake"),
+    *("tests/cpp/core/support", "tests/cpp/soak"),
+)
+WORLDS = (*CORE, "bullet", "cmake", "python/bindings", "python/voxshell/simulation")
+EVERYTHING = (*CORE, "bullet", "cmake", "python", "tests/python/support")
 
 
 @dataclass(frozen=True)
