@@ -268,18 +268,26 @@ btScalar CoulombSolver::velocity_of_forces() const {
   return largest;
 }
 
-/// The largest velocity by which a row misses its aim before the step is solved, m/s.
+/// The largest change of velocity that a row aims at before the step is solved, as far as its
+/// limits let it, m/s. What a far limit of a joint or a speculative contact lets bodies do is none.
 btScalar CoulombSolver::velocity_of_aims() const {
   btScalar largest = 0;
+  const auto add = [&](const btSolverConstraint& row, btScalar impulse) {
+    if (row.m_jacDiagABInv > 0) {
+      largest = std::max(largest, btFabs(impulse / row.m_jacDiagABInv));
+    }
+  };
   for (const btConstraintArray* rows :
-       {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
-        &m_tmpSolverContactFrictionConstraintPool}) {
+       {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool}) {
     for (int i = 0; i < rows->size(); ++i) {
       const btSolverConstraint& row = (*rows)[i];
-      if (row.m_jacDiagABInv > 0) {
-        largest = std::max(largest, btFabs(row.m_rhs / row.m_jacDiagABInv));
-      }
+      add(row, std::clamp(row.m_rhs, row.m_lowerLimit, row.m_upperLimit));
     }
+  }
+  // Their limits are coefficients.
+  for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); ++i) {
+    const btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[i];
+    add(row, row.m_rhs);
   }
   return largest;
 }

@@ -222,3 +222,29 @@ def test_a_belt_that_stops_stops_what_it_carries():
 def test_surface_velocities_that_cannot_be_are_refused(world, body, message):
     with pytest.raises(vx.SettingsError, match=message):
         vx.World(**world).add(vx.Sphere(0.1), **{"surface_velocity": (1, 0, 0), **body})
+
+
+@pytest.mark.parametrize("limits", [None, (-0.1, 0.1)])
+def test_a_light_link_between_heavy_bodies_gains_no_energy_without_gravity(limits):
+    """Far limits counted as aims of 160 rad/s, so that the solver took 3 m/s for solved."""
+    world = vx.World(gravity=(0, 0, 0), time_step=0.001, sleeping=False)
+    first = world.add(vx.Box((0.05, 0.05, 0.05)), mass=7.0, pose=(0.25, 0, 0.5))
+    link = world.add(vx.Sphere(0.04), mass=0.01, pose=(-0.25, 0.25, 0.25))
+    last = world.add(vx.Box((0.05, 0.05, 0.05)), mass=5.0, pose=(-0.25, 0.25, 0.5))
+    hinge = vx.HingeJoint(axis=(0.0, -0.76, -0.92), limits=limits, friction=0.1)
+    world.add_joint(hinge, first, link)
+    world.add_joint(vx.PointJoint(), link, last)
+    first.linear_velocity = (0.5, 1.2, 2.7)
+    last.linear_velocity = (-2.4, 1.0, -2.3)
+    first.angular_velocity = (-1.9, 5.0, 0.0)
+
+    def energy():
+        spins = [b.angular_velocity for b in (first, last)]
+        inertia = [2.0 / 3.0 * b.mass * 0.05**2 for b in (first, last)]
+        straight = sum(b.mass * (b.linear_velocity**2).sum() for b in (first, link, last))
+        return 0.5 * (straight + sum(i * (w**2).sum() for i, w in zip(inertia, spins, strict=True)))
+
+    world.step(1)
+    energies = []
+    world.step(1000, lambda world: energies.append(energy()))
+    assert max(energies) < 1.001 * energies[0]
