@@ -195,7 +195,7 @@ def list_numbers() -> Iterator[tuple[str, Content, Wants]]:
     yield "an inertia that no body has", with_link(inertia=(1, 1, 100)), "either"
     yield "products of inertia beyond it", with_link(products=5), "either"
     yield "no inertia", robot(link(), joint()).replace("<inertia ", "<evil "), "either"
-    yield "a ball of radius 0", with_link(geometry='<sphere radius="0"/>'), "refused"
+    yield "a ball of radius 0", with_link(geometry='<sphere radius="0"/>'), "loaded"
     yield "a ball of radius -1", with_link(geometry='<sphere radius="-1"/>'), "refused"
     yield "a ball of radius 1e300", with_link(geometry='<sphere radius="1e300"/>'), "refused"
     yield "a ball of radius 1e-300", with_link(geometry='<sphere radius="1e-300"/>'), "either"
