@@ -118,11 +118,23 @@ class Ledger:
         return found
 
     def commit(self, records: Mapping[str, Record]) -> None:
-        """Replaces the repository's file, for others to go on from."""
-        _replace(self.committed, {name: asdict(record) for name, record in records.items()})
+        """Replaces the repository's file, for others to go on from.
+
+        Of a fault it gets the last line alone: the lines above it name files of this machine.
+        """
+        content = {name: asdict(record) for name, record in records.items()}
+        for record in content.values():
+            for fault in record["faults"]:
+                fault["what"] = last_line(fault["what"])
+        _replace(self.committed, content)
 
     def _path(self, name: str) -> Path:
         return self.folder / f"{name}.json"
+
+
+def last_line(text: str) -> str:
+    """The last line of an error, short enough for a list."""
+    return (text.strip().splitlines() or ["?"])[-1][:200].replace("`", "'")
 
 
 def _read(path: Path) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from soak.ledger import ROOT, Record, digest
+from soak.ledger import ROOT, Record, digest, last_line
 from soak.task import Task
 
 PAGE = ROOT / "docs/evidence.md"
@@ -108,11 +108,6 @@ def list_findings(tasks: Mapping[str, Task], records: Mapping[str, Record]) -> l
         if record.found > LISTED:
             lines.append(f"- and {record.found - LISTED:,} more of `{name}`")
     return lines
-
-
-def last_line(text: str) -> str:
-    """The last line of an error, short enough for a list."""
-    return (text.strip().splitlines() or ["?"])[-1][:200].replace("`", "'")
 
 
 def escape(cell: str) -> str:

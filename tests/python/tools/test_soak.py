@@ -101,6 +101,8 @@ def test_another_machine_goes_on_from_what_was_committed(tmp_path: Path):
     committed = tmp_path / "evidence.json"
     here = Ledger(tmp_path / "here", committed)
     here.commit(run(here, "sound", "wrong"))
+    assert "Traceback" not in committed.read_text()
+    assert str(ROOT) not in committed.read_text()
     there = run(Ledger(tmp_path / "there", committed), "sound", "wrong", target=20)
     assert there["sound"].totals.tallies["sum"] == sum(range(10))
     assert there["wrong"].faults[0]["case"] == 3
