@@ -268,8 +268,8 @@ btScalar CoulombSolver::velocity_of_forces() const {
   return largest;
 }
 
-/// The largest change of velocity that a row aims at before the step is solved, as far as its
-/// limits let it, m/s. What a far limit of a joint or a speculative contact lets bodies do is none.
+/// The largest change of velocity that a row asks for before the step is solved and that its limits
+/// allow, m/s. The far limit of a joint and a speculative contact ask for nothing.
 btScalar CoulombSolver::velocity_of_aims() const {
   btScalar largest = 0;
   const auto add = [&](const btSolverConstraint& row, btScalar impulse) {

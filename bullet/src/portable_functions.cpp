@@ -1,7 +1,7 @@
 // The functions of the C library whose last bits differ between processors and versions, for all
 // that links our own Bullet: the linker's --wrap (cmake/pinned_bullet.cmake) has calls of sin end
-// in __wrap_sin, Bullet's own included. Thus motions have the same bits everywhere. The adapters
-// for other people's Bullet leave the C library as it is.
+// in __wrap_sin, Bullet's own included. Thus motions have the same bits everywhere. C++ programs
+// with a Bullet of their own call the C library.
 
 #include <algorithm>
 #include <cmath>

@@ -180,7 +180,7 @@ def _load(path: str) -> tuple[trimesh.Trimesh, float]:
         raise MeshError(
             f"cannot read mesh {path}: it holds no triangles, or is damaged; export it again"
         )
-    return mesh, 1.0 if unit is None else unit
+    return mesh, unit
 
 
 def _explain(path: str, error: Exception) -> str:

@@ -72,7 +72,10 @@ def find_sheet(mesh: Mesh) -> Sheet | None:
 
 
 def _is_closed(faces: NDArray[np.integer]) -> bool:
-    """Return whether each edge is passed as often in one direction as in the other."""
+    """Return whether each edge is passed as often in one direction as in the other.
+
+    An edge may have four triangles, as those of a flattened box have, which trimesh calls open.
+    """
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     edges = edges[edges[:, 0] != edges[:, 1]]
     lower, upper = edges.min(axis=1), edges.max(axis=1)

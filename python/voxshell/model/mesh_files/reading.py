@@ -23,13 +23,13 @@ class MeshFile(NamedTuple):
         kind: One of :data:`KINDS`.
         data: The file's content.
         neighbors: The files that it may refer to.
-        unit: Of its coordinates, meters; None if files of this format state none.
+        unit: Of its coordinates, meters; 1 if it states none.
     """
 
     kind: str
     data: bytes
     neighbors: Neighbors
-    unit: float | None
+    unit: float
 
 
 def open_mesh_file(path: str) -> MeshFile:
@@ -49,7 +49,7 @@ def open_mesh_file(path: str) -> MeshFile:
         )
     data = read_regular(path)
     neighbors = Neighbors(path)
-    unit = None
+    unit = 1.0
     match kind:
         case "3mf":
             unit = xml_scenes.check_3mf(data)
@@ -57,10 +57,8 @@ def open_mesh_file(path: str) -> MeshFile:
             unit = xml_scenes.check_dae(data)
         case "glb":
             gltf.check_glb(data, neighbors)
-            unit = 1.0
         case "gltf":
             gltf.check_gltf(data, neighbors)
-            unit = 1.0
         case "obj":
             data = polygons.merge_materials(data)
         case "off":
