@@ -6,15 +6,48 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <vector>
+
+#if defined(__unix__)
+#include <sys/mman.h>
+#endif
 
 #include "voxshell/ordinary_floats.h"
 
 namespace voxshell {
+namespace {
+
+/// Memory that the system has to spare as long as this lives, and gets back at its end: an
+/// allocator may keep what it is given back.
+class Reserve {
+ public:
+#if defined(__unix__)
+  Reserve()
+      : memory_(mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+    if (memory_ == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~Reserve() { munmap(memory_, kBytes); }
+#else
+  Reserve() = default;
+  ~Reserve() = default;
+#endif
+  Reserve(const Reserve&) = delete;
+  Reserve& operator=(const Reserve&) = delete;
+
+#if defined(__unix__)
+ private:
+  static constexpr std::size_t kBytes = 1 << 17;
+  void* memory_;
+#endif
+};
+
+}  // namespace
 
 bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
-                  const Progress& progress, const std::function<void(std::size_t)>& task) {
+                  const Progress& progress, const std::function<void(std::size_t)>& task,
+                  const std::function<void()>& begin_helper) {
   constexpr unsigned kMaxThreads = 256;  // beyond any gain, below what systems allow
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   threads = std::min(threads, kMaxThreads);
@@ -56,15 +89,19 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   };
 
   // A thread allocates what it needs to throw when it first asks for it, and without memory glibc
-  // ends the process: let all of them ask before any task may use the memory up.
+  // ends the process. Each helper therefore asks as it starts, while nothing else here allocates,
+  // and from memory that was set aside for it.
   static_cast<void>(std::current_exception());
-  std::atomic<std::size_t> ready{0};
-  std::atomic<bool> all_ready{false};
-  const auto help = [&] {
+  std::atomic<std::size_t> allowed{0};  // helpers that may ask
+  std::atomic<std::size_t> ready{0};    // helpers that have asked
+  std::atomic<bool> begun{false};
+  const auto help = [&](std::size_t number) {
+    for (std::size_t i = allowed; i <= number; i = allowed) allowed.wait(i);
     static_cast<void>(std::current_exception());
+    if (begin_helper) begin_helper();
     ++ready;
     ready.notify_one();
-    all_ready.wait(false);
+    begun.wait(false);
     work(false);
   };
 
@@ -77,7 +114,14 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     // Where the system has no more threads, or memory for them, the work is done by fewer.
     const auto start_helper = [&] {
       try {
-        helpers.emplace_back(help);
+        const std::size_t number = helpers.size();
+        {
+          const Reserve reserve;
+          helpers.emplace_back(help, number);
+        }
+        ++allowed;
+        allowed.notify_all();
+        for (std::size_t i = ready; i <= number; i = ready) ready.wait(i);
         return true;
       } catch (const std::exception&) {
         return false;
@@ -85,9 +129,8 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
     };
     while (helpers.size() < helper_count && start_helper()) {
     }
-    for (std::size_t i = ready; i < helpers.size(); i = ready) ready.wait(i);
-    all_ready = true;
-    all_ready.notify_all();
+    begun = true;
+    begun.notify_all();
     work(true);
   }
   if (failure != nullptr) std::rethrow_exception(failure);

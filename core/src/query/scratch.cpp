@@ -1,6 +1,7 @@
 #include "query/scratch.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace voxshell {
 
@@ -25,23 +26,31 @@ constexpr std::size_t kSpare = 8;  // kernels write eight at a time
 }  // namespace
 
 bool QueryLists::State::reserve(const simd::TreeView& tree, std::size_t more) {
-  bool has_moved = false;
   const std::size_t points = tree.point_count + more + kSpare;
-  if (points > point_capacity) {
-    point_capacity = points;
-    constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);
-    point_lists.resize(2 * QueryScratch::State::kPointLists + kContactLists,
-                       points * sizeof(float));
-    contact_count = 0;
-    has_moved = true;
-  }
   const std::size_t slots = (std::size_t{1} << tree.depth) + kSpare;
-  if (slots > node_capacity) {
-    node_capacity = slots;
-    for (NodeBuffer& buffer : nodes) buffer.lists.resize(3, slots * sizeof(float));
-    has_moved = true;
+  const bool grows_points = points > point_capacity;
+  const bool grows_nodes = slots > node_capacity;
+  ListMemory grown_points;
+  ListMemory grown_nodes[2];
+  if (grows_points) {
+    constexpr std::size_t kContactLists = sizeof(Contact) / sizeof(float);
+    grown_points.resize(2 * QueryScratch::State::kPointLists + kContactLists,
+                        points * sizeof(float));
   }
-  return has_moved;
+  if (grows_nodes) {
+    for (ListMemory& lists : grown_nodes) lists.resize(3, slots * sizeof(float));
+  }
+  // Nothing fails from here on.
+  if (grows_points) {
+    point_lists = std::move(grown_points);
+    point_capacity = points;
+    contact_count = 0;
+  }
+  if (grows_nodes) {
+    for (int i = 0; i < 2; ++i) nodes[i].lists = std::move(grown_nodes[i]);
+    node_capacity = slots;
+  }
+  return grows_points || grows_nodes;
 }
 
 void QueryScratch::State::reserve(const simd::TreeView& tree, std::size_t more) {
@@ -59,23 +68,24 @@ bool QueryScratch::State::recall_contacts(const simd::TreeView& tree, std::size_
 }
 
 void QueryScratch::State::keep_contacts(bool is_asked_again) {
-  is_answer_kept_ = owns_lists() || is_asked_again;
-  if (owns_lists() || !is_asked_again) return;
-  const Contact* const found = contact_data();
-  answer_.assign(found, found + lists().contact_count);
+  is_answer_kept_ = false;
+  if (!owns_lists()) {
+    if (!is_asked_again) return;
+    const Contact* const found = contact_data();
+    answer_.assign(found, found + lists().contact_count);
+  }
+  is_answer_kept_ = true;
 }
 
 void QueryScratch::State::keep_survivors() {
   if (owns_lists()) return;
-  if (survivors.growth == 0.0) {
-    survivors.growth = Survivors::kNotKept;
-    return;
-  }
+  const double growth = std::exchange(survivors.growth, Survivors::kNotKept);
+  if (growth == 0.0) return;
   simd::PointList& points = survivors.points;
   const std::size_t count = points.count;
   if (count + kSpare > kept_capacity_) {
+    kept_.resize(kPointLists, (2 * count + kSpare) * sizeof(float));
     kept_capacity_ = 2 * count + kSpare;
-    kept_.resize(kPointLists, kept_capacity_ * sizeof(float));
   }
   simd::PointList kept = make_point_list(kept_, 0);
   // With the copies that fill up the last eight.
@@ -88,13 +98,14 @@ void QueryScratch::State::keep_survivors() {
   copy(points.z, kept.z);
   kept.count = points.count;
   points = kept;
+  survivors.growth = growth;
 }
 
 simd::FoundPoint* QueryScratch::State::reserve_found(std::size_t segments) {
   QueryLists::State& of = lists();
   if (segments > of.found_capacity) {
-    of.found_capacity = segments;
     of.found = std::make_unique_for_overwrite<simd::FoundPoint[]>(segments);
+    of.found_capacity = segments;
   }
   return of.found.get();
 }
@@ -102,8 +113,8 @@ simd::FoundPoint* QueryScratch::State::reserve_found(std::size_t segments) {
 std::uint32_t* QueryScratch::State::reserve_group_ends() {
   QueryLists::State& of = lists();
   if (of.point_capacity > of.group_capacity) {
+    of.group_ends = std::make_unique_for_overwrite<std::uint32_t[]>(of.point_capacity);
     of.group_capacity = of.point_capacity;
-    of.group_ends = std::make_unique_for_overwrite<std::uint32_t[]>(of.group_capacity);
   }
   return of.group_ends.get();
 }
@@ -111,10 +122,10 @@ std::uint32_t* QueryScratch::State::reserve_group_ends() {
 void QueryScratch::State::reserve_gradients() {
   QueryLists::State& of = lists();
   if (of.point_capacity <= of.gradient_capacity) return;
+  of.gradient_x = std::make_unique_for_overwrite<float[]>(of.point_capacity);
+  of.gradient_y = std::make_unique_for_overwrite<float[]>(of.point_capacity);
+  of.gradient_z = std::make_unique_for_overwrite<float[]>(of.point_capacity);
   of.gradient_capacity = of.point_capacity;
-  of.gradient_x = std::make_unique_for_overwrite<float[]>(of.gradient_capacity);
-  of.gradient_y = std::make_unique_for_overwrite<float[]>(of.gradient_capacity);
-  of.gradient_z = std::make_unique_for_overwrite<float[]>(of.gradient_capacity);
 }
 
 }  // namespace voxshell

@@ -34,8 +34,10 @@ class ListMemory {
     constexpr std::size_t kPage = 4096;
     constexpr auto kLine = static_cast<std::size_t>(kCacheLine);
     const auto round_up = [&](std::size_t unit) { return (bytes_each + unit - 1) / unit * unit; };
-    stride_ = bytes_each < kPage ? round_up(kLine) : round_up(kPage) + 11 * kLine;
-    memory_.reset(static_cast<std::byte*>(::operator new(lists * stride_, kCacheLine)));
+    const std::size_t stride =
+        bytes_each < kPage ? round_up(kLine) : round_up(kPage) + 11 * kLine;
+    memory_.reset(static_cast<std::byte*>(::operator new(lists * stride, kCacheLine)));
+    stride_ = stride;
   }
   template <class T>
   T* list(std::size_t index) const {
@@ -53,7 +55,8 @@ class ListMemory {
 };
 
 /// Arrays that grow to the largest shell asked about and are never filled in advance. A search
-/// leaves nothing in them that the next one needs, so many scratches may share them.
+/// leaves nothing in them that the next one needs, so many scratches may share them. Where memory
+/// runs out while one grows, all stay as they were: a later search may use them.
 struct QueryLists::State {
   template <class T>
   using Buffer = std::unique_ptr<T[]>;

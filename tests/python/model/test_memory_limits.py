@@ -23,8 +23,8 @@ SWEEP = """
     poses[:, 0, 3] = np.linspace(1.95, 1.99, len(poses))
     vx.World().add(ball)  # what is loaded late is there
 
-    def simulate():
-        world = vx.World()
+    def simulate(threads=1):
+        world = vx.World(threads=threads)
         try:
             for number in range(40):
                 pose = np.eye(4)
@@ -44,6 +44,7 @@ SWEEP = """
         "contacts_batch": lambda: vx.contacts_batch(ball, ball, a_poses=poses, threads=4),
         "collide_batch": lambda: vx.collide_batch(ball, ball, a_poses=poses, threads=4),
         "simulate": simulate,
+        "simulate on threads": lambda: simulate(4),
     }
 
     def run(work, limit):
@@ -92,7 +93,8 @@ def test_out_of_memory_in_a_helper_thread_is_a_typed_error(work: str, most: int)
     assert 1 in ends
 
 
-def test_a_world_whose_memory_ran_out_says_so_and_nothing_else_does():
-    ends = sweep("simulate", [*(2_000_000 * (i + 1) for i in range(20)), 4_000_000_000])
+@pytest.mark.parametrize("work", ["simulate", "simulate on threads"])
+def test_a_world_whose_memory_ran_out_says_so_and_nothing_else_does(work: str):
+    ends = sweep(work, [*(2_000_000 * (i + 1) for i in range(25)), 4_000_000_000])
     assert ends[-1] == 0
     assert 1 in ends

@@ -94,5 +94,16 @@ TEST(ParallelFor, AnExceptionInAHelperAloneArrivesAtTheCaller) {
   EXPECT_THROW(parallel_for(100, 4, "", {}, task), std::bad_alloc);
 }
 
+TEST(ParallelFor, BeginsEachHelperBeforeItsTasks) {
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> begun{0};
+  const auto begin = [&] {
+    EXPECT_NE(std::this_thread::get_id(), caller);
+    ++begun;
+  };
+  const auto task = [&](std::size_t) { EXPECT_EQ(begun, 3); };
+  EXPECT_TRUE(parallel_for(100, 4, "", {}, task, begin));
+}
+
 }  // namespace
 }  // namespace voxshell
