@@ -308,6 +308,9 @@ inline constexpr double kSlideLosesOfMargin = 0.1;
 inline constexpr double kZeroWithin = 1e-4;
 /// Most steps along an edge to that place.
 inline constexpr int kMostZeroSteps = 24;
+/// Of these, most over which the normal does not turn, each twice as long as the last, before there
+/// is no such place: from a hundredth of the smaller body's radius to a third.
+inline constexpr int kMostFlatSteps = 5;
 /// A normal beside an edge is that of a face of it where its cosine with the edge is below this.
 inline constexpr double kFaceOfEdge = 0.1;
 /// An edge touches where no face beside it leads towards the round body by more than this sine.

@@ -8,7 +8,8 @@
 namespace voxshell::bullet {
 
 /// Where a function of growing value is zero, from a first guess on: by secants, and by halves
-/// where these leave what holds the zero. None where it does not grow by `least` or is not found.
+/// where these leave what holds the zero. None where it does not grow by `least` within a number of
+/// steps, each twice as long as the last, or is not found.
 template <class F>
 std::optional<double> find_zero(const F& value_at, double first_step, double least, double within) {
   double at = 0.0;
@@ -20,8 +21,7 @@ std::optional<double> find_zero(const F& value_at, double first_step, double lea
   for (int i = 0; i < kMostZeroSteps; ++i) {
     if (std::abs(*value) <= within) return at;
     (*value < 0.0 ? below : above) = at;
-    double step = *value < 0.0 ? first_step : -first_step;
-    if (i > 0) step = -*value / slope;
+    double step = slope > 0.0 ? -*value / slope : std::copysign(first_step, -*value);
     double next = at + step;
     if (below && above && !(next > *below && next < *above)) next = 0.5 * (*below + *above);
     const std::optional<double> value_there = value_at(next);
@@ -31,7 +31,8 @@ std::optional<double> find_zero(const F& value_at, double first_step, double lea
     if (steepness >= least) {
       slope = steepness;
     } else if (!(slope > 0.0)) {
-      return std::nullopt;
+      if (i >= kMostFlatSteps) return std::nullopt;
+      first_step *= 2.0;
     }
     at = next;
     value = value_there;

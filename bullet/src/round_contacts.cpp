@@ -218,8 +218,10 @@ void RoundContacts::drop_covered(std::vector<Contact>& others, const PointShell&
       const bool is_point = shell_of_others.is_point(contact.id);
       const auto* const same =
           at_rest_.find(point, is_point ? same_within_ + spacing_ : same_within_);
-      // Of two that are one, one stays.
-      return same != nullptr && has_id(own, same->id);
+      // Of two that are one, one stays. A wall and the floor beside it are not one.
+      const Vec3 outwards = shell_from_other.rotate(static_cast<Vec3>(contact.normal));
+      return same != nullptr && has_id(own, same->id) &&
+             -dot(outwards, same->of.facing.outwards) >= static_cast<double>(kDoubleCosine);
     }
     const auto& nearest = at_rest_.nearest(point);
     const SmoothSurface::Place start = surface_->below(nearest.of.place, point);

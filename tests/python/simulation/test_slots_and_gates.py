@@ -88,3 +88,31 @@ def test_a_slot_that_falls_on_a_rod_hangs_on_it(rate: int, width: float) -> None
             lowest = min(lowest, plate.position[2])
         assert lowest == pytest.approx(hangs, abs=3e-4)
         assert plate.position[2] == pytest.approx(hangs, abs=1e-4)
+
+
+@cache
+def peg_between_panes() -> vx.Model:
+    """Two panes that are 20 mm apart, and a peg of 8 mm from one to the other; samples 3 mm apart."""
+    peg = cylinder(0.004, 0.03, sections=32)
+    peg.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0)))
+    panes = [box_at((0.65, 0.01, 0.6), (0, y, 0)) for y in (-0.015, 0.015)]
+    return vx.Model.from_mesh(trimesh.boolean.union([peg, *panes], engine="manifold"))
+
+
+def test_a_ball_that_hits_a_peg_between_panes_stays_between_them() -> None:
+    """In 4 of 100 falls, what touched the panes was taken for samples of what touched the peg."""
+    random = np.random.default_rng(0)
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(5, radius=0.008))
+    deepest = 0.0
+    for _ in range(100):
+        world = vx.World(time_step=1 / 60)
+        world.add(peg_between_panes(), friction=0.3, restitution=0.55)
+        position = random.uniform((-0.004, -0.0019, 0.0125), (0.004, 0.0019, 0.0425))
+        pose = vx.pose(position, euler=random.uniform(-np.pi, np.pi, 3))
+        body = world.add(ball, mass=0.01, friction=0.3, restitution=0.55, pose=pose)
+        body.linear_velocity = (random.uniform(-0.2, 0.2), 0, -0.9)
+        body.angular_velocity = random.normal(size=3) * 30
+        for _ in range(15):
+            world.step()
+            deepest = max(deepest, abs(body.position[1]) - 0.002)
+    assert deepest < 1.5e-3
