@@ -3,6 +3,7 @@
 #include "bullet/simulation.h"
 #include "voxshell/bullet/carried_normals.h"
 #include "voxshell/bullet/force_aware_world.h"
+#include "voxshell/bullet/kinematic_motion_world.h"
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/momentum_world.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
@@ -27,7 +28,8 @@ struct Simulation::Body {
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
     : public bullet::SleepyWorld<bullet::MomentumWorld<
-          bullet::ForceAwareWorld<bullet::SeamlessWorld<bullet::CarriedNormalsWorld<>>>>> {
+          bullet::ForceAwareWorld<bullet::SeamlessWorld<
+              bullet::CarriedNormalsWorld<bullet::KinematicMotionWorld<>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

@@ -79,7 +79,7 @@ class Body(BodyProperties):
         """``world_from_body``, (4, 4) float64, meters, read-only; settable, see :func:`pose`.
 
         Setting it moves a dynamic body at once, whatever is in between. A kinematic body moves
-        there within the next step, and takes along what lies on it.
+        there during the next step, takes along what lies on it, and hits what is in between.
 
         Raises:
             PoseError: The new pose is in no form that :func:`pose` lists, is not rigid, or is not

@@ -41,6 +41,33 @@ def test_kinematic_body_takes_along_what_lies_on_it(brick, plate):
     np.testing.assert_allclose(carrier.linear_velocity, 0.0)
 
 
+@pytest.mark.parametrize("rate", [1000, 200, 60, 30])
+def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
+    world = vx.World(time_step=1 / rate)
+    cube = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)))
+    slab = vx.Model.from_mesh(trimesh.creation.box((1, 1, 0.1)))
+    lift = world.add(slab, motion="kinematic", pose=at(z=-0.05))
+    cargo = world.add(cube, pose=at(z=0.05))
+    for step in range(1, 2 * rate):
+        height = 0.2 * np.sin(5.0 * step / rate)  # falls with half of gravity at most
+        lift.pose = at(z=height - 0.05)
+        world.step()
+        assert cargo.position[2] == pytest.approx(height + 0.05, abs=1e-4)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60, 30])
+@pytest.mark.parametrize("speed", [1.0, 20.0])
+def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
+    world = vx.World(gravity=(0, 0, 0), time_step=1 / rate)
+    board = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.3, 0.3)))
+    paddle = world.add(board, motion="kinematic", pose=at(x=-0.1))
+    ball = world.add(vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.03)))
+    for step in range(1, rate // 4):
+        paddle.pose = at(x=-0.1 + speed * step / rate)
+        world.step()
+    np.testing.assert_allclose(ball.linear_velocity, (speed, 0, 0), atol=1e-3 * speed)
+
+
 def test_kinematic_velocity_is_of_the_last_pose_set(brick):
     world = vx.World()
     body = world.add(brick, motion="kinematic")
