@@ -34,8 +34,7 @@ class ListMemory {
     constexpr std::size_t kPage = 4096;
     constexpr auto kLine = static_cast<std::size_t>(kCacheLine);
     const auto round_up = [&](std::size_t unit) { return (bytes_each + unit - 1) / unit * unit; };
-    const std::size_t stride =
-        bytes_each < kPage ? round_up(kLine) : round_up(kPage) + 11 * kLine;
+    const std::size_t stride = bytes_each < kPage ? round_up(kLine) : round_up(kPage) + 11 * kLine;
     memory_.reset(static_cast<std::byte*>(::operator new(lists * stride, kCacheLine)));
     stride_ = stride;
   }

@@ -27,9 +27,8 @@ struct Simulation::Body {
 
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
-    : public bullet::SleepyWorld<bullet::MomentumWorld<
-          bullet::ForceAwareWorld<bullet::SeamlessWorld<
-              bullet::CarriedNormalsWorld<bullet::KinematicMotionWorld<>>>>>> {
+    : public bullet::SleepyWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<
+          bullet::SeamlessWorld<bullet::CarriedNormalsWorld<bullet::KinematicMotionWorld<>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

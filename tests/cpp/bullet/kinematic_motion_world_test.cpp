@@ -109,9 +109,9 @@ TEST(KinematicMotion, FollowsAMotionState) {
 // A fast paddle hits a ball that it is far from before the step and far from after it.
 TEST(KinematicMotion, MeetsWhatIsInBetween) {
   WorldOf<KinematicMotionWorld<>, CoulombSolver> world({}, {0, 0, 0});
-  btRigidBody& paddle = world.add(
-      world.make<btBoxShape>(btVector3(scalar(0.02), scalar(0.5), scalar(0.5))), 0,
-      {{}, {-0.5, 0, 0}});
+  btRigidBody& paddle =
+      world.add(world.make<btBoxShape>(btVector3(scalar(0.02), scalar(0.5), scalar(0.5))), 0,
+                {{}, {-0.5, 0, 0}});
   paddle.setCollisionFlags(paddle.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   paddle.setActivationState(DISABLE_DEACTIVATION);
   world.add(world.make<btSphereShape>(scalar(0.05)), 1);

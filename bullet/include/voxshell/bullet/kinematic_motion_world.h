@@ -50,9 +50,8 @@ class KinematicMotionWorld : public World {
       const btTransform start = std::exchange(move.end, move.body->getWorldTransform());
       place(*move.body, start);
     }
-    std::erase_if(moves_, [](const Move& move) {
-      return move.end == move.body->getWorldTransform();
-    });
+    std::erase_if(moves_,
+                  [](const Move& move) { return move.end == move.body->getWorldTransform(); });
   }
 
   void integrateTransforms(btScalar time_step) override {
@@ -67,9 +66,8 @@ class KinematicMotionWorld : public World {
         place(*move.body, there);
       }
     }
-    std::erase_if(moves_, [&](const Move& move) {
-      return move.seconds_left < btScalar(0.5) * time_step;
-    });
+    std::erase_if(moves_,
+                  [&](const Move& move) { return move.seconds_left < btScalar(0.5) * time_step; });
   }
 
  private:
@@ -96,8 +94,8 @@ class KinematicMotionWorld : public World {
     // A point that turns is off the chord of its arc.
     shape.getBoundingSphere(center, radius);
     const btScalar turn = move.body->getAngularVelocity().length() * move.seconds_left;
-    const btScalar off = (center.length() + radius) *
-                         (1 - std::cos(std::min(btScalar(0.5) * turn, SIMD_PI)));
+    const btScalar off =
+        (center.length() + radius) * (1 - std::cos(std::min(btScalar(0.5) * turn, SIMD_PI)));
     const btScalar margin = off + gContactBreakingThreshold;
     this->getBroadphase()->setAabb(move.body->getBroadphaseHandle(),
                                    low - btVector3(margin, margin, margin),
