@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x11c64ddfd8bca77, 0xbd5fa58e0ffde398, 0xe40c559700dca41b, 0x6684f33f76829675,
-        0x95c2c2669b2ca53d, 0xdde7a8bfae053486}},
+       {0x34e5158b63411e91, 0x4f6f14c669493f79, 0xe40c559700dca41b, 0x3f622ca74053a82d,
+        0x316c34529d625972, 0x55da8763060f97d}},
       {"Bullet 324 double, anywhere",
-       {0x4c57d8eb04d754e3, 0x57ae837d2cc0a0ab, 0x5a5719ab0c1532ec, 0x290d23e86605ec62,
-        0x98f639477bf809dd, 0xaeb71585fe3906a4}},
+       {0x21f1d888f3d01a7c, 0xcd5394ea4047ec54, 0x23647db2b7d973b, 0x290d23e86605ec62,
+        0xee068fe0264b93c2, 0x9646a6a44c8ee794}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xb216b2e0085bf299, 0xa2bb16c10b4a6ede, 0x54fe14e5eaa0b165, 0xdf47da5af8cbd81d,
-        0x91f58f7815a3e974, 0xfe34e362d8342039}},
+       {0xa6d639ef9bc577ce, 0x2fbd065155a19300, 0x54fe14e5eaa0b165, 0xdf47da5af8cbd81d,
+        0x4100800039e89b28, 0xa24c7dd6b8ca53d5}},
   };
   return hashes;
 }
