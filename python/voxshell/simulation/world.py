@@ -112,7 +112,7 @@ class World(ViewedWorld):
         AccuracyWarning: A pair of models may miss contacts that are deep compared with the smaller
             model's thickness; warned at the first step with the pair. Or a body turns by more than
             an eighth of a turn in a step, or moves so far in a step that Bullet stops simulating
-            it; warned once per body. simulation.
+            it; warned once per body.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -165,7 +165,7 @@ class World(ViewedWorld):
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
-        self.time_step: float = as_positive(time_step, "time_step")
+        self._time_step = as_positive(time_step, "time_step")
         check_fall(as_vector(gravity, "gravity"), self.time_step)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
@@ -246,6 +246,11 @@ class World(ViewedWorld):
                 callback(self)
 
     @property
+    def time_step(self) -> float:
+        """Seconds per step, as given to the constructor."""
+        return self._time_step
+
+    @property
     def time(self) -> float:
         """Simulated seconds since the world was made: number of steps times ``time_step``.
 
@@ -283,7 +288,7 @@ class World(ViewedWorld):
         """Save everything that moves, for :meth:`restore_state`.
 
         The state contains poses, velocities, pending forces and sleep; contacts with their cached
-        impulses; motors and turns of joints; friction, restitution, damping, groups and pairs that
+        impulses; motors, and how many turns hinges have made; friction, restitution, damping, groups and pairs that
         do not collide. It does not contain bodies and joints themselves: they must be the same at
         :meth:`restore_state`.
 
@@ -294,7 +299,6 @@ class World(ViewedWorld):
 
         Returns:
             The state; it fits only this world.
-            The state; for this world alone.
 
         Example:
             >>> import voxshell as vx
