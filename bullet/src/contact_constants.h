@@ -40,10 +40,6 @@ inline constexpr double kAddedOfDisplacement = 0.5;
 /// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
 /// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
 inline constexpr double kMostReachingTurn = 0.5;
-/// Fast points touch up to this fraction of the rest margin from the surface: where a face has
-/// landed flat, its points are off by rounding. 0: those that happen to be above it fall on, and
-/// the face tips.
-inline constexpr double kTouchOfMargin = 0.01;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
 /// more steps of conservative advancement. Larger: fast bodies stop visibly early.
 inline constexpr double kTouchingOfDetail = 0.05;

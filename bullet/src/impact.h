@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "contact_constants.h"
 #include "pair_step.h"
 #include "voxshell/contacts.h"
 
@@ -40,10 +39,10 @@ inline bool is_slow(const PairStep& step, const Impact& impact) {
   return impact.approach * step.time_step <= step.rest_margin;
 }
 
-/// Whether a point is a contact where it is: it touches, or is slow and within the rest margin.
+/// Whether a point is a contact where it is: it penetrates, or is slow and within the rest margin.
 inline bool is_contact(const PairStep& step, const Impact& impact) {
   // In this order: nearly all points are slow.
-  return impact.gap <= (is_slow(step, impact) ? 1.0 : kTouchOfMargin) * step.rest_margin;
+  return (is_slow(step, impact) && impact.gap <= step.rest_margin) || impact.gap < 0.0;
 }
 
 }  // namespace voxshell::bullet

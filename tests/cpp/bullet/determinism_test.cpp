@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x34e5158b63411e91, 0x4f6f14c669493f79, 0xe40c559700dca41b, 0x3f622ca74053a82d,
-        0x316c34529d625972, 0x55da8763060f97d}},
+       {0x34e5158b63411e91, 0x143ad6cea152749, 0x2fb54dea2f53eae3, 0xcd57bad4ac5a0c69,
+        0x42b89335263fcec6, 0x3bfd20bf785d500f}},
       {"Bullet 324 double, anywhere",
-       {0x21f1d888f3d01a7c, 0xcd5394ea4047ec54, 0x23647db2b7d973b, 0x290d23e86605ec62,
-        0xee068fe0264b93c2, 0x9646a6a44c8ee794}},
+       {0x21f1d888f3d01a7c, 0x4b576d22c01d8c0f, 0x43c7b18f0baa4f33, 0x290d23e86605ec62,
+        0x735eff881f63d4fe, 0xea6e6395713c4f1c}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xa6d639ef9bc577ce, 0x2fbd065155a19300, 0x54fe14e5eaa0b165, 0xdf47da5af8cbd81d,
-        0x4100800039e89b28, 0xa24c7dd6b8ca53d5}},
+       {0x7450353c0470258f, 0xc2460132e272d22c, 0x2467e598df7e1ebe, 0xdf47da5af8cbd81d,
+        0x2aa4650f82454cb3, 0x184fa2297142b6e2}},
   };
   return hashes;
 }

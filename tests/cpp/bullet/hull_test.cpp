@@ -310,7 +310,12 @@ int count_calm(const std::vector<Vec3>& points, double margin, int placements = 
 TEST(Hull, RestsOnAModel) {
   const auto box = box_points({0.1, 0.05, 0.05});
   EXPECT_EQ(count_calm(box, kThinMargin), 10);
-  EXPECT_EQ(count_calm(pebble_points(), kThinMargin), 10);
+  if (kIsDouble) {
+    EXPECT_EQ(count_calm(pebble_points(), kThinMargin), 10);
+  } else {
+    // Which of them depends on the last bits; of a hundred, 87 to 89 lie still.
+    EXPECT_GE(count_calm(pebble_points(), kThinMargin, 50), 40);
+  }
   EXPECT_GE(count_calm(box, 0.04), kIsDouble ? 10 : 7);
   if (kIsDouble) {
     // Which of them depends on the last bits; of a hundred, 79 or 80 lie still.

@@ -41,6 +41,27 @@ def test_kinematic_body_takes_along_what_lies_on_it(brick, plate):
     np.testing.assert_allclose(carrier.linear_velocity, 0.0)
 
 
+@pytest.mark.parametrize("rate", [120, 100, 60])
+@pytest.mark.parametrize(("size", "tray"), [(0.1, 0.01), (0.1, 0.002), (0.005, 0.002)])
+def test_cargo_stays_on_a_tray_that_starts_to_rise(rate, size, tray):
+    """It closes on the cargo by more than the rest margin a step, and by less than CCD begins at."""
+    cargoes = (
+        vx.Box((size / 2, size / 2, size / 2)),
+        vx.Model.from_mesh(trimesh.creation.box((size, size, size))),
+    )
+    for cargo in cargoes:
+        world = vx.World(time_step=1 / rate)
+        slab = vx.Model.from_mesh(trimesh.creation.box((4 * size, 4 * size, tray)))
+        lift = world.add(slab, motion="kinematic", pose=at(z=-tray / 2))
+        body = world.add(cargo, pose=at(z=size / 2))
+        world.step(rate // 5)
+        for step in range(1, 2 * rate):
+            height = 0.05 * (1 - np.cos(2 * np.pi * step / rate))
+            lift.pose = at(z=height - tray / 2)
+            world.step()
+            assert body.position[2] == pytest.approx(height + size / 2, abs=5e-5)
+
+
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
     world = vx.World(time_step=1 / rate)
