@@ -193,7 +193,13 @@ def __getattr__(name: str) -> Any:
     """Import names that need Bullet on first use."""
     if name not in __all__:
         raise AttributeError(f"module 'voxshell' has no attribute {name!r}")
-    from voxshell import simulation
+    try:
+        from voxshell import simulation
+    except ImportError as error:
+        # What the dynamic loader says where it finds no memory for a library.
+        if any(said in str(error) for said in ("failed to map segment", "annot allocate memory")):
+            raise MemoryLimitError(f"no memory left to load Bullet for {name}: {error}") from error
+        raise
 
     if name in simulation.__all__:
         value = getattr(simulation, name)

@@ -98,3 +98,29 @@ def test_a_world_whose_memory_ran_out_says_so_and_nothing_else_does(work: str):
     ends = sweep(work, [*(2_000_000 * (i + 1) for i in range(25)), 4_000_000_000])
     assert ends[-1] == 0
     assert 1 in ends
+
+
+def test_bullet_that_finds_no_memory_to_load_is_a_typed_error():
+    program = """
+        import resource
+        import voxshell as vx
+
+        with open("/proc/self/statm") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        ends = set()
+        for more in range(0, 12_000_000, 250_000):
+            resource.setrlimit(resource.RLIMIT_AS, (used + more, resource.RLIM_INFINITY))
+            try:
+                vx.World
+                break
+            except (vx.MemoryLimitError, MemoryError) as error:
+                ends.add(type(error).__name__)
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY,) * 2)
+        vx.World().step()
+        print(sorted(ends))
+    """
+    run = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode == 0, run.stderr
+    assert "MemoryLimitError" in run.stdout
