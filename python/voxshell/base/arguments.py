@@ -79,7 +79,9 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
     except TypeError:
         raise SettingsError(f"{name} must be an integer, not {value!r}") from None
     if not lowest <= number <= highest:
-        raise SettingsError(f"{name} must be from {lowest} to {highest}, not {number}")
+        unbounded = highest >= 2**31 - 1 and number < lowest
+        allowed = f"at least {lowest}" if unbounded else f"from {lowest} to {highest}"
+        raise SettingsError(f"{name} must be {allowed}, not {number}")
     return number
 
 
@@ -107,17 +109,16 @@ def as_floats(
     error: type[VoxshellError] = SettingsError,
 ) -> NDArray[np.float64]:
     """Return a contiguous float64 array of a shape; None in the shape stands for any length."""
+    wanted = "three numbers, such as (0, 0, 1)" if shape == (3,) else f"{describe(shape)} numbers"
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
-        raise error(f"{name} must be {describe(shape)} numbers: {failure}") from None
+        raise error(f"{name} must be {wanted}: {failure}") from None
     fits = array.ndim == len(shape) and all(
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
     )
     if array.dtype.kind not in "fiu" or not fits:
-        raise error(
-            f"{name} must be {describe(shape)} numbers, not {describe(array.shape)} {array.dtype}"
-        )
+        raise error(f"{name} must be {wanted}, not {describe(array.shape)} {array.dtype}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 

@@ -44,10 +44,19 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
         return
     if not (open_edges or non_manifold or flipped or overlaps or openings):
         return  # closed parts that touch are not a fault
+    faults = ", ".join(
+        f"{count} {what}"
+        for count, what in (
+            (open_edges, "open edges"),
+            (non_manifold, "non-manifold edges"),
+            (flipped, "wrongly oriented edges"),
+            (overlaps, "grid nodes enclosed more than once"),
+            (hidden, "triangles wholly or partly inside others"),
+        )
+        if count
+    )
     warnings.warn(
-        f"mesh is not one closed surface: {open_edges} open, {non_manifold} non-manifold and "
-        f"{flipped} wrongly oriented edges, {overlaps} grid nodes enclosed more than once, "
-        f"{hidden} triangles wholly or partly inside others (first near [{place}] meters); winding numbers "
+        f"mesh is not one closed surface: {faults} (first near [{place}] meters); winding numbers "
         f"decide what is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
         f"sign='winding' to accept it{openings and '; '}{openings}",
         MeshWarning,

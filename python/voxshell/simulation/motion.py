@@ -28,7 +28,7 @@ def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motio
             f"motion must be one of {', '.join(map(repr, MOTIONS))}, not {motion!r}"
         )
     elif motion == "dynamic" and kilograms == 0.0:
-        raise SettingsError("mass must be above 0 for a body that forces move")
+        raise SettingsError("a dynamic body needs a mass above 0")
     return (kilograms if motion == "dynamic" else 0.0), motion
 
 

@@ -223,7 +223,7 @@ class World(ViewedWorld):
             SimulationError: A body's pose or velocity is no longer finite. The world keeps the
                 state of the failed step.
         """
-        count = as_integer(n, "n", 0, 2**31 - 1)
+        count = as_integer(n, "n, the number of steps,", 0, 2**31 - 1)
         if self._pairs is not None:
             self._pairs.judge(self.bodies)
         view = self._view if self._view is not None and self._view.is_open else None

@@ -85,7 +85,9 @@ def test_vectors_are_three_finite_numbers():
     assert arguments.as_vector(np.array([1, 2, 3]), "axis") == (1.0, 2.0, 3.0)
     with pytest.raises(vx.SettingsError, match=r"^axis must be finite, not "):
         arguments.as_vector((0, math.nan, 1), "axis")
-    with pytest.raises(vx.SettingsError, match=r"^axis must be \(3,\) numbers, not \(2,\)"):
+    with pytest.raises(
+        vx.SettingsError, match=r"^axis must be three numbers, such as \(0, 0, 1\), not \(2,\)"
+    ):
         arguments.as_vector((0, 1), "axis")
 
 

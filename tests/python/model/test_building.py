@@ -114,6 +114,6 @@ def test_ctrl_c_stops_a_build_within_two_seconds(threads: int, progress: str):
     finally:
         child.kill()
     assert time.perf_counter() - start < 2.0
-    assert output.splitlines()[-1] == "interrupted", errors
+    assert output.endswith("interrupted\n"), errors  # print() may be interrupted within a line
     assert child.returncode == 7
     assert errors == ""

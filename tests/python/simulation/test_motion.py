@@ -23,7 +23,7 @@ def test_the_mass_decides_where_nobody_says(mass, motion, found):
 def test_wrong_ones_are_told_with_the_right_ones():
     with pytest.raises(vx.SettingsError, match="one of 'dynamic', 'static', 'kinematic', not 'up'"):
         as_mass_and_motion(1.0, "up")  # type: ignore[arg-type]
-    with pytest.raises(vx.SettingsError, match="mass must be above 0 for a body that forces move"):
+    with pytest.raises(vx.SettingsError, match="a dynamic body needs a mass above 0"):
         as_mass_and_motion(0.0, "dynamic")
     with pytest.raises(vx.SettingsError, match="mass must be at least 0"):
         as_mass_and_motion(-1.0, None)

@@ -429,7 +429,7 @@ def test_what_cannot_be_simulated_is_refused(ball):
         world.add(1)
     with pytest.raises(vx.SettingsError, match="mass=0"):
         world.add(vx.Plane(), mass=1.0)
-    with pytest.raises(vx.SettingsError, match="n must"):
+    with pytest.raises(vx.SettingsError, match="n, the number of steps, must"):
         world.step(-1)
     body = world.add(ball)
     with pytest.raises(vx.PoseError):
