@@ -28,7 +28,7 @@ bool touches_if_stopped(const PairStep& step, const Contact& contact, const Impa
 /// Marks the points within the rest margin that bodies close on in a step without CCD: those of the
 /// faces that touch, or of the one that will touch first. By rounding, some points of a face that
 /// has landed are above the ground, and without them it tips; points of faces beside it would stop
-/// what slides. Leaves none where all points are slow, or where they would rebound too early.
+/// what slides. Marks none where all points are slow, or where they would rebound too early.
 void mark_met_without_ccd(const PairStep& step, std::span<const Contact> contacts,
                           PairMemory& memory) {
   memory.met.clear();

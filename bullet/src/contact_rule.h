@@ -41,6 +41,8 @@ bool may_reach(const PairStep& step, const Contact& contact, double above);
 /// see them:
 ///   - points that penetrate;
 ///   - slow points within the rest margin, or a resting body loses and finds its contacts in turn;
+///   - in steps without CCD, where nothing rebounds: points within the rest margin that are closed
+///     on within the step, of faces that touch or of the first that will;
 ///   - in steps with CCD: points that will touch within the step, with the gap that is left to them
 ///     (speculative_contacts.h); and where there are any contacts, those that move on, as they
 ///     might touch after the solver has turned the body.
