@@ -29,7 +29,7 @@ def test_the_list_has_every_kind_of_thing_once():
         "class voxshell.Box(half_extents: ArrayLike) -> None is a Field",
         "    half_extents: NDArray[np.float64] (property)",
         "    pose: NDArray[np.float64] (property, settable)",
-        "    time_step: float",
+        "    time_step: float (property)",
         "    step(self, n: int = 1, callback: Callable[[World], object] | None = None, *, before: "
         "Callable[[World], object] | None = None) -> None",
         "    load(path: str | os.PathLike[str]) -> Model (classmethod)",

@@ -133,9 +133,12 @@ def test_faulty_edges_are_counted_and_located(name: str, folder: Path):
         assert (without > 0.0).all()
         assert told["shell"] > 0
 
-    counts = re.search(r"(\d+) open, (\d+) non-manifold and (\d+) wrongly oriented edges", message)
-    assert counts, message
-    assert tuple(map(int, counts.groups())) == expected.edges
+    counts = [
+        re.search(rf"(\d+) {fault}\b", message)
+        for fault in ("open", "non-manifold", "wrongly oriented")
+    ]
+    assert any(counts), message
+    assert tuple(int(count[1]) if count else 0 for count in counts) == expected.edges
     place = re.search(r"near \[([^\]]+)\]", message)
     assert place, message
     located = np.array([float(number) for number in place[1].split(",")])

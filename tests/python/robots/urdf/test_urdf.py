@@ -82,7 +82,7 @@ def test_gripper_lifts_a_mug_by_its_wall(gripper, example):
     deepest = hold(gripper, example)
     assert mug.pose[2, 3] > 0.1  # for a second and more
     assert mug.pose[2, 2] > 0.99
-    assert 1e-6 < deepest < 0.5e-3  # a quarter of a voxel
+    assert 0.0 < deepest < 0.5e-3  # a quarter of a voxel
     # One finger is inside the mug, the other outside: neither has passed through the wall.
     distances = {
         name: np.linalg.norm((np.linalg.inv(mug.pose) @ robot.links[name].pose)[:2, 3])
