@@ -246,11 +246,6 @@ class World(ViewedWorld):
                 callback(self)
 
     @property
-    def time_step(self) -> float:
-        """Seconds per step, as given to the constructor."""
-        return self._time_step
-
-    @property
     def time(self) -> float:
         """Simulated seconds since the world was made: number of steps times ``time_step``.
 

@@ -23,9 +23,14 @@ if TYPE_CHECKING:
 class ViewedWorld(WorldQueries):
     """A world with a live view."""
 
-    time_step: float
+    _time_step: float
     _gravity: NDArray[np.float64]
     _view: LiveView | None = None
+
+    @property
+    def time_step(self) -> float:
+        """Seconds per step, as given to the constructor."""
+        return self._time_step
 
     def view(
         self,
