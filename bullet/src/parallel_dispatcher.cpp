@@ -97,7 +97,7 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto time_step = static_cast<double>(info.m_timeStep);
-  // Those of a library exist as soon as one of them is touched.
+  // All thread_local variables of a library exist as soon as the thread touches one of them.
   const auto make_thread_locals = [] {
     [[maybe_unused]] thread_local volatile bool exists = false;
     exists = true;

@@ -283,9 +283,9 @@ class World(ViewedWorld):
         """Save everything that moves, for :meth:`restore_state`.
 
         The state contains poses, velocities, pending forces and sleep; contacts with their cached
-        impulses; motors, and how many turns hinges have made; friction, restitution, damping, groups and pairs that
-        do not collide. It does not contain bodies and joints themselves: they must be the same at
-        :meth:`restore_state`.
+        impulses; motors, and how many turns hinges have made; friction, restitution, damping,
+        groups and pairs that do not collide. It does not contain bodies and joints themselves: they
+        must be the same at :meth:`restore_state`.
 
         After both calls, the same steps give the same bits, because both calls rebuild Bullet's
         caches (its tree of bounds, pairs, contact points) from the state alone. A run in which a

@@ -7,7 +7,6 @@
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <LinearMath/btTransformUtil.h>
 
 namespace voxshell::bullet {
 
@@ -57,17 +56,12 @@ class KinematicMotionWorld : public World {
   void integrateTransforms(btScalar time_step) override {
     World::integrateTransforms(time_step);
     for (Move& move : moves_) {
-      move.seconds_left -= time_step;
-      if (move.seconds_left < btScalar(0.5) * time_step) {
-        place(*move.body, move.end);
-      } else {
-        btTransform there;
-        move.body->predictIntegratedTransform(time_step, there);
-        place(*move.body, there);
-      }
+      btTransform there = move.end;
+      if (!move.ends_within(time_step)) move.body->predictIntegratedTransform(time_step, there);
+      place(*move.body, there);
     }
-    std::erase_if(moves_,
-                  [&](const Move& move) { return move.seconds_left < btScalar(0.5) * time_step; });
+    std::erase_if(moves_, [&](const Move& move) { return move.ends_within(time_step); });
+    for (Move& move : moves_) move.seconds_left -= time_step;
   }
 
  private:
@@ -75,6 +69,9 @@ class KinematicMotionWorld : public World {
     btRigidBody* body;
     btTransform end;  ///< while velocities are computed, where it was
     btScalar seconds_left;
+
+    /// Up to rounding.
+    bool ends_within(btScalar seconds) const { return seconds_left < btScalar(1.5) * seconds; }
   };
 
   static void place(btRigidBody& body, const btTransform& world_from_body) {

@@ -65,6 +65,13 @@ namespace {
 
 using namespace test_support;
 
+/// The last has edges.
+std::vector<PointShell> shells_some_with_edges() {
+  std::vector<PointShell> all = shells();
+  all.push_back(*PointShell::build(make_l_shape(0.3).mesh(), {.tolerance = 2e-3}));
+  return all;
+}
+
 TEST(Allocation, IsCounted) {
   const std::size_t before = allocation_count;
   const std::vector<int> some(1000);
@@ -74,10 +81,8 @@ TEST(Allocation, IsCounted) {
 
 TEST(Allocation, HappensInNoWarmQuery) {
   Random random(130);
-  std::vector<PointShell> all = shells();
-  auto with_edges = PointShell::build(make_l_shape(0.3).mesh(), {.tolerance = 2e-3});
-  ASSERT_TRUE(with_edges && with_edges->edges() != nullptr);
-  all.push_back(*std::move(with_edges));
+  std::vector<PointShell> all = shells_some_with_edges();
+  ASSERT_NE(all.back().edges(), nullptr);
   for (const PointShell& shell : all) {
     for (const Field& field : fields()) {
       std::vector<Pose> poses;
@@ -156,10 +161,8 @@ void expect_right_after_failures(const Field& field, const PointShell& small,
 
 TEST(Allocation, ThatFailsLeavesTheScratchUsable) {
   Random random(131);
-  std::vector<PointShell> all = shells();
-  auto with_edges = PointShell::build(make_l_shape(0.3).mesh(), {.tolerance = 2e-3});
-  ASSERT_TRUE(with_edges && with_edges->edges() != nullptr);
-  all.push_back(*std::move(with_edges));
+  std::vector<PointShell> all = shells_some_with_edges();
+  ASSERT_NE(all.back().edges(), nullptr);
   std::ranges::sort(all, {}, &PointShell::size);
   for (const Field& field : fields()) {
     for (std::size_t i = 1; i < all.size(); ++i) {
