@@ -31,6 +31,10 @@ class FileAccessError(VoxshellError, OSError):
     """A file cannot be opened, read or written."""
 
 
+class MissingFileError(FileAccessError, FileNotFoundError):
+    """A file that a call or a command names does not exist. The message names it."""
+
+
 class InputTypeError(VoxshellError, TypeError):
     """An argument has a type that the function does not accept."""
 

@@ -17,7 +17,8 @@ def read_settings_file(path: Path) -> dict[str, dict[str, Any]]:
     """Return the tables of a TOML file, one for each experiment.
 
     Raises:
-        SettingsError: It does not exist, is not TOML, or contains something other than tables.
+        MissingFileError: It does not exist.
+        SettingsError: It is not TOML, or contains something other than tables.
         FileAccessError: The system refuses to read it.
     """
     try:

@@ -232,6 +232,7 @@ def test_errors_and_warnings(tmp_path: Path):
         vx.MemoryLimitError,
         vx.MeshError,
         vx.MissingExtraError,
+        vx.MissingFileError,
         vx.ModelFileError,
         vx.PoseError,
         vx.RecordingError,

@@ -6,10 +6,24 @@ import os
 import stat
 from typing import TYPE_CHECKING
 
-from voxshell.errors import FileAccessError, SettingsError
+from voxshell.errors import FileAccessError, MissingFileError, SettingsError
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+def check_exists(path: str | bytes | os.PathLike[str]) -> None:
+    """Refuse a path at which nothing exists; its reader reports all other problems.
+
+    Raises:
+        MissingFileError: Nothing exists there.
+    """
+    try:
+        os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(f"cannot read {os.fsdecode(path)}: it does not exist") from None
+    except (OSError, ValueError):
+        return
 
 
 def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
@@ -21,15 +35,15 @@ def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
         what: Kind of file, for error messages: "scene file".
 
     Raises:
-        SettingsError: The file does not exist, is not a regular file, or is larger than ``most``.
+        MissingFileError: The file does not exist.
+        SettingsError: The file is not a regular file, or is larger than ``most``.
         FileAccessError: The system refuses to read the file.
     """
+    check_exists(path)
     # open() would block on a pipe that nobody writes to.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
-    except FileNotFoundError:
-        raise SettingsError(f"{what} does not exist: {path}") from None
     except (OSError, ValueError) as error:
         raise FileAccessError(f"cannot read {path}: {error}") from None
     try:

@@ -52,8 +52,8 @@ def read_text(path: Path, what: str) -> str:
         what: Kind of file, for error messages: "scene file".
 
     Raises:
-        SettingsError: The file does not exist, is not a regular file, or is too large. The message
-            names the file.
+        MissingFileError: The file does not exist.
+        SettingsError: The file is not a regular file, or is too large. The message names the file.
         FileAccessError: The system refuses to read the file.
         UnicodeDecodeError: The text is not UTF-8.
     """

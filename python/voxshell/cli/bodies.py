@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from voxshell.base.input_files import check_exists
 from voxshell.cli.model_facts import list_accuracy
 from voxshell.errors import FileAccessError, MeshError, ModelFileError, SettingsError
 from voxshell.model.meshes import MODEL_SUFFIX
@@ -83,18 +84,19 @@ def require_file(path: Path) -> None:
     """Refuse a path without a file, before any work.
 
     Raises:
-        MeshError: It does not exist, or is a folder.
+        MissingFileError: It does not exist.
+        MeshError: It is a folder.
     """
-    if not path.is_file():
-        reason = "it is a folder" if path.is_dir() else "it does not exist"
-        raise MeshError(f"cannot read {path}: {reason}")
+    check_exists(path)
+    if path.is_dir():
+        raise MeshError(f"cannot read {path}: it is a folder")
 
 
 def load_model(path: Path) -> Model:
     """Load a model from its file.
 
     Raises:
-        MeshError: There is no such file.
+        MissingFileError: It does not exist.
         ModelFileError: It cannot be read, or is not a model.
     """
     require_file(path)
@@ -138,6 +140,7 @@ def read_body(
         progress: As for :meth:`voxshell.Model.from_mesh`.
 
     Raises:
+        MissingFileError: A file does not exist.
         MeshError: A mesh cannot be read or built.
         ModelFileError: A model file cannot be read.
         SettingsError: A shape's numbers are invalid, or there is no such shape.

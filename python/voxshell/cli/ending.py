@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from voxshell.base.outputs import OF_WRITING
 from voxshell.cli.interrupts import raising_interrupts
-from voxshell.errors import FileAccessError, MissingExtraError, VoxshellError
+from voxshell.errors import FileAccessError, MissingExtraError, MissingFileError, VoxshellError
 from voxshell.model.cache import CacheWarning
 from voxshell.model.meshes import MeshWarning
 
@@ -48,6 +48,9 @@ def run(app: App, arguments: Sequence[str]) -> int:
         except CycloptsError as error:
             hint = f"{' '.join(['voxshell', *_find_command(app, arguments)])} --help"
             _say("error", f"{_describe(error)} (see {hint})")
+            return WRONG_USE
+        except MissingFileError as error:
+            _say("error", str(error))
             return WRONG_USE
         except (FileAccessError, MissingExtraError) as error:
             _say("error", str(error))

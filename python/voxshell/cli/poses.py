@@ -56,6 +56,7 @@ def read_poses(path: Path) -> NDArray[np.float64]:
             with such rows, of which the first may be a heading.
 
     Raises:
+        MissingFileError: The file does not exist.
         SettingsError: The file cannot be read or has another format; the message gives the line.
         PoseError: A row is not a pose.
     """

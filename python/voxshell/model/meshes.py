@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from voxshell.base.arguments import as_floats, as_positive, describe
+from voxshell.base.input_files import check_exists
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
 from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
 
@@ -62,6 +63,7 @@ def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
             3MF or COLLADA file or a ``trimesh.Trimesh`` states, and 1 for all else.
 
     Raises:
+        MissingFileError: A file does not exist.
         MeshError: A file cannot be read or holds no triangles; or arrays have a wrong shape or
             type, numbers that are not finite, or indices out of range. The message names the file.
         MemoryLimitError: The system has not enough memory for a file.
@@ -144,6 +146,7 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
 
 def _load(path: str) -> tuple[trimesh.Trimesh, float]:
     """Return the mesh of a file and its unit in meters; the bodies of a scene become one mesh."""
+    check_exists(path)
     if path.lower().endswith(MODEL_SUFFIX) and os.path.isfile(path):
         raise MeshError(
             f"{path} is a model already: load it with voxshell.Model.load, or pass the mesh that it "

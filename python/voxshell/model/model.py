@@ -15,6 +15,7 @@ from voxshell.base.arguments import (
     as_positive,
     as_threads,
 )
+from voxshell.base.input_files import check_exists
 from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, SettingsError
 from voxshell.model.accuracy import read_accuracy
@@ -144,6 +145,7 @@ class Model:
             and degenerate triangles.
 
         Raises:
+            MissingFileError: A file does not exist.
             MeshError: The mesh cannot be read, encloses no volume, has numbers that are not finite,
                 is smaller than a voxel or the point spacing, or is not closed although ``sign``
                 requires it.
@@ -277,6 +279,7 @@ class Model:
             The model, equal to the saved one in every bit.
 
         Raises:
+            MissingFileError: The file does not exist.
             FileAccessError: The file cannot be read.
             ModelFileError: It is not a model file, is damaged, or has another version.
             MemoryLimitError: It is larger than 4 GiB or than the available memory.
@@ -288,7 +291,9 @@ class Model:
             Traceback (most recent call last):
             voxshell.errors.ModelFileError: pyproject.toml: not a model file: it does not begin with the signature of one
         """
-        return cls(CoreModel.load(as_path(path, "path")))
+        name = as_path(path, "path")
+        check_exists(name)
+        return cls(CoreModel.load(name))
 
     def __reduce__(self) -> tuple[Callable[[bytes], Model], tuple[bytes]]:
         """Pickle the model as the bytes of a model file."""

@@ -267,6 +267,7 @@ class ConvexPolyhedron(Field):
             ``trimesh.convex.convex_hull(points)``.
 
     Raises:
+        MissingFileError: A file does not exist.
         MeshError: The mesh cannot be read, is not closed, or is not convex. The message says by how
             much.
         MemoryLimitError: It has too many faces.

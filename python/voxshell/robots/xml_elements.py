@@ -147,14 +147,15 @@ def read_elements(path: str, dialect: Dialect) -> Element:
     """Return the root element of a file.
 
     Raises:
+        MissingFileError: It does not exist.
         FileAccessError: The system refuses to read it.
-        RobotError: It does not exist, is not a regular file, is too large, is not XML, declares
+        RobotError: It is not a regular file, is too large, is not XML, declares
             entities, or its root is not a valid one.
     """
     try:
         data = read_small_file(path, _MOST_BYTES, "robot")
     except SettingsError as error:
-        raise RobotError(f"cannot read robot {path}: {error}") from None
+        raise RobotError(str(error)) from None
     return _parse(path, data, dialect)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell.base.settings import list_names, make, parse_toml, read_text
-from voxshell.errors import MeshError, PoseError, SettingsError, SimulationError
+from voxshell.errors import MeshError, MissingFileError, PoseError, SettingsError, SimulationError
 from voxshell.scenes.body_settings import BodySettings
 from voxshell.scenes.joint_settings import JointSettings
 from voxshell.scenes.scene_settings import MeshSettings, OutputSettings, WorldSettings
@@ -57,11 +57,12 @@ class Scene:
         """Prefix errors of the block with the file, line and key of a table.
 
         Raises:
-            SettingsError: The block raised an error of a mesh, a pose, settings or a simulation.
+            SettingsError: The block raised an error of a mesh, a missing file, a pose, settings or a
+                simulation.
         """
         try:
             yield
-        except (MeshError, PoseError, SettingsError, SimulationError) as error:
+        except (MeshError, MissingFileError, PoseError, SettingsError, SimulationError) as error:
             raise self.describe_error(keys, str(error)) from error
 
 
@@ -69,8 +70,9 @@ def read_scene(path: Path) -> Scene:
     """Read and check a scene file.
 
     Raises:
-        SettingsError: The file does not exist, is not TOML, or has an invalid setting. The message
-            names file, line and key.
+        MissingFileError: The file does not exist.
+        SettingsError: The file is not TOML, or has an invalid setting. The message names file, line
+            and key.
     """
     try:
         text = read_text(path, "scene file")

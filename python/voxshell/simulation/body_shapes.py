@@ -63,6 +63,7 @@ def as_shape(shape: Shape | MeshLike) -> Shape:
     """Return a shape as it is; build a model with default settings for a mesh or a path.
 
     Raises:
+        MissingFileError: A file does not exist.
         MeshError: A mesh cannot be read, or no model can be built from it.
         ModelFileError: A model file is damaged or of another version.
         FileAccessError: A model file cannot be read.

@@ -29,6 +29,7 @@ class GImpact:
         margin: Bullet's collision margin, meters.
 
     Raises:
+        MissingFileError: A file does not exist.
         MeshError: The mesh cannot be read.
         SettingsError: ``margin`` is below 0.
 

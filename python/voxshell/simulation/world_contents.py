@@ -110,6 +110,7 @@ class WorldContents:
             The body.
 
         Raises:
+            MissingFileError: A file does not exist.
             MeshError: A mesh cannot be read, or no model can be built from it: see
                 :meth:`Model.from_mesh`.
             ModelFileError: A model file is damaged or has another version.

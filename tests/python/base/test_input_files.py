@@ -1,11 +1,26 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import voxshell as vx
-from voxshell.base.input_files import read_small_file
+from voxshell.base.input_files import check_exists, read_small_file
+from voxshell.scenes.scene_file import read_scene
+
+ENTRANCES: dict[str, Callable[[str], object]] = {
+    "part.stl": vx.Model.from_mesh,
+    "part.unknown": vx.Model.from_mesh,
+    "model.vxs": vx.Model.load,
+    "added.obj": lambda path: vx.World().add(path),
+    "added.vxs": lambda path: vx.World().add(path),
+    "robot.urdf": lambda path: vx.load_urdf(vx.World(), path),
+    "model.xml": lambda path: vx.load_mjcf(vx.World(), path),
+    "scene.toml": lambda path: read_scene(Path(path)),
+}
+"""Every function that reads a file, by the name of a file that does not exist."""
 
 
 def test_a_file_of_the_largest_size_is_read_whole(tmp_path: Path):
@@ -19,7 +34,6 @@ def test_what_cannot_be_read_is_named(tmp_path: Path):
     large.write_bytes(b"abcd")
     os.mkfifo(pipe)
     for path, told in (
-        (tmp_path / "none", "scene file does not exist: "),
         (tmp_path, "cannot read scene file .* it is a folder"),
         (pipe, "not a regular file"),
         (large, "has 4 bytes; at most 3 are read"),
@@ -29,3 +43,29 @@ def test_what_cannot_be_read_is_named(tmp_path: Path):
         assert str(path) in str(caught.value)
     with pytest.raises(vx.FileAccessError, match="cannot read "):
         read_small_file("a\0b", 3)
+
+
+@pytest.mark.parametrize("name", ENTRANCES)
+@pytest.mark.parametrize(
+    "place", ["", "folder/", "file/"], ids=["beside", "no folder", "in a file"]
+)
+def test_a_missing_file_is_the_same_error_at_every_entrance(tmp_path: Path, name: str, place: str):
+    (tmp_path / "file").write_text("not a folder")
+    path = f"{tmp_path}/{place}{name}"
+    message = re.escape(f"cannot read {path}: it does not exist")
+    with pytest.raises(vx.MissingFileError, match=f"^{message}$") as caught:
+        ENTRANCES[name](path)
+    assert isinstance(caught.value, FileNotFoundError)
+    assert isinstance(caught.value, vx.FileAccessError)
+
+
+def test_what_exists_or_is_no_name_is_left_to_its_reader(tmp_path: Path):
+    (tmp_path / "loop").symlink_to("loop")
+    for path in (tmp_path, tmp_path / "loop", "a\0b", tmp_path / ("a" * 1000)):
+        check_exists(path)
+
+
+def test_a_link_to_nothing_does_not_exist(tmp_path: Path):
+    (tmp_path / "link.stl").symlink_to("nowhere.stl")
+    with pytest.raises(vx.MissingFileError, match=r"link\.stl: it does not exist"):
+        check_exists(os.fsencode(tmp_path / "link.stl"))

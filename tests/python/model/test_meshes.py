@@ -305,11 +305,14 @@ def test_a_model_is_no_mesh_and_is_sent_to_where_it_is_read(tmp_path: Path, name
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("missing.stl", "does not exist"), (".", "is a folder")]
+    ("name", "error", "message"),
+    [("missing.stl", vx.MissingFileError, "does not exist"), (".", vx.MeshError, "is a folder")],
 )
-def test_what_is_no_file_is_refused_by_name(tmp_path: Path, name: str, message: str):
+def test_what_is_no_file_is_refused_by_name(
+    tmp_path: Path, name: str, error: type[vx.VoxshellError], message: str
+):
     path = tmp_path / name
-    with pytest.raises(vx.MeshError, match=message) as caught:
+    with pytest.raises(error, match=message) as caught:
         build(str(path))
     assert str(path) in str(caught.value)
 
@@ -353,5 +356,5 @@ def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monke
 
 
 def test_an_address_is_not_fetched():
-    with pytest.raises(vx.MeshError, match="does not exist"):
+    with pytest.raises(vx.MissingFileError, match="does not exist"):
         build("https://example.com/bunny.stl")

@@ -57,7 +57,7 @@ def test_meshes_of_analytic_shapes_lie_on_their_surface(make):
         (lambda: vx.ConvexHull([[1, 2]] * 5), vx.MeshError, r"\(n, 3\)"),
         (lambda: vx.ConvexDecomposition([]), vx.SettingsError, "hull"),
         (lambda: vx.GImpact(([[0, 0, 0]], np.zeros((0, 3), int))), vx.MeshError, "triangles"),
-        (lambda: vx.GImpact("missing.stl"), vx.MeshError, "missing.stl"),
+        (lambda: vx.GImpact("missing.stl"), vx.MissingFileError, "missing.stl"),
         (lambda: vx.GImpact(trimesh.creation.box(), margin=-1), vx.SettingsError, "margin"),
     ],
 )

@@ -72,6 +72,7 @@ def load_mjcf(
         The robot.
 
     Raises:
+        MissingFileError: The file does not exist.
         FileAccessError: The file cannot be read.
         MissingExtraError: An inertia must be computed from a convex hull and scipy is not
             installed.

@@ -6,7 +6,6 @@ import os
 from dataclasses import replace
 
 from voxshell.base.arguments import as_path
-from voxshell.errors import FileAccessError
 from voxshell.robots.xml_elements import Dialect, Element, read_elements
 
 MOST_LEVELS = 100
@@ -126,12 +125,11 @@ def read_model(path: str | os.PathLike[str]) -> ModelFile:
     """Read a file and the files that it includes.
 
     Raises:
+        MissingFileError: The file does not exist.
         FileAccessError: The file cannot be read.
         RobotError: A file is not MJCF, or includes itself, a missing file, or too many files.
     """
     name = os.fsdecode(as_path(path, "path"))
-    if not os.path.isfile(name):
-        raise FileAccessError(f"cannot read robot {name}: there is no such file")
     return ModelFile(name, _Library())
 
 

@@ -42,6 +42,7 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
         gravity: The world's gravity, m/s2; if the file's differs, it is noted as not simulated.
 
     Raises:
+        MissingFileError: The file does not exist.
         FileAccessError: The file cannot be read.
         RobotError: The file cannot be simulated; the message names the file, the line, the body or
             geom, and a remedy.

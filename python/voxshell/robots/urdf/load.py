@@ -59,6 +59,7 @@ def load_urdf(
         The robot.
 
     Raises:
+        MissingFileError: The file does not exist.
         FileAccessError: The file cannot be read.
         MissingExtraError: A mesh is a COLLADA file and pycollada is not installed, or an inertia
             must be computed from a mesh and scipy is not installed.

@@ -10,7 +10,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_path
 from voxshell.base.poses import pose as make_pose
-from voxshell.errors import FileAccessError, RobotError
+from voxshell.errors import RobotError
 from voxshell.robots.description import (
     MOST_LINKS,
     Collision,
@@ -51,13 +51,12 @@ def read_urdf(path: str | os.PathLike[str]) -> RobotDescription:
     """Read and check a file.
 
     Raises:
+        MissingFileError: The file does not exist.
         FileAccessError: The file cannot be read.
         RobotError: The file cannot be simulated; the message names the file, the line, the link or
             joint, and a remedy.
     """
     name = os.fsdecode(as_path(path, "path"))
-    if not os.path.isfile(name):
-        raise FileAccessError(f"cannot read robot {name}: there is no such file")
     return _describe(name, read_elements(name, _DIALECT))
 
 

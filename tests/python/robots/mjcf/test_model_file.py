@@ -56,5 +56,5 @@ def test_deep_elements_of_included_files_count_together(write, tmp_path):
 
 
 def test_a_missing_file_is_no_robots_fault(tmp_path):
-    with pytest.raises(vx.FileAccessError, match="no such file"):
+    with pytest.raises(vx.MissingFileError, match=r"cannot read .*none\.xml: it does not exist"):
         read_model(tmp_path / "none.xml")

@@ -350,7 +350,7 @@ def test_a_mesh_that_is_a_line_is_refused_by_link_and_line(write, tmp_path):
 def test_wrong_calls_are_refused(write, tmp_path):
     path = write(link("base"), link("a"), joint("x", "continuous", "base", "a"))
     world = vx.World()
-    with pytest.raises(vx.FileAccessError, match="no such file"):
+    with pytest.raises(vx.MissingFileError, match=r"cannot read .*none\.urdf: it does not exist"):
         vx.load_urdf(world, tmp_path / "none.urdf")
     with pytest.raises(vx.SettingsError, match="'model' or 'hull', not 'box'"):
         vx.load_urdf(world, path, mesh_as="box")
