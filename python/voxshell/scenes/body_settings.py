@@ -12,6 +12,7 @@ from voxshell.base.arguments import as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
 from voxshell.simulation.material import Material
+from voxshell.simulation.motion import Motion, as_mass_and_motion
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,6 +43,8 @@ class BodySettings:
         length: Of a capsule, without its caps, or of a cylinder, meters.
         height: Of a cone, meters.
         mass: Kilograms; 0 makes the body static. Planes have no mass.
+        motion: What moves the body, as for :meth:`voxshell.World.add`; decided by the mass by
+            default. A kinematic body stands still, because a scene file sets no poses.
         inertia: Of the solid, or of a thin skin on the surface.
         friction, rolling_friction, spinning_friction, restitution: As for
             :meth:`voxshell.World.add`; spinning friction has an effect only together with rolling
@@ -49,7 +52,7 @@ class BodySettings:
         position: Of the body's origin, three numbers, meters.
         quaternion_xyzw: Orientation as a unit quaternion.
         rotation_vector: Alternative to it: axis times angle, radians.
-        linear_velocity, angular_velocity: At the start, m/s and rad/s.
+        linear_velocity, angular_velocity: At the start, m/s and rad/s; only of dynamic bodies.
         color: Red, green and blue, 0 to 255, in the replay.
     """
 
@@ -62,6 +65,7 @@ class BodySettings:
     length: float | None = None
     height: float | None = None
     mass: float | None = None
+    motion: Motion | None = None
     inertia: Literal["solid", "surface"] = "solid"
     friction: float = 0.5
     rolling_friction: float = 0.0
@@ -82,9 +86,19 @@ class BodySettings:
             raise SettingsError(f"mass must be at least 0 kg (0: static), not {self.mass:g}")
         if self.shape == "plane" and self.mass:
             raise SettingsError("mass of a plane must be 0: it is unbounded and cannot move")
+        if self.shape == "plane" and self.motion not in (None, "static"):
+            raise SettingsError(
+                "motion of a plane must be 'static': it is unbounded and cannot move"
+            )
+        if self.motion == "dynamic" and self.mass == 0.0:
+            raise SettingsError("mass of a dynamic body must be above 0 kg")
         _ = self.material  # checks its numbers
         for name in ("position", "linear_velocity", "angular_velocity"):
             check_vector(getattr(self, name), name)
+            if name != "position" and self.kilograms == 0.0 and any(getattr(self, name)):
+                raise SettingsError(
+                    f"{name} is for dynamic bodies, and this body is not moved by forces"
+                )
         if self.rotation_vector is not None:
             if self.quaternion_xyzw is not None:
                 raise SettingsError("rotation_vector and quaternion_xyzw cannot both be given")
@@ -101,10 +115,11 @@ class BodySettings:
 
     @property
     def kilograms(self) -> float:
-        """The body's mass: 1 kg by default, 0 for a plane."""
-        if self.mass is not None:
-            return self.mass
-        return 0.0 if self.shape == "plane" else 1.0
+        """The body's mass: 1 kg by default; 0 for planes and all others that forces do not move."""
+        mass = self.mass
+        if mass is None:
+            mass = 0.0 if self.shape == "plane" else 1.0
+        return as_mass_and_motion(mass, self.motion)[0]
 
     @property
     def material(self) -> Material:

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from voxshell.base.arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_length, as_positive
 from voxshell.errors import SettingsError
+from voxshell.model.build_settings import as_sheet_thickness
 
 MOST_FRAMES = 1_000_000
 """Largest number of steps in a scene."""
@@ -99,30 +100,39 @@ class MeshSettings:
         file: Path, relative to the folder of the scene file.
         collide_as: "model" for voxshell's model, or Bullet's GImpact, or the convex hull.
         scale: Factor that converts the mesh to meters; as for :meth:`voxshell.Model.from_mesh`.
-        voxel_size, resolution, point_spacing, target_points, sign: As for
-            :meth:`voxshell.Model.from_mesh`; only for models.
+        tolerance, voxel_size, resolution, point_spacing, target_points, sign, open,
+            sheet_thickness: As for :meth:`voxshell.Model.from_mesh`; only for models.
     """
 
     file: str
     collide_as: Literal["model", "gimpact", "hull"] = "model"
     scale: float | None = None
+    tolerance: float | None = None
     voxel_size: float | None = None
     resolution: int | None = None
     point_spacing: float | None = None
     target_points: int | None = None
     sign: Literal["auto", "closed", "winding"] = "auto"
+    open: Literal["auto", "solid", "sheet"] = "auto"
+    sheet_thickness: float | None = None
 
     def __post_init__(self) -> None:
         if not self.file:
             raise SettingsError("file must name a mesh")
         if self.scale is not None:
             as_positive(self.scale, "scale")
-        for one, other in (("voxel_size", "resolution"), ("point_spacing", "target_points")):
+        sizes = ("voxel_size", "resolution", "point_spacing", "target_points")
+        pairs = (
+            *zip(sizes[::2], sizes[1::2], strict=True),
+            *((size, "tolerance") for size in sizes),
+        )
+        for one, other in pairs:
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise SettingsError(f"{other} and {one} cannot both be given")
-        for name in ("voxel_size", "point_spacing"):
+        for name in ("tolerance", "voxel_size", "point_spacing"):
             if getattr(self, name) is not None:
-                as_positive(getattr(self, name), name)
+                as_length(getattr(self, name), name)
+        as_sheet_thickness(self.sheet_thickness, self.open)
         for name, least in (("resolution", 2), ("target_points", 1)):
             if getattr(self, name) is not None:
                 as_integer(getattr(self, name), name, least, 2**31 - 1)

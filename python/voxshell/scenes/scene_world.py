@@ -19,7 +19,17 @@ if TYPE_CHECKING:
     from voxshell.scenes.scene_settings import MeshSettings
     from voxshell.simulation.body_shapes import Shape
 
-_BUILD_NAMES = ("voxel_size", "resolution", "point_spacing", "target_points", "sign")
+_BUILD_NAMES = (
+    "tolerance",
+    "voxel_size",
+    "resolution",
+    "point_spacing",
+    "target_points",
+    "sign",
+    "open",
+    "sheet_thickness",
+)
+"""The settings of a mesh that :meth:`voxshell.Model.from_mesh` takes."""
 
 
 def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World:
@@ -62,6 +72,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
             added = world.add(
                 _make_shape(body, meshes),
                 mass=body.kilograms,
+                motion=body.motion,
                 pose=body.pose,
                 inertia=body.inertia,
                 material=body.material,

@@ -158,6 +158,31 @@ SCENES = [
         4,
         "meshes.part.resolution and voxel_size cannot both be given",
     ),
+    (
+        '[meshes.part]\nfile = "a.stl"\ntolerance = "fine"\n',
+        3,
+        "meshes.part.tolerance must be a number, not 'fine'",
+    ),
+    (
+        '[meshes.part]\nfile = "a.stl"\ntolerance = 0\n',
+        3,
+        "meshes.part.tolerance must be above 0, not 0",
+    ),
+    (
+        '[meshes.part]\nfile = "a.stl"\ntolerance = 1e-4\ntarget_points = 9\n',
+        3,
+        "meshes.part.tolerance and target_points cannot both be given",
+    ),
+    (
+        '[meshes.part]\nfile = "a.stl"\nopen = true\n',
+        3,
+        "meshes.part.open must be one of 'auto', 'solid', 'sheet', not True",
+    ),
+    (
+        '[meshes.part]\nfile = "a.stl"\nopen = "solid"\nsheet_thickness = 1\n',
+        4,
+        "meshes.part.sheet_thickness is for open='sheet' or 'auto'",
+    ),
     ("[bodies.ball]\nmass = 1\n", 1, "bodies.ball.shape or mesh must be given"),
     ('[bodies.ball]\nshape = "egg"\n', 2, "bodies.ball.shape must be one of 'plane'"),
     ('[bodies.ball]\nshape = "sphere"\n', 1, "bodies.ball.radius must be given"),
@@ -171,6 +196,32 @@ SCENES = [
         '[bodies.ball]\nshape = "sphere"\nradius = 1\nmass = -1\n',
         4,
         "bodies.ball.mass must be at least 0 kg (0: static), not -1",
+    ),
+    (
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "free"\n',
+        4,
+        "bodies.ball.motion must be one of 'dynamic', 'static', 'kinematic', not 'free'",
+    ),
+    (
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "dynamic"\nmass = 0\n',
+        5,
+        "bodies.ball.mass of a dynamic body must be above 0 kg",
+    ),
+    (
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "kinematic"\n'
+        "linear_velocity = [1, 0, 0]\n",
+        5,
+        "bodies.ball.linear_velocity is for dynamic bodies",
+    ),
+    (
+        '[bodies.ground]\nshape = "plane"\nmotion = "dynamic"\n',
+        3,
+        "bodies.ground.motion of a plane must be 'static'",
+    ),
+    (
+        f'{DOOR}motion = "kinematic"\n[joints.j]\nchild = "door"\nkind = "fixed"\n',
+        6,
+        "joints.j.child must be a body that moves, or its parent",
     ),
     ('[bodies.ground]\nshape = "plane"\nmass = 2\n', 3, "bodies.ground.mass of a plane must be 0"),
     (

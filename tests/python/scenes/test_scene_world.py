@@ -1,0 +1,77 @@
+"""The world of a scene file: keys act as the arguments of the calls that they stand for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.scenes.scene_file import read_scene
+from voxshell.scenes.scene_world import build_world
+
+MESH = '[meshes.part]\nfile = "part.stl"\n'
+BODY = '[bodies.part]\nmesh = "part"\n'
+BALL = '[bodies.ball]\nshape = "sphere"\nradius = 0.1\n'
+
+
+def build(folder: Path, text: str) -> vx.World:
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return build_world(read_scene(path), lambda *_: None)
+
+
+def build_model(folder: Path, keys: str) -> vx.Model:
+    model = build(folder, f"{MESH}{keys}{BODY}").bodies[0].shape
+    assert isinstance(model, vx.Model)
+    return model
+
+
+@pytest.fixture
+def cup(tmp_path: Path) -> Path:
+    """The file of a cup without a lid: a sheet by default."""
+    cup = trimesh.creation.cylinder(0.04, 0.1, sections=32)
+    cup.update_faces(cup.face_normals[:, 2] < 0.5)
+    cup.export(tmp_path / "part.stl")
+    return tmp_path / "part.stl"
+
+
+def test_a_tolerance_is_that_of_the_model(tmp_path: Path):
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "part.stl")
+    assert build_model(tmp_path, "tolerance = 0.0007\n").tolerance == 0.0007
+    assert build_model(tmp_path, "voxel_size = 0.01\n").tolerance is None
+
+
+def test_an_open_mesh_becomes_what_the_file_says(cup: Path):
+    folder = cup.parent
+    solid = build_model(folder, 'tolerance = 0.001\nopen = "solid"\nsign = "winding"\n')
+    sheet = build_model(folder, 'tolerance = 0.001\nopen = "sheet"\nsheet_thickness = 0.004\n')
+    inside = [[0.0, 0.0, 0.0]]
+    assert solid.field.sample(inside)[0] < -0.03
+    assert sheet.field.sample(inside)[0] > 0.03
+    one = vx.Model.from_mesh(cup, tolerance=0.001, open="sheet", sheet_thickness=0.004)
+    assert one.shell.points.tobytes() == sheet.shell.points.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("keys", "motion", "mass"),
+    [
+        ("", "dynamic", 1.0),
+        ("mass = 0\n", "static", 0.0),
+        ('motion = "static"\nmass = 2\n', "static", 0.0),
+        ('motion = "kinematic"\n', "kinematic", 0.0),
+        ('motion = "dynamic"\nmass = 2\n', "dynamic", 2.0),
+    ],
+)
+def test_a_motion_is_that_of_the_body(tmp_path: Path, keys: str, motion: str, mass: float):
+    world = build(tmp_path, BALL + keys)
+    [ball] = world.bodies
+    assert (ball.motion, ball.mass) == (motion, mass)
+    world.step(10)
+    assert (ball.position[2] < 0.0) == (motion == "dynamic")
+
+
+def test_a_missing_mesh_is_said_at_its_line(tmp_path: Path):
+    message = r"scene\.toml:2: meshes\.part\.file: cannot read .*part\.stl: it does not exist"
+    with pytest.raises(vx.SettingsError, match=message):
+        build(tmp_path, MESH + BODY)
