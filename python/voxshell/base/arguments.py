@@ -24,6 +24,28 @@ FARTHEST = 1e15
 """Largest length that is accepted, meters: its square still fits single precision."""
 
 
+_LONGEST_SHOWN = 80
+_LARGEST_SHOWN = 2**63
+
+
+def show_value(value: Any) -> str:
+    """Return a value for a message as Python writes it: one line, the beginning of a long one.
+
+    Example:
+        >>> show_value("part")
+        "'part'"
+        >>> len(show_value(np.zeros((1000, 3))))
+        83
+    """
+    if isinstance(value, int) and abs(value) > _LARGEST_SHOWN:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python limits the digits of an integer
+        return f"a {type(value).__name__} with an integer of too many digits"
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
+
+
 def as_real(value: Any, name: str) -> float:
     """Return a finite number."""
     try:
@@ -32,7 +54,7 @@ def as_real(value: Any, name: str) -> float:
             raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise SettingsError(f"{name} must be a number, not {value!r}") from None
+        raise SettingsError(f"{name} must be a number, not {show_value(value)}") from None
     if not math.isfinite(number):
         raise SettingsError(f"{name} must be finite, not {number}")
     return number
@@ -77,7 +99,7 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
             raise TypeError
         number = operator.index(value)
     except TypeError:
-        raise SettingsError(f"{name} must be an integer, not {value!r}") from None
+        raise SettingsError(f"{name} must be an integer, not {show_value(value)}") from None
     if not lowest <= number <= highest:
         unbounded = highest >= 2**31 - 1 and number < lowest
         allowed = f"at least {lowest}" if unbounded else f"from {lowest} to {highest}"
@@ -93,7 +115,7 @@ def as_color(value: Any, name: str) -> tuple[int, int, int]:
     except (TypeError, ValueError, OverflowError):
         color, same = (), False
     if not same or len(color) != 3 or not all(0 <= channel <= 255 for channel in color):
-        raise SettingsError(f"{name} must be three integers from 0 to 255, not {value!r}")
+        raise SettingsError(f"{name} must be three integers from 0 to 255, not {show_value(value)}")
     return color[0], color[1], color[2]
 
 
@@ -142,7 +164,7 @@ def as_path(value: Any, name: str) -> bytes:
     except (TypeError, ValueError):
         raise InputTypeError(f"{name} must be a path, not {type(value).__name__}") from None
     if not path or b"\0" in path:
-        raise FileAccessError(f"{name} must name a file, not {value!r}")
+        raise FileAccessError(f"{name} must name a file, not {show_value(value)}")
     return path
 
 

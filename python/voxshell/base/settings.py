@@ -8,6 +8,7 @@ from functools import cache
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from voxshell.base.arguments import show_value
 from voxshell.base.input_files import read_small_file
 from voxshell.errors import SettingsError
 
@@ -203,22 +204,24 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
         return _convert(value, next(k for k in get_args(kind) if k is not type(None)), name)
     if origin is tuple:
         if not isinstance(value, list):
-            raise SettingsError(f"{name} must be a list, not {_show(value)}")
+            raise SettingsError(f"{name} must be a list, not {show_value(value)}")
         item = get_args(kind)[0]
         return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
     if origin is Literal:
         if value not in get_args(kind):
             raise SettingsError(
-                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {_show(value)}"
+                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {show_value(value)}"
             )
         return value
     words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
     # TOML writes 2 for the float 2.0, and in Python True is an int.
     accepted = (int, float) if kind is float else (kind,)
     if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
-        raise SettingsError(f"{name} must be {words[kind]}, not {_show(value)}")
+        raise SettingsError(f"{name} must be {words[kind]}, not {show_value(value)}")
     if isinstance(value, int) and abs(value) > _LARGEST:
-        raise SettingsError(f"{name} must be {words[kind]} from -2^63 to 2^63, not {_show(value)}")
+        raise SettingsError(
+            f"{name} must be {words[kind]} from -2^63 to 2^63, not {show_value(value)}"
+        )
     return kind(value)
 
 
@@ -235,14 +238,3 @@ def list_names(names: Iterable[str]) -> str:
     shown = ", ".join(name[:_LONGEST_SHOWN] for name in known[:_MOST_NAMES])
     more = len(known) - _MOST_NAMES
     return f"{shown}, and {more} more" if more > 0 else shown
-
-
-def _show(value: Any) -> str:
-    """Return a value in one line, as Python writes it."""
-    if isinstance(value, int) and abs(value) > _LARGEST:
-        return f"an integer of {value.bit_length()} bits"
-    try:
-        text = repr(value)
-    except ValueError:  # Python limits the digits of an integer
-        return f"a {type(value).__name__} with an integer of too many digits"
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."

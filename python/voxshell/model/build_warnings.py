@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
+from voxshell.base.user_warnings import warn_user
 from voxshell.model.accuracy import AccuracyWarning
 from voxshell.model.meshes import MeshWarning
 
@@ -26,20 +26,19 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
     """
     grid = core.grid
     if grid.was_turned:
-        warnings.warn("mesh is inside out as a whole; it was turned", MeshWarning, stacklevel=3)
+        warn_user("mesh is inside out as a whole; it was turned", MeshWarning)
     openings = _describe_openings(core, open_as)
     open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
     place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
     if grid.sign_method == "closed":
         if openings:
-            warnings.warn(f"mesh is open: {openings}", MeshWarning, stacklevel=3)
+            warn_user(f"mesh is open: {openings}", MeshWarning)
         elif flipped or non_manifold:
-            warnings.warn(
+            warn_user(
                 f"mesh has {open_edges} open, {non_manifold} non-manifold and {flipped} wrongly oriented "
                 f"edges (first near [{place}] meters); its triangles were turned to face outward, and "
                 "repeated ones left out; the model's mesh is closed",
                 MeshWarning,
-                stacklevel=3,
             )
         return
     if not (open_edges or non_manifold or flipped or overlaps or openings):
@@ -55,12 +54,11 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
         )
         if count
     )
-    warnings.warn(
+    warn_user(
         f"mesh is not one closed surface: {faults} (first near [{place}] meters); winding numbers "
         f"decide what is inside, with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
         f"sign='winding' to accept it{openings and '; '}{openings}",
         MeshWarning,
-        stacklevel=3,
     )
 
 
@@ -68,11 +66,10 @@ def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy)
     """Warn if a model that was built to a tolerance misses it."""
     megabytes = field.nbytes / 1e6
     if megabytes > _LARGE_FIELD:
-        warnings.warn(
+        warn_user(
             f"the model's field takes {megabytes:.0f} MB, because much of the mesh is rough at its tolerance "
             f"of {tolerance * 1e3:.3g} mm; pass a larger tolerance to reduce it",
             AccuracyWarning,
-            stacklevel=3,
         )
     reached = max(accuracy.distance.p99, accuracy.coverage.p99)
     worst = max(accuracy.distance.max, accuracy.coverage.max)
@@ -81,12 +78,11 @@ def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy)
     distance, coverage = accuracy.distance.p99 * 1e3, accuracy.coverage.p99 * 1e3
     closed = field.sign_method == "closed"
     why = "" if closed else "; exact cells need a closed mesh, so repair it if you can"
-    warnings.warn(
+    warn_user(
         f"the model misses its tolerance of {tolerance * 1e3:.3g} mm: on 99 % of its surface the field's error "
         f"is at most {distance:.3g} mm and the shell's {coverage:.3g} mm; the largest error is {worst * 1e3:.3g} mm"
         f"{why}; pass a tolerance of {reached:.3g} m to accept this, or a voxel_size for a uniform model",
         AccuracyWarning,
-        stacklevel=3,
     )
 
 

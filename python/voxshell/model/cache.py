@@ -17,7 +17,6 @@ import os
 import re
 import threading
 import time
-import warnings
 from collections import OrderedDict
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from typing import TYPE_CHECKING
 
 from voxshell import _core
 from voxshell.base.unfinished import is_unfinished, remove_stale, unfinished_folder
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import (
     MemoryLimitError,
     ModelFileError,
@@ -280,7 +280,7 @@ class ModelCache:
         )
         if place not in _warned:
             _warned.add(place)
-            warnings.warn(message, CacheWarning, stacklevel=2)
+            warn_user(message, CacheWarning)
 
 
 def _name(key: str, seal: str) -> str:

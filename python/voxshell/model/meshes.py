@@ -14,6 +14,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_floats, as_positive, describe
 from voxshell.base.input_files import check_exists
+from voxshell.base.user_warnings import shorten_path
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
 from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
 
@@ -128,7 +129,7 @@ def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
     if longest <= _LONG or kind not in UNITLESS:
         return ""
     return (
-        f"{os.fspath(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
+        f"{shorten_path(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
         "millimeters, pass Model.from_mesh(..., scale=0.001) or --scale 0.001; scale=1 accepts the size"
     )
 

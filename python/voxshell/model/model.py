@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from voxshell.base.arguments import (
 )
 from voxshell.base.input_files import check_exists
 from voxshell.base.notebook import make_table
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, SettingsError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_open, as_padding, as_sheet_thickness, as_sign
@@ -232,7 +232,7 @@ class Model:
                 raise
             raise type(error)(f"{error}; {doubt}") from None
         if doubt:
-            warnings.warn(doubt, MeshWarning, stacklevel=2)
+            warn_user(doubt, MeshWarning)
         if sign == "auto":
             warn_of_faults(core, open)
         model = cls(core)

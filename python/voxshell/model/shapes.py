@@ -73,7 +73,7 @@ class Plane(Field):
         return self._offset
 
     def __repr__(self) -> str:
-        return f"Plane(normal={self._normal}, offset={self._offset:g})"
+        return f"Plane(normal={_round(self._normal)}, offset={self._offset:g})"
 
 
 class Box(Field):
@@ -108,7 +108,7 @@ class Box(Field):
         return np.array(self._half_extents)
 
     def __repr__(self) -> str:
-        return f"Box(half_extents={self._half_extents})"
+        return f"Box(half_extents={_round(self._half_extents)})"
 
 
 class Sphere(Field):
@@ -301,3 +301,8 @@ class ConvexPolyhedron(Field):
 
     def __repr__(self) -> str:
         return f"ConvexPolyhedron({self._face_count} faces)"
+
+
+def _round(numbers: tuple[float, ...]) -> tuple[float, ...]:
+    """Return numbers for people, with six digits."""
+    return tuple(float(f"{number:.6g}") for number in numbers)

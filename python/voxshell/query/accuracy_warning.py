@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import warnings
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from voxshell import _core
+from voxshell.base.user_warnings import warn_user
 from voxshell.model.accuracy import AccuracyWarning
 from voxshell.model.model import Model
 from voxshell.query.contact_set import ROLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from types import FrameType
 
     from voxshell.model.field import Field
 
@@ -23,7 +20,6 @@ Parts: TypeAlias = tuple[_core.Field, _core.Model | None, _core.Field, _core.Mod
 
 _OF_SIDE = 0.02  # limit as a fraction of the smaller body's shortest side
 _OF_WALL = 0.25  # limit as a fraction of the thinner wall: half the distance to its middle
-_PACKAGE = os.path.dirname(os.path.dirname(__file__))
 _MOST_REMEMBERED = 10_000
 
 
@@ -46,6 +42,13 @@ class Missing(NamedTuple):
             f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.fraction:.3g} % of "
             f"{self.of} of {self.length * 1e3:.3g} mm"
         )
+
+
+def _name(body: Model | Field) -> str:
+    """Return what tells a body from others, in few words."""
+    if isinstance(body, Model):
+        return f"a model of {len(body._core.faces)} triangles and {len(body.shell)} points"
+    return repr(body)
 
 
 def _advise(*bodies: Model | Field) -> str:
@@ -75,7 +78,9 @@ def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
         body._judged.add(other._serial)
     missing = measure(parts)
     if missing is not None:
-        _warn(f"queries of {a!r} and {b!r} {missing}; {_advise(a, b)}")
+        warn_user(
+            f"queries of {_name(a)} and {_name(b)} {missing}; {_advise(a, b)}", AccuracyWarning
+        )
 
 
 def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
@@ -89,7 +94,10 @@ def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
         return
     worst, a, b = max(found, key=lambda each: each[0].fraction)
     count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
-    _warn(f"{count} in the world may miss contacts; the worst {worst}; {_advise(a, b)}")
+    warn_user(
+        f"{count} in the world may miss contacts; the worst {worst}; {_advise(a, b)}",
+        AccuracyWarning,
+    )
 
 
 def measure(parts: Parts) -> Missing | None:
@@ -100,13 +108,3 @@ def measure(parts: Parts) -> Missing | None:
     if miss > _OF_SIDE * side:
         return Missing(miss, side, "the smaller body's shortest side", ROLES[role])
     return None
-
-
-def _warn(text: str) -> None:
-    """Show a warning at the first line outside of the package."""
-    level = 1
-    frame: FrameType | None = sys._getframe()
-    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
-        frame = frame.f_back
-        level += 1
-    warnings.warn(text, AccuracyWarning, stacklevel=level)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell.base.arguments import as_floats
 from voxshell.base.poses import pose as make_pose
+from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
 from voxshell.model.shapes import Sphere
 from voxshell.robots.description import RobotDescription, shorten_names
@@ -238,8 +238,7 @@ class Assembly:
         if robot.left_out:
             said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
         if said:
-            # Attribute the warning to the caller of the loader.
-            warnings.warn(f"{robot.path} {', and '.join(said)}", RobotWarning, stacklevel=3)
+            warn_user(f"{shorten_path(robot.path)} {', and '.join(said)}", RobotWarning)
 
 
 def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, NoReturn, TypeAlias
 
 import numpy as np
 
+from voxshell.base.arguments import show_value
 from voxshell.errors import RobotError
 
 if TYPE_CHECKING:
@@ -175,6 +176,6 @@ class RobotDescription:
 
 
 def shorten_names(names: Sequence[str]) -> str:
-    """Return the first ten names, quoted."""
-    shown = ", ".join(map(repr, names[:10]))
+    """Return the first ten names, quoted; of a long name, its beginning."""
+    shown = ", ".join(map(show_value, names[:10]))
     return f"{shown}, ..." if len(names) > 10 else shown

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell import _bullet
+from voxshell.base.arguments import show_value
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import SettingsError, SimulationError
 from voxshell.model.accuracy import AccuracyWarning
 
@@ -89,21 +90,19 @@ def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice
     names = {body.number: body.name for body in bodies}
     if lost is not None:
         raise SimulationError(
-            f"the simulation has diverged: the pose or velocity of {names[lost]!r} is no longer finite; "
+            f"the simulation has diverged: the pose or velocity of {show_value(names[lost])} is no longer finite; "
             f"reduce forces and velocities, or use a shorter time_step{advice}"
         )
     for number, turn in spins:
-        warnings.warn(
-            f"{names[number]!r} turns by {turn:.3g} rad a step; the search for contacts assumes at most "
+        warn_user(
+            f"{show_value(names[number])} turns by {turn:.3g} rad a step; the search for contacts assumes at most "
             f"an eighth of a turn, {_bullet.most_turn:.3f} rad, so contacts may be missed: use a shorter "
             "time_step",
             AccuracyWarning,
-            stacklevel=3,
         )
     for number, way in ways:
-        warnings.warn(
-            f"{names[number]!r} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
+        warn_user(
+            f"{show_value(names[number])} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
             "does not move bodies by 1e+06 m or more: use a shorter time_step, or lower velocities",
             AccuracyWarning,
-            stacklevel=3,
         )

@@ -98,3 +98,22 @@ def test_paths_are_names_of_files():
     for value in ("", "a\0b"):
         with pytest.raises(vx.FileAccessError, match=r"^mesh must name a file, not "):
             arguments.as_path(value, "mesh")
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        ("part", "'part'"),
+        (10**5000, "an integer of 16610 bits"),
+        ([10**5000], "a list with an integer of too many digits"),
+        ("x" * 200, "'" + "x" * 79 + "..."),
+        (np.eye(2), "array([[1., 0.], [0., 1.]])"),
+    ],
+    ids=["text", "large integer", "large integer in a list", "long text", "array"],
+)
+def test_values_are_shown_in_a_short_line(value: object, shown: str):
+    """An array in the place of a number filled pages, and a large integer raised a ValueError."""
+    assert arguments.show_value(value) == shown
+    with pytest.raises(vx.SettingsError) as caught:
+        arguments.as_real(value, "mass")
+    assert str(caught.value) == f"mass must be a number, not {shown}"

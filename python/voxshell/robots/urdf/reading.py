@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 
-from voxshell.base.arguments import as_path
+from voxshell.base.arguments import as_path, show_value
 from voxshell.base.poses import pose as make_pose
 from voxshell.errors import RobotError
 from voxshell.robots.description import (
@@ -249,7 +249,7 @@ def _describe_collision(element: Element, link: str, left_out: list[str]) -> Col
     if sizes is None:
         shape.refuse("has a box without a size; add it")
     if shape.tag == "sphere" and sizes == [0.0]:
-        left_out.append(f"a sphere of radius 0 ({link!r})")
+        left_out.append(f"a sphere of radius 0 ({show_value(link)})")
         return None
     if min(sizes) <= 0.0:
         shape.refuse(f"has a {shape.tag} of {sizes} m; it must be above 0")

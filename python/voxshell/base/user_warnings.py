@@ -1,0 +1,37 @@
+"""Warnings that point at the line of the user's program, and name things in few words."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+_PACKAGE = os.path.dirname(os.path.dirname(__file__)) + os.sep
+_LONGEST_PATH = 200
+
+
+def warn_user(text: str, category: type[Warning]) -> None:
+    """Show a warning at the first line outside of the package, however deep the call is in it."""
+    level = 1
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, category, stacklevel=level)
+
+
+def shorten_path(path: str | os.PathLike[str]) -> str:
+    """Return a path for a warning: the end of a long one, because it names the file.
+
+    Example:
+        >>> shorten_path("folder/part.stl")
+        'folder/part.stl'
+        >>> shorten_path("folder/" * 100 + "part.stl")[-16:]
+        '/folder/part.stl'
+    """
+    text = os.fspath(path)
+    return text if len(text) <= _LONGEST_PATH else f"...{text[-_LONGEST_PATH:]}"
