@@ -43,10 +43,78 @@ MJCF_ROOT = re.compile(rb"\s*(<\?.*?\?>\s*|<!--.*?-->\s*)*<mujoco\b", re.DOTALL)
 HEADS = {
     "urdf": """# Robots
 
-`vx.load_urdf` loads robots from URDF files, and `vx.load_mjcf` loads [models of MuJoCo](mjcf.md). This page lists what
-`vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for {steps} steps. Some
-files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that voxshell used instead.
-The last column quotes the error of a refused file. The meshes were loaded {kind}. These commands write the page:
+`vx.load_urdf` adds the robot of a URDF file to a world, and `vx.load_mjcf` does so with [models of MuJoCo](mjcf.md). This
+program writes a small arm to a file, loads it, and moves it. Replace the path by that of your robot:
+
+```python
+import pathlib
+
+import voxshell as vx
+
+path = pathlib.Path("arm.urdf")
+path.write_text(\"\"\"
+<robot name="arm">
+  <link name="base">
+    <collision><geometry><cylinder radius="0.08" length="0.1"/></geometry></collision>
+  </link>
+  <link name="upper">
+    <inertial><origin xyz="0.2 0 0"/><mass value="1.5"/>
+      <inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.06 0.06"/></geometry></collision>
+  </link>
+  <link name="lower">
+    <inertial><origin xyz="0.15 0 0"/><mass value="1.0"/>
+      <inertia ixx="0.001" iyy="0.008" izz="0.008" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.04 0.04"/></geometry></collision>
+  </link>
+  <link name="hand"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><origin xyz="0 0 0.1"/><axis xyz="0 -1 0"/>
+    <limit lower="-1.5" upper="1.5" effort="50" velocity="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/><axis xyz="0 -1 0"/>
+    <limit lower="-2" upper="2" effort="20" velocity="1"/>
+  </joint>
+  <joint name="wrist" type="fixed">
+    <parent link="lower"/><child link="hand"/><origin xyz="0.3 0 0"/>
+  </joint>
+</robot>\"\"\")
+world = vx.World()
+world.add(vx.Plane(offset=-0.05), mass=0)
+robot = vx.load_urdf(world, path)
+print(robot)  # Robot('arm', 4 links, 2 joints that move)
+
+robot.set_targets({{"shoulder": 0.8, "elbow": -0.5}})  # radians, with the efforts of the file
+world.step(400)
+print(robot.positions)  # {{'shoulder': 0.8, 'elbow': -0.5}} to a thousandth
+print(robot.links["hand"].pose[:3, 3].round(3))  # [0.565 0.    0.476]
+print(robot.joints["elbow"].reaction.torque.round(2))  # what holds the lower arm, newton meters
+```
+
+All joints begin at position 0. They move freely until you drive them. The root link is fixed to the world, unless you pass
+`fixed_base=False`. `vx.load_urdf` returns a `Robot`:
+
+| what | contents |
+|---|---|
+| `robot.links["hand"]` | a link: its `pose` in the world, the `body` that it is part of, its `color`. Links that fixed joints hold together are one body |
+| `robot.joints["elbow"]` | a [joint](joints.md) that turns or slides: position, velocity, reaction, motor |
+| `robot.ball_joints` | joints that turn about a point; they have no motor |
+| `robot.bodies` | the bodies of all links |
+| `robot.positions`, `robot.velocities` | radians or meters, and rad/s or m/s, of all joints that turn or slide, by name |
+| `robot.set_targets({{...}})` | drives joints to positions, at most with the effort and the velocity in the file. If the file states no effort, pass `max_force` |
+| `robot.set_target_velocities({{...}})`, `robot.release()` | drive joints at velocities; turn motors off |
+| `robot.remove()` | removes the robot from its world |
+
+Collision meshes become [models](start.md), or convex hulls with `mesh_as="hull"`, which load faster. Links of the robot do not
+collide with each other, unless you pass `self_collision=True`.
+
+## Robots that were tried
+
+This section lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for
+{steps} steps. Some files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that
+voxshell used instead. The last column quotes the error of a refused file. The meshes were loaded {kind}. These
+commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}

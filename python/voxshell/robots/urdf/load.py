@@ -39,8 +39,7 @@ def load_urdf(
     a mass, such as a tool's, are valid. If the file lacks a mass or inertia, it is computed from
     the collision geometry, and a :class:`RobotWarning` names the links. Joints have their limits,
     friction and damping. They move freely until they are driven, except those that mimic others,
-    which follow them. Grippers with light fingers and a firm grip need short steps:
-    ``World(time_step=1 / 1000)``.
+    which follow them.
 
     Args:
         world: The world.
