@@ -9,6 +9,7 @@
 
 #include "island_problem.h"
 #include "solver_constants.h"
+#include "squeezed_contacts.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -37,7 +38,8 @@ CoulombSolver::CoulombSolver(SolverEffort effort)
     : effort_(effort),
       problem_(std::make_unique<IslandProblem>()),
       best_(std::make_unique<SolverState>()),
-      of_newton_(std::make_unique<SolverState>()) {}
+      of_newton_(std::make_unique<SolverState>()),
+      squeezed_(std::make_unique<SqueezedContacts>()) {}
 
 CoulombSolver::~CoulombSolver() = default;
 
@@ -149,6 +151,15 @@ void CoulombSolver::warm_start_friction(const btContactSolverInfo& info) {
   }
 }
 
+void CoulombSolver::solveGroupCacheFriendlySplitImpulseIterations(
+    btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+    int manifold_count, btTypedConstraint** constraints, int constraint_count,
+    const btContactSolverInfo& info, btIDebugDraw* drawer) {
+  btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySplitImpulseIterations(
+      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
+  if (info.m_splitImpulse) squeezed_->soften(pools(), info);
+}
+
 btScalar CoulombSolver::solveGroupCacheFriendlyIterations(
     btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
     int manifold_count, btTypedConstraint** constraints, int constraint_count,
@@ -240,7 +251,8 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
 bool CoulombSolver::rebounds_with_friction(btScalar of_forces) const {
   for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
     const btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-    if (!(row.m_jacDiagABInv > 0) || !(row.m_friction > 0)) continue;
+    // A contact that gives way keeps impulses finite.
+    if (!(row.m_jacDiagABInv > 0) || !(row.m_friction > 0) || row.m_cfm > 0) continue;
     const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
     const std::array parts{

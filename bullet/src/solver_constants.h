@@ -67,5 +67,18 @@ inline constexpr double kSmallOfForces = 0.1;
 /// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
 /// sooner. Smaller: heaps sag.
 inline constexpr int kMostSweeps = 50;
+/// Bodies are squeezed if the split impulses that join them do less than this fraction of the work
+/// that they ask for: all of it where bodies can leave what they are in, and the impulses are
+/// solved; nothing between two fingers. Larger: what lies in a narrow groove is squeezed.
+inline constexpr double kSqueezedWork = 0.5;
+/// And if the momentum that these impulses give to bodies is less than this fraction of the
+/// impulses by bodies that cannot move. At least all of it where bodies can be pushed upward,
+/// however heavy, and however far from solved the impulses are. Larger: heavy bodies sink into
+/// light ones. Smaller: loose grips count as none.
+inline constexpr double kSqueezedMomentum = 0.5;
+/// Frequency, rad/s, at which a contact of a squeezed body would swing on its spring: 0.1 mm push
+/// with ten times the weight. Larger: islands are harder to solve. Smaller: grips slip that
+/// penetrate by little.
+inline constexpr double kSqueezeFrequency = 3000.0;
 
 }  // namespace voxshell::bullet

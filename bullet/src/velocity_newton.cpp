@@ -54,6 +54,11 @@ bool is_in_cone(double normal, double aside, double friction) {
   return normal >= 0.0 && aside <= friction * normal;
 }
 
+/// The root of by how much less than friction a contact's normal impulse answers to a velocity.
+double scale_of(const VelocityRow& normal, double stiffness) {
+  return std::sqrt(1.0 + stiffness * normal.unit_impulse * normal.softness);
+}
+
 /// A row along a combination of two rows of the same bodies.
 VelocityRow combine(const VelocityRow& p, double of_p, const VelocityRow& q, double of_q) {
   VelocityRow sum;
@@ -184,6 +189,7 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
                       first.lower,
                       first.upper,
                       first.friction,
+                      scale_of(first, stiffness_),
                       first.is_contact};
     for (const std::size_t end = i + group.count; i < end; ++i) {
       aims_.push_back({rows[i].impulse, rows[i].target, 1.0 + group.impulse * rows[i].softness});
@@ -243,23 +249,25 @@ void VelocityNewton::add_contact(std::span<const VelocityRow> rows, std::size_t 
   const VelocityRow& row = rows[normal];
   const double impulse = stiffness_ * row.unit_impulse;
   const double aside = friction_at(normal, row_count(row));
-  const double friction = row.friction;
-  if (is_in_cone(unlimited_[normal], aside, friction)) {
-    for (std::size_t k = 0; k < row_count(row); ++k) add_square(rows[normal + k], impulse);
+  const double scale = scale_of(row, stiffness_);
+  if (is_in_cone(unlimited_[normal], aside, row.friction)) {
+    add_square(row, impulse / (scale * scale));
+    for (std::size_t k = 1; k < row_count(row); ++k) add_square(rows[normal + k], impulse);
     return;
   }
   if (!(impulses_[normal] > 0.0)) return;
+  const double friction = row.friction / scale;
   const double onto_cone = impulse / (1.0 + friction * friction);
   const double x = unlimited_[normal + 1] / aside;
   if (row.friction_rows == 1) {
-    add_square(combine(row, 1.0, rows[normal + 1], friction * x), onto_cone);
+    add_square(combine(row, 1.0 / scale, rows[normal + 1], friction * x), onto_cone);
     return;
   }
   const double y = unlimited_[normal + 2] / aside;
   const VelocityRow slide = combine(rows[normal + 1], x, rows[normal + 2], y);
   const VelocityRow across = combine(rows[normal + 1], -y, rows[normal + 2], x);
-  add_square(combine(row, 1.0, slide, friction), onto_cone);
-  add_square(across, impulse * friction * impulses_[normal] / aside);
+  add_square(combine(row, 1.0 / scale, slide, friction), onto_cone);
+  add_square(across, impulse * row.friction * impulses_[normal] / aside);
 }
 
 /// Adds the outer product of the row with itself to the matrix.
@@ -384,8 +392,8 @@ void VelocityNewton::project(std::span<const double> velocities) {
 
 /// The place of the cone that is nearest to the contact's unlimited impulse.
 void VelocityNewton::project_contact(const Group& contact) {
-  const double normal = unlimited_[contact.first];
-  const double friction = contact.friction;
+  const double normal = contact.scale * unlimited_[contact.first];
+  const double friction = contact.friction / contact.scale;
   const bool has_first = contact.count > 1;
   const bool has_second = contact.count > 2;
   const double x = has_first ? unlimited_[contact.first + 1] : 0.0;
@@ -399,7 +407,7 @@ void VelocityNewton::project_contact(const Group& contact) {
     onto = std::max((normal + friction * aside) / (1.0 + friction * friction), 0.0);
     if (aside > 0.0) fraction = friction * onto / aside;
   }
-  impulses_[contact.first] = onto;
+  impulses_[contact.first] = onto / contact.scale;
   if (has_first) impulses_[contact.first + 1] = fraction * x;
   if (has_second) impulses_[contact.first + 2] = fraction * y;
 }

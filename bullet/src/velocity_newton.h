@@ -19,7 +19,7 @@ struct VelocityRow {
   std::array<double, 6> along_a{};  ///< change of a's scaled velocity by a unit impulse
   std::array<double, 6> along_b{};
   double target = 0.0;        ///< velocity along the row that is aimed at
-  double softness = 0.0;      ///< velocity per impulse by which the row gives way
+  double softness = 0.0;      ///< velocity per impulse by which the row gives way; not friction
   double impulse = 0.0;       ///< where a solve starts and ends
   double unit_impulse = 0.0;  ///< changes the velocity along this row alone by 1
   double lower = 0.0;         ///< limits of the impulse; not of contacts and their friction
@@ -71,6 +71,8 @@ class VelocityNewton {
     double lower;
     double upper;
     double friction;
+    double scale;  ///< of a contact's normal impulse, so that a cone's nearest place is that of the
+                   ///< least work: 1 if it does not give way
     bool is_contact;
   };
 

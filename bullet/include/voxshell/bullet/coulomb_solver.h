@@ -9,6 +9,7 @@ namespace voxshell::bullet {
 
 class IslandProblem;
 class SolverState;
+class SqueezedContacts;
 struct SolverPools;
 
 /// How much work CoulombSolver spends on an island in a step.
@@ -46,6 +47,11 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
 
  protected:
+  void solveGroupCacheFriendlySplitImpulseIterations(
+      btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+      int manifold_count, btTypedConstraint** constraints, int constraint_count,
+      const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+
   btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
                                              btPersistentManifold** manifolds, int manifold_count,
                                              btTypedConstraint** constraints, int constraint_count,
@@ -90,6 +96,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
   std::unique_ptr<SolverState> best_;                                 ///< kept for its memory
   std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; the same
+  std::unique_ptr<SqueezedContacts> squeezed_;                        ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet
