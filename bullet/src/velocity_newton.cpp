@@ -183,14 +183,9 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
   groups_.clear();
   for (std::size_t i = 0; i < rows.size();) {
     const VelocityRow& first = rows[i];
-    const Group group{i,
-                      row_count(first),
-                      stiffness_ * first.unit_impulse,
-                      first.lower,
-                      first.upper,
-                      first.friction,
-                      scale_of(first, stiffness_),
-                      first.is_contact};
+    const Group group{
+        i,           row_count(first), stiffness_ * first.unit_impulse, first.lower,
+        first.upper, first.friction,   scale_of(first, stiffness_),     first.is_contact};
     for (const std::size_t end = i + group.count; i < end; ++i) {
       aims_.push_back({rows[i].impulse, rows[i].target, 1.0 + group.impulse * rows[i].softness});
     }

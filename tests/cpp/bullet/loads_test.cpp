@@ -114,6 +114,37 @@ TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
   EXPECT_NEAR(sliding[2] / sliding[1], 4.0 / 3.0, 1e-6);
 }
 
+/// A contact that gives way, at rest and sliding: v + softness * impulse is its target.
+TEST(VelocityNewton, GivesWayAlongTheNormalAlone) {
+  constexpr double kSoftness = 3.0;
+  VelocityRow normal;
+  normal.is_contact = true;
+  normal.friction_rows = 1;
+  normal.friction = 0.5;
+  normal.body_a = 0;
+  normal.along_a[2] = 1.0;
+  normal.unit_impulse = 1.0 / (1.0 + kSoftness);
+  normal.softness = kSoftness;
+  normal.target = 2.0;
+  VelocityRow along_x = normal;
+  along_x.is_contact = false;
+  along_x.along_a = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  along_x.friction_rows = 0;
+  along_x.softness = 0.0;
+  for (const double aside : {0.2, 5.0}) {
+    std::array rows{normal, along_x};
+    rows[1].target = aside;
+    VelocityNewton newton;
+    newton.prepare(1, rows);
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(newton.solve(rows, 1e4, 20));
+    EXPECT_LT(newton.error(rows), 1e-9);
+    // Of 1 kg: velocities are impulses. What slides also opens by friction times its speed.
+    const double sliding = aside - rows[1].impulse;
+    EXPECT_NEAR(rows[0].impulse * (1.0 + kSoftness), 2.0 + 0.5 * sliding, 1e-6);
+    EXPECT_NEAR(rows[1].impulse, std::min(aside, 0.5 * rows[0].impulse), 1e-6);
+  }
+}
+
 /// Bodies of 1 kg on top of each other, with many contacts of scattered normals between each two.
 std::vector<VelocityRow> make_rubble(int bodies, int contacts_each, unsigned seed) {
   std::minstd_rand random(seed);

@@ -30,6 +30,8 @@ enum class SolverEffort {
 ///     (a circular cone), and opposes sliding;
 ///   - rolling and spinning friction grow with the normal impulse without an upper limit;
 ///   - friction resists torques of the same step (btRigidBody::applyTorque());
+///   - what is squeezed, as between two kinematic fingers, is pressed by stiff springs
+///     (docs/decisions/0056-what-is-squeezed-gives-way.md);
 ///   - Newton's method solves islands that iterations have not solved, such as heavy bodies on
 ///     light ones (docs/decisions/0034-loads.md).
 /// Set m_minimumSolverBatchSize of btContactSolverInfo to 1, so that Bullet does not merge islands.
