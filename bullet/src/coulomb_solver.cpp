@@ -30,6 +30,15 @@ bool keeps_directions(const btContactSolverInfo& info) {
   return (info.m_solverMode & kNeeded) == kNeeded;
 }
 
+/// How fast what touches turns about the normal, rad/s: as the body that the other one rides on, if
+/// that one cannot be moved, or as both.
+btScalar spin_of_frame(const btSolverBody& a, const btSolverBody& b, const btVector3& normal) {
+  const bool moves_a = !a.internalGetInvMass().isZero();
+  const bool moves_b = !b.internalGetInvMass().isZero();
+  if (moves_a != moves_b) return normal.dot(moves_a ? b.m_angularVelocity : a.m_angularVelocity);
+  return btScalar(0.5) * normal.dot(a.m_angularVelocity + b.m_angularVelocity);
+}
+
 bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpulse) == 0; }
 
 }  // namespace
@@ -69,6 +78,7 @@ void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifo
   complete_rows(m_tmpSolverContactFrictionConstraintPool);
   complete_rows(m_tmpSolverContactRollingFrictionConstraintPool);
   if (!surface_velocities_.empty()) move_surfaces();
+  aim_at_middle_of_step(info.m_timeStep);
   if (keeps_directions(info)) warm_start_friction(info);
 }
 
@@ -115,6 +125,24 @@ void CoulombSolver::move_surfaces() {
     row.m_rhs -= (row.m_contactNormal1.dot(surface_velocity(row.m_solverBodyIdA)) +
                   row.m_contactNormal2.dot(surface_velocity(row.m_solverBodyIdB))) *
                  row.m_jacDiagABInv;
+  }
+}
+
+/// Lets friction hold what rides on a body that spins about the contact's normal at the velocity
+/// that the body's surface has where the rider is in the middle of the step. Held at that of the
+/// step's start, riders go straight on in each step, and drift off a turntable.
+void CoulombSolver::aim_at_middle_of_step(btScalar time_step) {
+  for (int i = 0; i < m_tmpSolverContactFrictionConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[i];
+    const btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
+    const btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+    const btVector3& normal =
+        m_tmpSolverContactConstraintPool[row.m_frictionIndex].m_contactNormal1;
+    const btScalar spin = spin_of_frame(a, b, normal);
+    if (spin == 0) continue;
+    const btVector3 change =
+        (btScalar(0.5) * time_step * spin) * normal.cross(b.m_linearVelocity - a.m_linearVelocity);
+    row.m_rhs -= row.m_contactNormal1.dot(change) * row.m_jacDiagABInv;
   }
 }
 

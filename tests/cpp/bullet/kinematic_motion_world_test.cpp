@@ -73,6 +73,30 @@ TEST(KinematicMotion, CarriesCargoWithoutAGap) {
   EXPECT_GT(gap, 0.01);
 }
 
+TEST(KinematicMotion, TurnsCargoRoundWithoutDrift) {
+  for (const int rate : {200, 60}) {
+    SCOPED_TRACE(rate);
+    Lift<KinematicMotionWorld<>> lift;
+    lift.world.world.getSolverInfo().m_solverMode |=
+        SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
+    lift.plate.setFriction(1);
+    lift.cube.setFriction(scalar(0.5));
+    constexpr double kRadius = 0.3;  // metres
+    constexpr double kSpin = 3.0;    // rad/s; the cube slides from 4.0 on
+    lift.cube.getWorldTransform().getOrigin().setX(scalar(kRadius));
+    lift.cube.setLinearVelocity(btVector3(0, scalar(kSpin * kRadius), 0));
+    lift.cube.setAngularVelocity(btVector3(0, 0, scalar(kSpin)));
+    for (int i = 1; i <= 5 * rate; ++i) {
+      const double angle = kSpin * i / rate;
+      lift.plate.getWorldTransform().setRotation(btQuaternion(btVector3(0, 0, 1), scalar(angle)));
+      lift.world.step(1, 1.0 / rate);
+    }
+    const btVector3& place = lift.cube.getWorldTransform().getOrigin();
+    EXPECT_NEAR(std::hypot(static_cast<double>(place.x()), static_cast<double>(place.y())), kRadius,
+                2e-3);
+  }
+}
+
 TEST(KinematicMotion, EndsAtThePoseThatWasSet) {
   Lift<KinematicMotionWorld<>> lift;
   for (int i = 1; i <= 10; ++i) {

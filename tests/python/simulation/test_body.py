@@ -76,6 +76,41 @@ def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
         assert cargo.position[2] == pytest.approx(height + 0.05, abs=1e-4)
 
 
+def ride_a_turntable(rate, fraction, drive):
+    """The distance of cargo from the axis after 6 s; it begins at 0.3 m.
+
+    The turntable comes to that fraction of the spin at which the cargo slides.
+    """
+    friction = 0.1
+    spin = fraction * np.sqrt(friction * 9.81 / 0.3)
+    world = vx.World(time_step=1 / rate)
+    disk = vx.Model.from_mesh(trimesh.creation.cylinder(radius=0.5, height=0.1, sections=64))
+    motion = "kinematic" if drive == "pose" else "dynamic"
+    table = world.add(disk, motion=motion, mass=5.0, pose=at(z=-0.05), friction=1.0)
+    block = vx.Model.from_mesh(trimesh.creation.box((0.06, 0.06, 0.02)))
+    cargo = world.add(block, mass=0.5, pose=at(x=0.3, z=0.01), friction=friction)
+    axle = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, table) if drive == "motor" else None
+    angle = 0.0
+    for step in range(1, 6 * rate + 1):
+        now = spin * min(step / rate / 3, 1)
+        angle += now / rate
+        if axle is None:
+            table.pose = vx.pose((0, 0, -0.05), axis_angle=((0, 0, 1), angle))
+        else:
+            axle.set_target_velocity(now, max_force=1e3)
+        world.step()
+    return np.hypot(*cargo.position[:2])
+
+
+@pytest.mark.parametrize("drive", ["pose", "motor"])
+@pytest.mark.parametrize("rate", [1000, 200, 60, 30])
+def test_cargo_stays_on_a_turntable_up_to_the_spin_at_which_it_slides(rate, drive):
+    within = 1e-5 if rate >= 200 else 1e-3
+    for fraction in (0.4, 0.95):
+        assert ride_a_turntable(rate, fraction, drive) == pytest.approx(0.3, abs=within)
+    assert ride_a_turntable(rate, 1.05, drive) > 0.4
+
+
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 @pytest.mark.parametrize("speed", [1.0, 20.0])
 def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
