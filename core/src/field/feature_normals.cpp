@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -25,22 +24,40 @@ double angle_between(const Vec3& u, const Vec3& v) {
   return portable_atan2(length(cross(u, v)), dot(u, v));
 }
 
-/// The outward normal of a side of a piece, between two corners. What meets the piece there may
-/// change along it: that which bends most tells the sides of all.
-Vec3 compute_side_normal(const AngleNormals& around, const Vec3& face, const Vec3& from,
-                         const Vec3& to) {
+/// Outward normals of the sides of a piece, each from a corner to the next, and of its corners.
+struct PieceNormals {
+  std::array<Vec3, 3> sides;
+  std::array<Vec3, 3> corners;
+};
+
+/// `face` is the normal of the piece. What meets the piece at a side may change along it: that
+/// which bends most tells the sides of all.
+PieceNormals compute_by_place(const AngleNormals& around, const Vec3& face,
+                              const std::array<Vec3, 3>& corners) {
   constexpr std::array kFractions{0.5, 0.1, 0.3, 0.7, 0.9};
-  std::array<Vec3, kFractions.size()> places;
-  std::ranges::transform(kFractions, places.begin(),
-                         [&](double fraction) { return from + fraction * (to - from); });
-  std::array<Vec3, kFractions.size()> normals;
-  around.compute(places, normals);
-  Vec3 normal = face;
-  for (const Vec3& each : normals) {
-    const Vec3 here = normalized(each);
-    if (here != Vec3{} && dot(here, face) < dot(normal, face)) normal = here;
+  // A group is a corner and places of the side behind it.
+  constexpr std::size_t kGroup = 1 + kFractions.size();
+  std::array<Vec3, 3 * kGroup> places;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& from = corners[k];
+    const Vec3 way = corners[(k + 1) % 3] - from;
+    places[kGroup * k] = from;
+    std::ranges::transform(kFractions, places.begin() + kGroup * k + 1,
+                           [&](double fraction) { return from + fraction * way; });
   }
-  return normal;
+  std::array<Vec3, places.size()> normals;
+  around.compute(places, kGroup, normals);
+  PieceNormals of_piece;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto group = std::span(normals).subspan(kGroup * k, kGroup);
+    of_piece.corners[k] = group.front();
+    Vec3& side = of_piece.sides[k] = face;
+    for (const Vec3& each : group.subspan(1)) {
+      const Vec3 here = normalized(each);
+      if (here != Vec3{} && dot(here, face) < dot(side, face)) side = here;
+    }
+  }
+  return of_piece;
 }
 
 /// Of a closed mesh without needles, which are found by who shares vertices with whom.
@@ -102,7 +119,6 @@ Features combine(const TriangleMesh& mesh, const TriangleMesh& pieces,
                  const std::vector<bool>& is_vertex_in_doubt, double rounding) {
   const std::vector<float> of_mesh = compute_by_mesh(mesh);
   const AngleNormals around(pieces, rounding);
-  std::vector<std::optional<Vec3>> of_corners(pieces.vertices().size());
   Features features;
   features.normals.reserve(simd::kFeatureNormalFloats * of_pieces.size());
   const auto append = [&](const Vec3& normal) {
@@ -121,17 +137,11 @@ Features combine(const TriangleMesh& mesh, const TriangleMesh& pieces,
       features.normals.insert(features.normals.end(), from, from + simd::kFeatureNormalFloats);
       continue;
     }
-    const auto corners = pieces.corners(i);
     const Vec3 face = unit_normal(mesh, of.triangle);
+    const PieceNormals of_piece = compute_by_place(around, face, pieces.corners(i));
     append(face);
-    for (std::size_t k = 0; k < 3; ++k) {
-      append(compute_side_normal(around, face, corners[k], corners[(k + 1) % 3]));
-    }
-    for (const std::uint32_t vertex : pieces.triangles()[i]) {
-      std::optional<Vec3>& normal = of_corners[vertex];
-      if (!normal) normal = around.compute(pieces.vertices()[vertex]);
-      append(*normal);
-    }
+    std::ranges::for_each(of_piece.sides, append);
+    std::ranges::for_each(of_piece.corners, append);
   }
   return features;
 }

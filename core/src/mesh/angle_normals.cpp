@@ -72,27 +72,43 @@ Vec3 AngleNormals::compute(const Vec3& place) const {
   return sum;
 }
 
-void AngleNormals::compute(std::span<const Vec3> places, std::span<Vec3> normals) const {
-  Bounds around;
-  for (const Vec3& place : places) around.extend(place);
-  // Of places that are far apart, what is between them is more than what is around each.
-  constexpr std::size_t kMost = 512;
-  std::vector<std::uint32_t> near;
-  const bool are_near = finder_.find(widen(around, rounding_), kMost, near);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Vec3& place = places[i];
-    normals[i] = {};
-    if (!are_near) {
-      normals[i] = compute(place);
-      continue;
-    }
-    const Bounds box = widen({place, place}, rounding_);
-    for (const std::uint32_t triangle : near) {
-      if (do_meet(box, finder_.box(triangle))) {
-        normals[i] += facets_[triangle].weigh(place, rounding_);
-      }
+void AngleNormals::compute(std::span<const Vec3> places, std::size_t group,
+                           std::span<Vec3> normals) const {
+  if (compute_together(places, normals)) return;
+  const bool is_group = places.size() <= group;
+  const std::size_t each = is_group ? 1 : group;
+  for (std::size_t first = 0; first < places.size(); first += each) {
+    if (is_group) {
+      normals[first] = compute(places[first]);
+    } else {
+      const std::size_t count = std::min(each, places.size() - first);
+      compute(places.subspan(first, count), group, normals.subspan(first, count));
     }
   }
+}
+
+/// With one search for all of them. False where the places are so far apart that what is between
+/// them is more than what is around each.
+bool AngleNormals::compute_together(std::span<const Vec3> places, std::span<Vec3> normals) const {
+  Bounds around;
+  for (const Vec3& place : places) around.extend(place);
+  constexpr std::size_t kMost = 512;
+  std::vector<std::uint32_t> near;
+  if (!finder_.find(widen(around, rounding_), kMost, near)) return false;
+  std::vector<Bounds> boxes(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    boxes[i] = widen({places[i], places[i]}, rounding_);
+    normals[i] = {};
+  }
+  // Each place adds up triangles in the order in which it would find them alone.
+  for (const std::uint32_t triangle : near) {
+    const Facet& facet = facets_[triangle];
+    const Bounds& box = finder_.box(triangle);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (do_meet(boxes[i], box)) normals[i] += facet.weigh(places[i], rounding_);
+    }
+  }
+  return true;
 }
 
 }  // namespace voxshell

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,9 @@ class AngleNormals {
 
   /// Not of unit length.
   Vec3 compute(const Vec3& place) const;
-  /// The same at several places, at less cost where they are near one another.
-  void compute(std::span<const Vec3> places, std::span<Vec3> normals) const;
+  /// The same at several places, at less cost where they are near one another. If they are not,
+  /// each run of `group` places may be.
+  void compute(std::span<const Vec3> places, std::size_t group, std::span<Vec3> normals) const;
 
  private:
   /// A triangle and what its answers have in common, since many places ask the same triangle.
@@ -38,6 +40,8 @@ class AngleNormals {
     double measure_angle(const Vec3& place, double rounding) const;
     Vec3 weigh(const Vec3& place, double rounding) const;
   };
+
+  bool compute_together(std::span<const Vec3> places, std::span<Vec3> normals) const;
 
   double rounding_;
   std::vector<Facet> facets_;

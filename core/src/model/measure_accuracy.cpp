@@ -173,8 +173,15 @@ class Measurement {
     points_.assign(count, {});
     for_tasks(count, [&](std::size_t begin, std::size_t end) { measure_field(begin, end); });
     order_places();
-    measure_shell(shell);
-    for (int round = 0; round < kRounds && add_points(shell); ++round) measure_shell(shell);
+    heights_.assign(count, kLeftOut);
+    gaps_.assign(count, 0.0f);
+    measure_shell(shell, nullptr);
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<Bounds> added = add_points(shell);
+      if (added.empty()) break;
+      const BoxFinder finder(added);
+      measure_shell(shell, &finder);
+    }
 
     Accuracy accuracy;
     accuracy.distance = summarize(distances_);
@@ -377,18 +384,18 @@ class Measurement {
     std::erase_if(order_, [&](std::uint32_t i) { return distances_[i] == kLeftOut; });
   }
 
-  void measure_shell(const PointShell& shell) {
-    heights_.assign(places(), kLeftOut);
-    gaps_.assign(places(), 0.0f);
+  /// `added` are the points by which the shell has grown since it was measured last, or null.
+  void measure_shell(const PointShell& shell, const BoxFinder* added) {
     const ShellElements elements(list_elements(shell));
-    for_tasks(order_.size(),
-              [&](std::size_t begin, std::size_t end) { measure_shell(elements, begin, end); });
+    for_tasks(order_.size(), [&](std::size_t begin, std::size_t end) {
+      measure_shell(elements, added, begin, end);
+    });
   }
 
   /// Adds the places that are missed by more than the tolerance, the worst first and none next to
-  /// another. False where there are none.
-  bool add_points(PointShell& shell) const {
-    if (settings_.tolerance == 0.0) return false;
+  /// another, and returns them.
+  std::vector<Bounds> add_points(PointShell& shell) const {
+    if (settings_.tolerance == 0.0) return {};
     const auto tolerance = static_cast<float>(settings_.tolerance);
     std::vector<std::uint32_t> missed;
     std::ranges::copy_if(order_, std::back_inserter(missed),
@@ -412,23 +419,44 @@ class Measurement {
       normals.push_back(normal);
       squared_reaches.push_back(reach * reach);
     }
-    if (points.empty()) return false;
+    if (points.empty()) return {};
     shell = shell.with_points(points, normals, settings_.threads);
-    return true;
+    std::vector<Bounds> added(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) added[i].extend(static_cast<Vec3>(points[i]));
+    return added;
   }
 
-  void measure_shell(const ShellElements& elements, std::size_t begin, std::size_t end) {
+  /// Whether `added` points may change what was measured at places: answers depend on the elements
+  /// that are up to twice as far away as the nearest.
+  bool may_change(std::span<const std::uint32_t> places, const BoxFinder& added) const {
+    constexpr double kReach = 2.0 * (1.0 + 1e-4);  // with the rounding of distances
+    Bounds around;
+    double farthest = 0.0;
+    for (const std::uint32_t i : places) {
+      if (heights_[i] == kLeftOut) return true;
+      around.extend(static_cast<Vec3>(points_[i].point));
+      farthest = std::max(farthest, static_cast<double>(gaps_[i]));
+    }
+    bool is_near = false;
+    added.visit(widen(around, kReach * farthest), [&](std::uint32_t) { is_near = true; });
+    return is_near;
+  }
+
+  void measure_shell(const ShellElements& elements, const BoxFinder* added, std::size_t begin,
+                     std::size_t end) {
     std::array<ShellElements::Place, kGroup> places{};
     std::array<ShellElements::Nearest, kGroup> nearest{};
     float reach = static_cast<float>(least_push_);
     for (std::size_t first = begin; first < end; first += kGroup) {
       const std::size_t count = std::min(kGroup, end - first);
-      for (std::size_t k = 0; k < count; ++k) places[k] = points_[order_[first + k]];
+      const auto group = std::span(order_).subspan(first, count);
+      if (added != nullptr && !may_change(group, *added)) continue;
+      for (std::size_t k = 0; k < count; ++k) places[k] = points_[group[k]];
       elements.find_nearest(std::span(places).first(count), reach, std::span(nearest).first(count));
       for (std::size_t k = 0; k < count; ++k) {
         if (!(nearest[k].distance < std::numeric_limits<float>::infinity())) continue;
-        gaps_[order_[first + k]] = nearest[k].distance;
-        heights_[order_[first + k]] = nearest[k].height;
+        gaps_[group[k]] = nearest[k].distance;
+        heights_[group[k]] = nearest[k].height;
       }
     }
   }

@@ -39,9 +39,12 @@ TEST(AngleNormals, GivePlacesTogetherTheBitsOfEachAlone) {
     int found = 0;
     const auto expect_same = [&](const std::array<Vec3, 5>& places) {
       std::array<Vec3, 5> together{};
-      around.compute(places, together);
+      around.compute(places, places.size(), together);
+      std::array<Vec3, 5> in_groups{};
+      around.compute(places, 2, in_groups);
       for (std::size_t i = 0; i < places.size(); ++i) {
         EXPECT_EQ(together[i], around.compute(places[i]));
+        EXPECT_EQ(in_groups[i], together[i]);
         if (together[i] != Vec3{}) ++found;
       }
     };
