@@ -52,10 +52,17 @@ def main(arguments: list[str] | None = None) -> int:
 def count(options: argparse.Namespace, tasks: Mapping[str, Task], ledger: Ledger) -> int:
     """Runs the tasks and writes the page; returns the exit code."""
     code = 0
+    lacks: dict[str, str] = {}
+
+    def take_report(name: str, record: Record) -> None:
+        report(name, record)
+        if record.unavailable:
+            lacks[name] = record.unavailable
+
     try:
         if options.minutes > 0:
             print(f"counting in {ledger.folder}")
-            runner.run(REGISTRY, tasks, ledger, 60.0 * options.minutes, report, options.jobs)
+            runner.run(REGISTRY, tasks, ledger, 60.0 * options.minutes, take_report, options.jobs)
     except KeyboardInterrupt:
         print("\ninterrupted; rerun the command to resume")
         code = 130
@@ -65,6 +72,8 @@ def count(options: argparse.Namespace, tasks: Mapping[str, Task], ledger: Ledger
         ledger.commit(latest)
         page.write_page(TASKS, latest)
         print(f"wrote {page.PAGE} and {ledger.committed.name}")
+    for name, lack in lacks.items():
+        print(f"{name} was not run, and its figures stay what they were: {lack}", file=sys.stderr)
     return code or sum_up(tasks, records)
 
 

@@ -57,6 +57,11 @@ class Record:
     first: str = ""
     last: str = ""
 
+    @property
+    def has_run(self) -> bool:
+        """Whether any case did."""
+        return self.seconds > 0 or self.found > 0
+
     def note_fault(self, case: int, what: str) -> None:
         """Counts one more finding."""
         self.found += 1
@@ -93,13 +98,18 @@ class Ledger:
         return max(fitting, key=lambda record: record.next_case, default=Record(code))
 
     def load_latest(self, name: str, task: Task) -> Record:
-        """The same; of older code where nothing was counted with this code yet."""
+        """The same; of older code where no case ran with this code yet."""
         record = self.load(name, task)
-        older = [each for each in self._find(name) if each.last]
-        return record if record.last or not older else max(older, key=lambda each: each.last)
+        older = [each for each in self._find(name) if each.has_run]
+        return record if record.has_run or not older else max(older, key=lambda each: each.last)
 
     def save(self, name: str, record: Record) -> None:
-        """Replaces the file at once, so that a kill leaves the old one or the new one."""
+        """Replaces the file at once, so that a kill leaves the old one or the new one.
+
+        A record of which no case ran never replaces one with figures, of older code.
+        """
+        if not record.has_run and any(each.has_run for each in self._find(name)):
+            return
         self.folder.mkdir(parents=True, exist_ok=True)
         _replace(self._path(name), asdict(record))
 

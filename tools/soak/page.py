@@ -67,9 +67,8 @@ def count_row(task: Task, record: Record) -> str:
     short = " **short**" if done < task.target else ""
     if record.last and record.code != digest(task):
         short += " **older**"
-    measured = task.describe(record.totals) if record.totals.count else "nothing yet"
-    if record.unavailable:
-        measured = f"not run: {record.unavailable}"
+    nothing = f"not run: {record.unavailable}" if record.unavailable else "nothing yet"
+    measured = task.describe(record.totals) if record.totals.count else nothing
     if record.totals.count and (doubt := task.doubt(record.totals)):
         measured += f". **Proves little:** {doubt}"
     cells = (

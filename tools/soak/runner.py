@@ -117,7 +117,7 @@ def run(
         for worker in shift.made:
             worker.close()
         for name, record in records.items():
-            if record.last:
+            if record.has_run:
                 ledger.save(name, record)
 
 
@@ -153,9 +153,11 @@ def take_turns(shift: Shift, ledger: Ledger, report: Callable[[str, Record], Non
 
 
 def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: Shift) -> None:
-    """Runs cases until that time or the target, at least one."""
-    with shift.lock:
-        record.stamp(task.sources)
+    """Runs cases until that time or the target, at least one.
+
+    Stamps the record once a case has run: what cannot run here leaves the stamp of its figures.
+    """
+    is_stamped = False
     while True:
         began = time.monotonic()
         with shift.lock:
@@ -173,6 +175,9 @@ def take_turn(task: Task, worker: Worker, record: Record, until: float, shift: S
                 record.unavailable = str(found)
                 record.next_case = number
                 return
+            if not is_stamped:
+                record.stamp(task.sources)
+                is_stamped = True
             if isinstance(found, PrepareError):
                 record.note_fault(number, str(found))
                 record.unavailable = "cannot be prepared"

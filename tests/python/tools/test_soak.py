@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,11 +16,20 @@ import numpy as np
 import pytest
 import toy_soak
 import voxshell as vx
+from soak import __main__ as program
 from soak import page, runner
 from soak.__main__ import main, parse
-from soak.ledger import DamagedFileError, Ledger, Record
-from soak.task import Totals
-from soak.tasks import TASKS, random_worlds, tree_poses, write_faults, wrong_arguments
+from soak.ledger import DamagedFileError, Ledger, Record, digest
+from soak.task import Totals, UnavailableError
+from soak.tasks import (
+    TASKS,
+    field_values,
+    fuzzing,
+    random_worlds,
+    tree_poses,
+    write_faults,
+    wrong_arguments,
+)
 from soak.worker import CaseError, Worker
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -158,6 +168,78 @@ def test_a_task_that_cannot_run_says_so_and_the_others_run(ledger: Ledger):
     # Short ones first.
     assert "0 cases **short** | 10 | 0 | not run: no such tool" in rows[0]
     assert "10 cases | 10 | 0 | 10 cases" in rows[1]
+
+
+@pytest.mark.parametrize("is_committed", [True, False])
+def test_a_task_that_cannot_run_keeps_figures_of_older_code(ledger: Ledger, is_committed: bool):
+    """A counter of zero replaced them, in the file and on the page."""
+    older = replace(run(ledger, "sound")["sound"], code="of another source")
+    if is_committed:
+        ledger.commit({"missing": older})
+    else:
+        ledger.save("missing", older)
+    assert run(ledger, "missing")["missing"].totals.count == 0
+    tasks = {"missing": toy_soak.TASKS["missing"]}
+    assert ledger.load_latest("missing", tasks["missing"]) == older
+    text = page.render(tasks, {"missing": ledger.load_latest("missing", tasks["missing"])})
+    assert "| 10 cases **older** | 10 | 0 | 10 cases |" in text
+
+
+def test_a_task_that_cannot_run_any_more_keeps_its_figures_and_their_date(ledger: Ledger):
+    task = replace(toy_soak.TASKS["missing"], target=20)
+    figures = Record(
+        digest(task), 5, Totals(10), seconds=3.0, commit="abc", last="2026-01-02 03:04"
+    )
+    ledger.save("missing", figures)
+    record = run(ledger, "missing", target=20)["missing"]
+    assert record == replace(figures, unavailable="no such tool")
+    text = page.render({"missing": task}, {"missing": record})
+    assert "| 10 cases **short** | 20 | 0 | 10 cases |" in text
+    assert "2026-01-02 03:04 | `abc`" in text
+
+
+def test_a_run_without_a_whole_case_keeps_older_figures(ledger: Ledger):
+    """As when it is interrupted."""
+    older = replace(run(ledger, "sound")["sound"], code="of another source")
+    ledger.save("sound", older)
+    ledger.save("sound", Record("of this source", next_case=1))
+    assert ledger.load_latest("sound", toy_soak.TASKS["sound"]) == older
+
+
+def test_a_run_says_what_it_lacks(
+    ledger: Ledger, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(program, "REGISTRY", "toy_soak")
+    monkeypatch.setattr(
+        program, "TASKS", {name: toy_soak.TASKS[name] for name in ("missing", "sound")}
+    )
+    monkeypatch.setattr(program, "Ledger", lambda: ledger)
+    assert main(["--minutes", "0.2", "--jobs", "1"]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["missing was not run, and its figures stay what they were: no such tool"]
+
+
+@pytest.mark.parametrize(
+    ("prepare", "module", "name", "missing", "remedy"),
+    [
+        (fuzzing.PARSING.prepare, fuzzing, "ROOT", Path("/nowhere"), "run ./dev fuzz 1"),
+        (field_values.prepare, field_values, "load_library", None, "run ./dev soak"),
+    ],
+)
+def test_a_task_that_cannot_run_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+    prepare: Callable[[], object],
+    module: object,
+    name: str,
+    missing: object,
+    remedy: str,
+):
+    def lack(*_: object) -> None:
+        raise vx.MissingExtraError("no such module")
+
+    monkeypatch.setattr(module, name, missing or lack)
+    with pytest.raises(UnavailableError, match=remedy):
+        prepare()
 
 
 def test_a_task_that_cannot_be_prepared_is_one_finding(ledger: Ledger):

@@ -80,7 +80,9 @@ def prepare() -> Check:
     try:
         load_library("igl", "libigl")
     except vx.MissingExtraError:
-        raise UnavailableError("libigl is missing; ./dev soak installs it") from None
+        raise UnavailableError(
+            "libigl is missing; run ./dev soak, which installs tools/requirements-soak.txt"
+        ) from None
 
     def check(case: int) -> Outcome:
         setting, number = case % len(SETTINGS), case // len(SETTINGS) % len(BODIES)

@@ -21,8 +21,8 @@ LARGEST = 200_000  # bytes of a file; the targets start from one of 19,000
 def fuzz(target: str) -> Check:
     program = ROOT / f"build/fuzz/fuzz/voxshell_fuzz_{target}"
     if not program.is_file():
-        lacks = "" if shutil.which("clang++") else ": clang++ is missing"
-        raise UnavailableError(f"{program.name} is not built{lacks}")
+        clang = "" if shutil.which("clang++") else "install clang, then "
+        raise UnavailableError(f"{program.name} is not built; {clang}run ./dev fuzz 1 to build it")
     corpus, found = ROOT / "build/fuzz/corpus" / target, ROOT / "build/fuzz/found"
     for folder in (corpus, found):
         folder.mkdir(parents=True, exist_ok=True)
