@@ -122,6 +122,27 @@ TEST(Accuracy, HasTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+/// Only places that added points may be the nearest to are measured again.
+TEST(Accuracy, OfAShellThatHasGrownIsThatOfTheShellMeasuredAnew) {
+  for (const Soup& soup : {make_blob(0.1, 4), make_torus(0.1, 0.03, 48, 24)}) {
+    const auto model = build(soup, {.resolution = 20});
+    PointShell shell = model->shell();
+    const auto measure = [&](double tolerance) {
+      return measure_accuracy(model->mesh(), model->grid(), shell,
+                              {.thickness = model->thickness(), .tolerance = tolerance});
+    };
+    const double coverage = model->accuracy().coverage.worst;
+    const Accuracy grown = measure(0.3 * coverage);
+    EXPECT_GT(shell.size(), model->shell().size() + 50);
+    EXPECT_LT(grown.coverage.worst, coverage);
+    const Accuracy anew = measure(0.0);
+    EXPECT_EQ(grown.coverage.median, anew.coverage.median);
+    EXPECT_EQ(grown.coverage.p99, anew.coverage.p99);
+    EXPECT_EQ(grown.coverage.worst, anew.coverage.worst);
+    EXPECT_EQ(grown.gap, anew.gap);
+  }
+}
+
 TEST(Accuracy, LeavesOutSurfaceThatLiesInsideOfOtherParts) {
   const Soup cross = together(make_box({0.5, 0.1, 0.1}), make_box({0.1, 0.5, 0.1}));
   const Accuracy accuracy = build(cross, {.resolution = 50})->accuracy();
