@@ -18,7 +18,10 @@ constexpr double kServoGain = 0.2;
 /// Fraction of an error, at limits and along the other axes, that Bullet closes in a step. Bullet's
 /// own default of 0.2 lets arms sag.
 constexpr double kErrorReduction = 0.8;
-constexpr double kStill = 1e-6;  // m/s, rad/s
+/// Fastest closing of joints that have come apart. Larger: links that are much lighter than what
+/// they carry gain energy without end.
+constexpr double kClosingSpeed = 1.0;  // m/s, rad/s
+constexpr double kStill = 1e-6;        // m/s, rad/s
 /// Fastest return of a joint that is beyond a limit, where it began or was thrown. Larger: joints
 /// are shot in, and through the other limit.
 constexpr double kSlideBackSpeed = 0.1;  // m/s
@@ -223,7 +226,31 @@ void Joint::set_limits(double position, double time_step) {
   axis.m_hiLimit = -std::max(lower - position, -kFarLimit);
 }
 
+/// Lets the joint close within what it has come apart by.
+void Joint::limit_closing(double time_step) {
+  const auto reduction = [&](double error) {
+    return std::min(kErrorReduction, kClosingSpeed * time_step / std::max(error, 1e-300));
+  };
+  const btTransform offset = parent_from_child_joint();
+  btVector3 gap = offset.getOrigin();
+  if (settings_.kind == JointKind::kPoint) {
+    constraint_->setParam(BT_CONSTRAINT_ERP, reduction(gap.length()));
+    return;
+  }
+  if (settings_.kind == JointKind::kSlider) gap.setX(0);
+  const bool turns = settings_.kind == JointKind::kHinge;
+  const double tilt = turns ? offset.getBasis().getColumn(0).angle({1, 0, 0})
+                            : offset.getRotation().getAngleShortestPath();
+  constexpr int kAxes = 6;
+  constexpr int kLinear = 3;
+  for (int axis = 0; axis < kAxes; ++axis) {
+    if (axis == (turns ? kLinear : 0) && has_axis()) continue;
+    axes_->setParam(BT_CONSTRAINT_STOP_ERP, reduction(axis < kLinear ? gap.length() : tilt), axis);
+  }
+}
+
 void Joint::prepare_step(double time_step, const JointReading& leader) {
+  limit_closing(time_step);
   if (!has_axis()) return;
   const double position = unwrap();
   set_limits(position, time_step);

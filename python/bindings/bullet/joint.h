@@ -91,6 +91,7 @@ class Joint {
   btTransform parent_from_child_joint() const;
   double raw_position() const;
   double unwrap() const;
+  void limit_closing(double time_step);
   void set_limits(double position, double time_step);
   void drive(double velocity, double force);
 
