@@ -75,10 +75,14 @@ inline constexpr double kSqueezedWork = 0.5;
 /// impulses by bodies that cannot move. At least all of it where bodies can be pushed upward,
 /// however heavy, and however far from solved the impulses are. Larger: heavy bodies sink into
 /// light ones. Smaller: loose grips count as none.
-inline constexpr double kSqueezedMomentum = 0.5;
+inline constexpr double kSqueezedMomentum = 0.2;
 /// Frequency, rad/s, at which a contact of a squeezed body would swing on its spring: 0.1 mm push
-/// with ten times the weight. Larger: islands are harder to solve. Smaller: grips slip that
+/// with up to ten times the weight. Larger: islands are harder to solve. Smaller: grips slip that
 /// penetrate by little.
 inline constexpr double kSqueezeFrequency = 3000.0;
+/// Fraction of its depth, 1/s, by which the spring of a contact goes back in a second, if nothing
+/// holds it. Larger: what slips out of a squeeze leaves faster. Smaller: squeezed bodies take
+/// longer to come to the middle.
+inline constexpr double kSqueezeRate = 10.0;
 
 }  // namespace voxshell::bullet

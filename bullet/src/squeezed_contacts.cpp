@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include "solver_constants.h"
@@ -11,6 +12,11 @@ namespace {
 
 btScalar split_impulse(const btSolverConstraint& contact) {
   return btScalar(contact.m_appliedPushImpulse);
+}
+
+/// Whether the user moves the body.
+bool is_driven(const btSolverBody& body) {
+  return body.m_originalBody != nullptr && body.m_originalBody->isKinematicObject();
 }
 
 bool can_move(const btSolverBody& body) {
@@ -57,14 +63,30 @@ void release(btSolverConstraint& contact, btSolverBody& a, btSolverBody& b) {
   contact.m_appliedPushImpulse = 0;
 }
 
-/// Lets the contact aim at the velocity of its split impulse, and give way by `softness` times the
-/// velocity that its impulse would give it.
-void soften(btSolverConstraint& contact, btScalar softness) {
+/// Lets the contact aim at a fraction of the velocity of its split impulse, and give way by
+/// `softness` times the velocity that its impulse would give it.
+void soften(btSolverConstraint& contact, btScalar aim, btScalar softness) {
   const btScalar fraction = 1 / (1 + softness);
-  contact.m_rhs = (contact.m_rhs + contact.m_rhsPenetration) * fraction;
+  contact.m_rhs = (contact.m_rhs + aim * contact.m_rhsPenetration) * fraction;
   contact.m_rhsPenetration = 0;
   contact.m_jacDiagABInv *= fraction;
   contact.m_cfm = softness * fraction;
+}
+
+/// Lets friction compare velocities at one place. Bullet does so at the surfaces of both bodies,
+/// which are apart by the depth: bodies that turn together seem to slide.
+void share_place(const SolverPools& pools, const btSolverConstraint& contact) {
+  const auto& point = *static_cast<const btManifoldPoint*>(contact.m_originalContactPoint);
+  const btSolverBody& a = (*pools.bodies)[contact.m_solverBodyIdA];
+  const btSolverBody& b = (*pools.bodies)[contact.m_solverBodyIdB];
+  const btVector3 change =
+      btScalar(0.5) * (a.m_angularVelocity + b.m_angularVelocity)
+                          .cross(point.m_positionWorldOnB - point.m_positionWorldOnA);
+  const int rows = pools.friction->size() / pools.contacts->size();
+  for (int i = 0; i < rows; ++i) {
+    btSolverConstraint& row = (*pools.friction)[contact.m_frictionIndex + i];
+    row.m_rhs -= row.m_contactNormal1.dot(change) * row.m_jacDiagABInv;
+  }
 }
 
 }  // namespace
@@ -74,7 +96,9 @@ void SqueezedContacts::soften(const SolverPools& pools, const btContactSolverInf
   sum_contacts(pools);
   sum_bodies(pools);
   const btScalar angle = static_cast<btScalar>(kSqueezeFrequency) * info.m_timeStep;
-  const btScalar softness = info.m_erp2 / (angle * angle);
+  const btScalar aim =
+      std::min(static_cast<btScalar>(kSqueezeRate) * info.m_timeStep / info.m_erp2, btScalar(1));
+  const btScalar softness = aim * info.m_erp2 / (angle * angle);
   for (int i = 0; i < pools.contacts->size();) {
     const btSolverConstraint& first = (*pools.contacts)[i];
     const int a = first.m_solverBodyIdA;
@@ -88,7 +112,8 @@ void SqueezedContacts::soften(const SolverPools& pools, const btContactSolverInf
     for (; i < end; ++i) {
       btSolverConstraint& contact = (*pools.contacts)[i];
       release(contact, (*pools.bodies)[a], (*pools.bodies)[b]);
-      bullet::soften(contact, spread * softness);
+      bullet::soften(contact, aim, spread * softness);
+      share_place(pools, contact);
     }
   }
 }
@@ -130,6 +155,7 @@ void SqueezedContacts::sum_contacts(const SolverPools& pools) {
     Group& group = bodies_[first_of_group(moves_a ? a : b)].group;
     group.asked += impulse * split_velocity(contact);
     if (!moves_a || !moves_b) group.support += impulse;
+    if (is_driven((*pools.bodies)[a]) || is_driven((*pools.bodies)[b])) group.is_driven = true;
   }
 }
 
@@ -156,7 +182,7 @@ std::size_t SqueezedContacts::first_of_group(int solver_body) {
 bool SqueezedContacts::is_squeezed(int solver_body, const SolverPools& pools) {
   if (!can_move((*pools.bodies)[solver_body])) return false;
   const Group& group = bodies_[first_of_group(solver_body)].group;
-  return group.done < static_cast<btScalar>(kSqueezedWork) * group.asked &&
+  return group.is_driven && group.done < static_cast<btScalar>(kSqueezedWork) * group.asked &&
          group.momentum < static_cast<btScalar>(kSqueezedMomentum) * group.support;
 }
 

@@ -25,10 +25,11 @@ class SqueezedContacts {
  private:
   /// Bodies that can move and that split impulses join.
   struct Group {
-    btScalar support = 0;   ///< split impulses by what cannot move, N s
-    btScalar momentum = 0;  ///< that split impulses give to its bodies, turns included, N s
-    btScalar asked = 0;     ///< work of its split impulses if bodies moved as these ask, J
-    btScalar done = 0;      ///< the same as the bodies do move
+    btScalar support = 0;    ///< split impulses by what cannot move, N s
+    btScalar momentum = 0;   ///< that split impulses give to its bodies, turns included, N s
+    btScalar asked = 0;      ///< work of its split impulses if bodies moved as these ask, J
+    btScalar done = 0;       ///< the same as the bodies do move
+    bool is_driven = false;  ///< by a kinematic body
   };
   struct Body {
     std::size_t joined_to;  ///< another body of its group, or itself

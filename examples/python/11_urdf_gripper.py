@@ -11,7 +11,6 @@ import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
 from gripper import WALL, make_mug, write_robot
-from trimesh.transformations import rotation_matrix
 
 TURN = 0.6  # radians from the robot's x axis to the mug
 RATE = 1000.0  # Hz; the mug is held at 200 and 60 Hz, too
@@ -22,8 +21,8 @@ def build(folder: Path, voxel_size: float = 0.002) -> tuple[vx.World, vx.Robot, 
     world = vx.World(time_step=1 / RATE)
     world.add(vx.Plane(), mass=0, name="ground")
     robot = vx.load_urdf(world, write_robot(folder), voxel_size=voxel_size, friction=0.9)
-    pose = rotation_matrix(TURN, (0, 0, 1))
-    pose[:3, 3] = pose[:3, :3] @ (0.263 + WALL, 0, 0.0002)
+    place = (0.263 + WALL) * np.array([np.cos(TURN), np.sin(TURN), 0]) + (0, 0, 0.0002)
+    pose = vx.pose(place, axis_angle=((0, 0, 1), TURN))
     mug = vx.Model.from_mesh(make_mug(), voxel_size=voxel_size)
     return world, robot, world.add(mug, mass=0.25, pose=pose, friction=0.9, name="mug")
 
@@ -48,11 +47,11 @@ if __name__ == "__main__":
     colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
-        """Heights of mug and wrist, and how deep the fingers' contacts are, metres."""
+        """Heights of mug and wrist, and the fingers' contacts: depth, metres, and impulse, N s."""
         found = world.contacts()
         held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
         heights = (body.pose[2, 3] for body in (mug, robot.links["wrist"]))
-        rows.append((*heights, found["depth"][held].max(initial=0.0)))
+        rows.append((*heights, found["depth"][held].max(initial=0), found["impulse"][held].sum()))
 
     take(world, robot, note=note)
     held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose  # in a finger's frame
@@ -64,7 +63,7 @@ if __name__ == "__main__":
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
         world.step(round(1.8 * RATE), note)
-    mug_heights, wrist_heights, depths = np.array(rows).T
+    mug_heights, wrist_heights, depths, impulses = np.array(rows).T
     figures = {
         "lifted_mm": 1e3 * float(mug_heights.max()),
         "carried_mm": 1e3 * float(np.linalg.norm((mug.pose - start)[:2, 3])),
@@ -72,9 +71,10 @@ if __name__ == "__main__":
         "tilt_at_the_end_degrees": float(np.degrees(np.arccos(min(mug.pose[2, 2], 1.0)))),
         "height_at_the_end_mm": 1e3 * float(mug_heights[-1]),
         "deepest_finger_contact_mm": 1e3 * float(depths.max()),
+        "median_force_N": RATE * float(np.median(impulses)),
     }
     tell(options.out, figures)
     lines = {"mug": 1e3 * mug_heights, "wrist": 1e3 * wrist_heights}
-    axes = {"x_label": "time, s", "y_label": "height, mm"}
-    plot(options.out / "plot.png", np.arange(1, len(rows) + 1) / RATE, lines, **axes)
+    axes = {"x": np.arange(1, len(rows) + 1) / RATE, "x_label": "time, s", "y_label": "height, mm"}
+    plot(options.out / "plot.png", lines=lines, **axes)
     recorder.save_html(options.out / "replay.html", title="A gripper and a mug", colors=colors)

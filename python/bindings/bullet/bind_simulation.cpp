@@ -229,6 +229,8 @@ void bind_simulation(nb::module_& module) {
            [](const Simulation& s, std::size_t i) { return to_matrix(s.world_from_geometry(i)); })
       .def("set_pose", [](Simulation& s, std::size_t i,
                           const PoseMatrix& pose) { s.set_world_from_geometry(i, to_pose(pose)); })
+      .def("place",
+           [](Simulation& s, std::size_t i, const PoseMatrix& pose) { s.place(i, to_pose(pose)); })
       .def("linear_velocity",
            [](const Simulation& s, std::size_t i) { return to_coordinates(s.linear_velocity(i)); })
       .def("angular_velocity",

@@ -397,6 +397,17 @@ void Simulation::set_world_from_geometry(std::size_t body, const Pose& pose) {
   forget_contacts(body);  // friction would pull a body at rest back to where it was held
 }
 
+void Simulation::place(std::size_t body, const Pose& world_from_geometry) {
+  btRigidBody& rigid_body = bodies_[body].rigid_body;
+  wake_touching(body);
+  set_world_from_geometry(body, world_from_geometry);
+  // Bullet keeps the pose of the last step for the velocity of a kinematic body.
+  rigid_body.setInterpolationWorldTransform(rigid_body.getWorldTransform());
+  rigid_body.setLinearVelocity({0, 0, 0});
+  rigid_body.setAngularVelocity({0, 0, 0});
+  forget_contacts(body);
+}
+
 Vec3 Simulation::linear_velocity(std::size_t body) const {
   return from_bullet(bodies_[body].rigid_body.getLinearVelocity());
 }

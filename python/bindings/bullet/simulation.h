@@ -171,6 +171,8 @@ class Simulation {
 
   Pose world_from_geometry(std::size_t body) const;
   void set_world_from_geometry(std::size_t body, const Pose& pose);
+  /// The same at once and at rest, of kinematic bodies, too.
+  void place(std::size_t body, const Pose& world_from_geometry);
   /// Of the center of mass, m/s, and rad/s; world frame.
   Vec3 linear_velocity(std::size_t body) const;
   Vec3 angular_velocity(std::size_t body) const;

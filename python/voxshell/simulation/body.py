@@ -79,7 +79,8 @@ class Body(BodyProperties):
         """``world_from_body``, (4, 4) float64, meters, read-only; settable, see :func:`pose`.
 
         Setting it moves a dynamic body at once, whatever is in between. A kinematic body moves
-        there during the next step, takes along what lies on it, and hits what is in between.
+        there during the next step, takes along what lies on it, and hits what is in between;
+        :meth:`place` moves it without.
 
         Raises:
             PoseError: The new pose is in no form that :func:`pose` lists, is not rigid, or is not
@@ -104,6 +105,26 @@ class Body(BodyProperties):
                 self._simulation.set_pose(self.number, pose)
                 return
         self._simulation.set_pose(self.number, as_rigid_pose(value, "pose"))
+
+    def place(self, pose: ArrayLike) -> None:
+        """Put the body at a pose at once and at rest, as for a new episode; nothing is hit.
+
+        Args:
+            pose: ``world_from_body``, meters, in a form that :func:`pose` lists.
+
+        Raises:
+            PoseError: It is in no such form, is not rigid, or is not finite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> finger = world.add(vx.Box((0.1, 0.1, 0.1)), motion="kinematic")
+            >>> finger.place((5, 0, 0))
+            >>> world.step()
+            >>> finger.position[0], finger.linear_velocity[0]
+            (np.float64(5.0), np.float64(0.0))
+        """
+        self._simulation.place(self.number, as_rigid_pose(pose, "pose"))
 
     @property
     def position(self) -> NDArray[np.float64]:

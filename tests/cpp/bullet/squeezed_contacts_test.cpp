@@ -26,7 +26,13 @@ constexpr double kStep = 1.0 / 200.0;
 /// What Bullet's solver sets up for spheres of 1 m that overlap, and their split impulses.
 class Island {
  public:
-  /// @param mass 0: cannot move.
+  int add_fixed() { return add_body(0.0); }
+  int add_driven() {
+    const int body = add_body(0.0);
+    originals_.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    bodies_[body].m_originalBody = originals_.back().get();
+    return body;
+  }
   int add_body(double mass) {
     originals_.push_back(std::make_unique<btRigidBody>(scalar(mass), nullptr, &shape_,
                                                        btVector3(1, 1, 1) * scalar(mass)));
@@ -38,6 +44,7 @@ class Island {
     body.m_angularFactor.setValue(1, 1, 1);
     body.m_pushVelocity.setZero();
     body.m_turnVelocity.setZero();
+    body.m_angularVelocity.setZero();
     return bodies_.size() - 1;
   }
 
@@ -59,6 +66,8 @@ class Island {
     row.m_rhsPenetration = scalar(speed) * row.m_jacDiagABInv;
     row.m_cfm = 0;
     row.m_appliedPushImpulse = 0;
+    row.m_originalContactPoint = &point_;
+    row.m_frictionIndex = 0;
   }
 
   void sweep(int sweeps) {
@@ -98,6 +107,7 @@ class Island {
 
  private:
   btSphereShape shape_{1};
+  btManifoldPoint point_;
   std::vector<std::unique_ptr<btRigidBody>> originals_;
   btAlignedObjectArray<btSolverBody> bodies_;
   btConstraintArray joints_;
@@ -111,7 +121,7 @@ constexpr double kSpeed = 0.04;  // m/s: of 1 mm at the default ERP of 0.2
 
 TEST(SqueezedContacts, GiveWayWithAForceThatGoesWithDepth) {
   Island island;
-  const int fixed = island.add_body(0.0);
+  const int fixed = island.add_driven();
   const int body = island.add_body(2.0);
   island.add_contact(body, fixed, {1, 0, 0}, kSpeed);
   island.add_contact(body, fixed, {-1, 0, 0}, kSpeed);
@@ -129,8 +139,8 @@ TEST(SqueezedContacts, GiveWayWithAForceThatGoesWithDepth) {
 TEST(SqueezedContacts, ForceIsThatOfAPairHoweverManyContactsItHas) {
   const auto force = [](int contacts) {
     Island island;
-    const int left = island.add_body(0.0);
-    const int right = island.add_body(0.0);
+    const int left = island.add_driven();
+    const int right = island.add_fixed();
     const int body = island.add_body(2.0);
     for (int i = 0; i < contacts; ++i) island.add_contact(body, left, {1, 0, 0}, kSpeed);
     // Contacts that hardly touch count for little.
@@ -143,9 +153,21 @@ TEST(SqueezedContacts, ForceIsThatOfAPairHoweverManyContactsItHas) {
   EXPECT_NEAR(force(100) / force(1), 1.0, 1e-3);
 }
 
+/// It began there, or wedged itself in: what it is in stays as it is.
+TEST(SqueezedContacts, WhatIsBetweenFixedBodiesStaysRigid) {
+  Island island;
+  const int fixed = island.add_fixed();
+  const int body = island.add_body(2.0);
+  island.add_contact(body, fixed, {1, 0, 0}, kSpeed);
+  island.add_contact(body, fixed, {-1, 0, 0}, kSpeed);
+  island.sweep(kSweeps);
+  island.soften();
+  EXPECT_FALSE(island.gives_way(0));
+}
+
 TEST(SqueezedContacts, WhatCanBePushedOutStaysRigid) {
   Island island;
-  const int fixed = island.add_body(0.0);
+  const int fixed = island.add_driven();
   const int body = island.add_body(2.0);
   island.add_contact(body, fixed, {0, 0, 1}, kSpeed);
   island.sweep(kSweeps);
@@ -162,9 +184,9 @@ TEST(SqueezedContacts, TellsAHeavyLoadFromASqueeze) {
   for (const bool is_squeezed : {false, true}) {
     SCOPED_TRACE(is_squeezed);
     Island island;
-    const int fixed = island.add_body(0.0);
+    const int fixed = island.add_driven();
     const int light = island.add_body(1.0);
-    const int heavy = island.add_body(is_squeezed ? 0.0 : 1000.0);
+    const int heavy = is_squeezed ? island.add_driven() : island.add_body(1000.0);
     island.add_contact(light, fixed, {0, 0, 1}, kSpeed);
     island.add_contact(heavy, light, {0, 0, 1}, kSpeed);
     island.sweep(kSweeps);
@@ -176,7 +198,7 @@ TEST(SqueezedContacts, TellsAHeavyLoadFromASqueeze) {
 
 TEST(SqueezedContacts, WhatLiesInANarrowGrooveStaysRigid) {
   Island island;
-  const int fixed = island.add_body(0.0);
+  const int fixed = island.add_driven();
   const int body = island.add_body(1.0);
   const btScalar slope = scalar(1.3);  // of the walls, rad
   island.add_contact(body, fixed, {btSin(slope), 0, btCos(slope)}, kSpeed);
@@ -189,7 +211,7 @@ TEST(SqueezedContacts, WhatLiesInANarrowGrooveStaysRigid) {
 
 TEST(SqueezedContacts, LeavesOtherBodiesOfTheIslandRigid) {
   Island island;
-  const int fixed = island.add_body(0.0);
+  const int fixed = island.add_driven();
   const int squeezed = island.add_body(1.0);
   const int neighbor = island.add_body(1.0);
   island.add_contact(squeezed, fixed, {1, 0, 0}, kSpeed);

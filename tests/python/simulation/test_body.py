@@ -124,6 +124,43 @@ def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
     np.testing.assert_allclose(ball.linear_velocity, (speed, 0, 0), atol=1e-3 * speed)
 
 
+@pytest.mark.parametrize("is_new", [True, False])
+def test_a_placed_kinematic_body_hits_nothing_in_between(is_new):
+    world = vx.World(gravity=(0, 0, 0))
+    ball = world.add(vx.Sphere(0.05))
+    board = world.add(vx.Box((0.01, 0.2, 0.2)), motion="kinematic", pose=at(x=-0.3))
+    if not is_new:
+        board.pose = at(x=-0.2)
+        world.step()
+    board.place(at(x=0.3))
+    np.testing.assert_array_equal(board.position, (0.3, 0, 0))
+    world.step(2)
+    np.testing.assert_array_equal(board.position, (0.3, 0, 0))
+    np.testing.assert_array_equal(board.linear_velocity, 0.0)
+    np.testing.assert_array_equal(ball.linear_velocity, 0.0)
+    for step in range(30):  # moves again, at 2 m/s
+        board.pose = at(x=0.29 - 0.01 * step)
+        world.step()
+    assert ball.linear_velocity[0] == pytest.approx(-2.0, abs=0.01)
+
+
+def test_a_placed_body_is_at_rest_and_wakes_what_it_lay_under():
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    lower = world.add(vx.Box((0.1, 0.1, 0.1)), pose=at(z=0.1))
+    upper = world.add(vx.Box((0.1, 0.1, 0.1)), pose=at(z=0.3))
+    world.step(800)
+    assert lower.sleeping
+    assert upper.sleeping
+    lower.place(at(x=2.0, z=0.5))
+    np.testing.assert_array_equal(lower.linear_velocity, 0.0)
+    world.step(200)
+    assert lower.position[2] == pytest.approx(0.1, abs=1e-3)
+    assert upper.position[2] == pytest.approx(0.1, abs=1e-3)
+    with pytest.raises(vx.PoseError):
+        lower.place(np.zeros((4, 4)))
+
+
 def test_kinematic_velocity_is_of_the_last_pose_set(brick):
     world = vx.World()
     body = world.add(brick, motion="kinematic")
