@@ -19,6 +19,13 @@ bool is_driven(const btSolverBody& body) {
   return body.m_originalBody != nullptr && body.m_originalBody->isKinematicObject();
 }
 
+bool has_driven_body(const SolverPools& pools) {
+  for (int i = 0; i < pools.bodies->size(); ++i) {
+    if (is_driven((*pools.bodies)[i])) return true;
+  }
+  return false;
+}
+
 bool can_move(const btSolverBody& body) {
   return body.m_originalBody != nullptr && body.m_originalBody->getInvMass() > 0;
 }
@@ -92,6 +99,7 @@ void share_place(const SolverPools& pools, const btSolverConstraint& contact) {
 }  // namespace
 
 void SqueezedContacts::soften(const SolverPools& pools, const btContactSolverInfo& info) {
+  if (!has_driven_body(pools)) return;
   join_bodies(pools);
   sum_contacts(pools);
   sum_bodies(pools);

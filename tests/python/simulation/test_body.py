@@ -112,6 +112,26 @@ def test_cargo_stays_on_a_turntable_up_to_the_spin_at_which_it_slides(rate, driv
 
 
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
+def test_a_ball_goes_round_on_a_turntable_at_two_sevenths_of_its_spin(rate):
+    """A solid ball that rolls; its circle may have any center (Burns 1981)."""
+    spin, distance, radius = 4.0, 0.3, 0.03
+    speed = 2 / 7 * spin * distance
+    world = vx.World(time_step=1 / rate)
+    table = world.add(vx.Box((1, 1, 0.05)), motion="kinematic", pose=at(z=-0.05), friction=1.0)
+    ball = world.add(vx.Sphere(radius), mass=0.1, pose=at(x=distance, z=radius), friction=1.0)
+    ball.linear_velocity = (0, speed, 0)
+    ball.angular_velocity = ((spin * distance - speed) / radius, 0, 0)
+    path = [ball.position[:2]]
+    for step in range(1, 5 * rate + 1):
+        table.pose = vx.pose((0, 0, -0.05), axis_angle=((0, 0, 1), spin * step / rate))
+        world.step()
+        path.append(ball.position[:2])
+    x, y = np.array(path).T
+    assert np.unwrap(np.arctan2(y, x))[-1] == pytest.approx(5 * 2 / 7 * spin, rel=1e-3)
+    np.testing.assert_allclose(np.hypot(x, y), distance, atol=2e-4)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 @pytest.mark.parametrize("speed", [1.0, 20.0])
 def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
     world = vx.World(gravity=(0, 0, 0), time_step=1 / rate)
