@@ -33,8 +33,8 @@ bool keeps_directions(const btContactSolverInfo& info) {
 /// How fast what touches turns about the normal, rad/s: as the body that the other one rides on, if
 /// that one cannot be moved, or as both.
 btScalar spin_of_frame(const btSolverBody& a, const btSolverBody& b, const btVector3& normal) {
-  const bool moves_a = !a.internalGetInvMass().isZero();
-  const bool moves_b = !b.internalGetInvMass().isZero();
+  const bool moves_a = can_move(a);
+  const bool moves_b = can_move(b);
   if (moves_a != moves_b) return normal.dot(moves_a ? b.m_angularVelocity : a.m_angularVelocity);
   return btScalar(0.5) * normal.dot(a.m_angularVelocity + b.m_angularVelocity);
 }

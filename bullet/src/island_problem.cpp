@@ -42,6 +42,10 @@ void change_impulse(const SolverPools& pools, btSolverConstraint& row, btScalar 
 
 }  // namespace
 
+bool can_move(const btSolverBody& body) {
+  return body.m_originalBody != nullptr && body.m_originalBody->getInvMass() > 0;
+}
+
 btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
                         const btSolverBody& b) {
   return row.m_contactNormal1.dot(a.getDeltaLinearVelocity()) +
@@ -97,7 +101,7 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
   scales_.clear();
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const btSolverBody& body = (*pools.bodies)[static_cast<int>(i)];
-    if (body.m_originalBody == nullptr || body.m_originalBody->getInvMass() == 0) continue;
+    if (!can_move(body)) continue;
     numbers_[i] = static_cast<int>(scales_.size());
     const btVector3& inverse_mass = body.internalGetInvMass();
     scales_.push_back(

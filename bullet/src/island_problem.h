@@ -19,6 +19,9 @@ struct SolverPools {
   btConstraintArray* rolling;
 };
 
+/// Whether impulses change the body's velocity.
+bool can_move(const btSolverBody& body);
+
 /// The velocity along a row that the impulses so far have added.
 btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
                         const btSolverBody& b);

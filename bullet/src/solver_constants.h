@@ -76,9 +76,9 @@ inline constexpr double kSqueezedWork = 0.5;
 /// however heavy, and however far from solved the impulses are. Larger: heavy bodies sink into
 /// light ones. Smaller: loose grips count as none.
 inline constexpr double kSqueezedMomentum = 0.2;
-/// Frequency, rad/s, at which a contact of a squeezed body would swing on its spring: 0.1 mm push
-/// with up to ten times the weight. Larger: islands are harder to solve. Smaller: grips slip that
-/// penetrate by little.
+/// Frequency, rad/s, at which a contact of a squeezed body would swing on its spring. At this one,
+/// a depth of 0.1 mm presses with about 50 times the weight. Larger: islands are harder to solve.
+/// Smaller: grips slip that penetrate by little.
 inline constexpr double kSqueezeFrequency = 3000.0;
 /// Fraction of its depth, 1/s, by which the spring of a contact goes back in a second, if nothing
 /// holds it. Larger: what slips out of a squeeze leaves faster. Smaller: squeezed bodies take

@@ -26,10 +26,6 @@ bool has_driven_body(const SolverPools& pools) {
   return false;
 }
 
-bool can_move(const btSolverBody& body) {
-  return body.m_originalBody != nullptr && body.m_originalBody->getInvMass() > 0;
-}
-
 /// m/s, along the normal.
 btScalar split_velocity(const btSolverConstraint& contact) {
   return contact.m_jacDiagABInv > 0 ? contact.m_rhsPenetration / contact.m_jacDiagABInv

@@ -22,6 +22,8 @@ using namespace test_support;
 // ----------------------------------------------------------------------------------------
 
 constexpr double kStep = 1.0 / 200.0;
+constexpr int kSweeps = 10;
+constexpr double kSpeed = 0.04;  // m/s: of 1 mm at the default ERP of 0.2
 
 /// What Bullet's solver sets up for spheres of 1 m that overlap, and their split impulses.
 class Island {
@@ -92,6 +94,14 @@ class Island {
     SqueezedContacts().soften({&bodies_, &joints_, &contacts_, &friction_, &rolling_}, info);
   }
 
+  /// Presses a body from both sides, and softens what is squeezed.
+  void squeeze(int body, int by) {
+    add_contact(body, by, {1, 0, 0}, kSpeed);
+    add_contact(body, by, {-1, 0, 0}, kSpeed);
+    sweep(kSweeps);
+    soften();
+  }
+
   /// Of the contacts that give way, N: with nothing in motion. Without the sign of their normals.
   double force(int first, int end) const {
     double sum = 0.0;
@@ -116,17 +126,11 @@ class Island {
   btConstraintArray rolling_;
 };
 
-constexpr int kSweeps = 10;
-constexpr double kSpeed = 0.04;  // m/s: of 1 mm at the default ERP of 0.2
-
 TEST(SqueezedContacts, GiveWayWithAForceThatGoesWithDepth) {
   Island island;
   const int fixed = island.add_driven();
   const int body = island.add_body(2.0);
-  island.add_contact(body, fixed, {1, 0, 0}, kSpeed);
-  island.add_contact(body, fixed, {-1, 0, 0}, kSpeed);
-  island.sweep(kSweeps);
-  island.soften();
+  island.squeeze(body, fixed);
   ASSERT_TRUE(island.gives_way(0));
   ASSERT_TRUE(island.gives_way(1));
   // Two contacts of one pair: each takes half of mass * frequency^2 * depth.
@@ -153,15 +157,12 @@ TEST(SqueezedContacts, ForceIsThatOfAPairHoweverManyContactsItHas) {
   EXPECT_NEAR(force(100) / force(1), 1.0, 1e-3);
 }
 
-/// It began there, or wedged itself in: what it is in stays as it is.
+/// Such a body began there, or has wedged itself in.
 TEST(SqueezedContacts, WhatIsBetweenFixedBodiesStaysRigid) {
   Island island;
   const int fixed = island.add_fixed();
   const int body = island.add_body(2.0);
-  island.add_contact(body, fixed, {1, 0, 0}, kSpeed);
-  island.add_contact(body, fixed, {-1, 0, 0}, kSpeed);
-  island.sweep(kSweeps);
-  island.soften();
+  island.squeeze(body, fixed);
   EXPECT_FALSE(island.gives_way(0));
 }
 
