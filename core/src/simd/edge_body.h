@@ -37,14 +37,57 @@ VOXSHELL_INLINE F8 measure_places(const PosedView<V>& posed, const Triple<F8>& p
   return posed_distance(posed, p);
 }
 
+/// The same, if a place within `reach` of them may be below the limit, which is no larger than the
+/// margin.
+struct MeasuredPlaces {
+  F8 distance;
+  bool may_be_below;
+};
+template <class V>
+VOXSHELL_INLINE MeasuredPlaces measure_near_places(const PosedView<V>& posed, const Triple<F8>& p,
+                                                   uint32_t tag, float reach, float limit,
+                                                   float margin) {
+  if (lanes_below(bound_points(posed, p, tag, reach, limit), limit) == 0) return {F8{}, false};
+  return {measure_places(posed, p, tag, margin), true};
+}
+/// Both are told by the same values.
+template <class G>
+  requires kIsGrid<G>
+VOXSHELL_INLINE MeasuredPlaces measure_near_places(const PosedView<G>& posed, const Triple<F8>& p,
+                                                   uint32_t tag, float reach, float limit,
+                                                   float margin) {
+  if (tag != 0) {
+    if (lanes_below(bound_points(posed, p, tag, reach, limit), limit) == 0) return {F8{}, false};
+    return {measure_places(posed, p, tag, margin), true};
+  }
+  const auto found =
+      evaluate_with_bound(posed.field, to_field(posed, p), splat<F8>(reach + posed.slack),
+                          find_coarsest(posed.field, limit + posed.slack));
+  return {found.distance, lanes_below(found.bound - posed.slack, limit) != 0};
+}
+
 /// Eight searches at a time: each round waits for the one before, but not for those of others.
 class EdgeSearches {
  public:
   int count() const { return count_; }
   bool is_full() const { return count_ == kLanes; }
-  void add(const Triple<float>& middle, const Triple<float>& half, uint32_t tag) {
+  /// Begins a search, unless no place of the piece is below the limit, which is no larger than the
+  /// margin. The places of its first round are in the middle of balls that hold the piece. The tag
+  /// is that of a ball that holds the piece, too.
+  template <class V>
+  VOXSHELL_INLINE bool begin(const PosedView<V>& posed, const EdgeView& edges,
+                             const Triple<float>& middle, const Triple<float>& half, uint32_t tag,
+                             float limit, float margin) {
+    constexpr float kFraction = 0.1429f;
+    const MeasuredPlaces first =
+        measure_near_places(posed, place_on_edge(middle, half, kEdgeSamples), tag,
+                            kFraction * edges.reach, limit, margin);
+    if (!first.may_be_below) return false;
+    EdgeSearch search{middle, half};
+    search.take(kEdgeSamples, first.distance, edges.tie);
     tags_[count_] = tag;
-    searches_[count_++] = {middle, half};
+    searches_[count_++] = search;
+    return true;
   }
 
   /// Ends them all. The best places of those that were added, and their distances; other lanes
@@ -54,7 +97,7 @@ class EdgeSearches {
                                     F8& distance) {
     bool have_one_tag = true;
     for (int i = 1; i < count_; ++i) have_one_tag = have_one_tag && tags_[i] == tags_[0];
-    for (int round = 0; round < EdgeSearch::kRounds; ++round) {
+    for (int round = 1; round < EdgeSearch::kRounds; ++round) {
       for (int i = 0; i < count_; ++i) {
         searches_[i].go_on(
             tie, [&](const Triple<F8>& p) { return measure_places(posed, p, tags_[i], margin); });
@@ -103,9 +146,8 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
   for (uint32_t i = 0; i < pieces.count; ++i) {
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
-    if (!may_touch(posed, edges, middle, half, pieces.tag[i], margin)) continue;
     ids[searches.count()] = static_cast<int32_t>(pieces.id[i]);
-    searches.add(middle, half, pieces.tag[i]);
+    searches.begin(posed, edges, middle, half, pieces.tag[i], margin, margin);
     if (searches.is_full()) finish();
   }
   finish();
@@ -141,11 +183,10 @@ void find_deepest_edges(const PosedView<V>& posed, const EdgeView& edges, const 
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
     const float reach = limit(group) + posed.slack;
-    const uint32_t tag = pieces.tag[i];
-    if (!may_touch(posed, edges, middle, half, tag, reach < margin ? reach : margin)) return;
     groups[searches.count()] = group;
     ids[searches.count()] = pieces.id[i];
-    searches.add(middle, half, tag);
+    searches.begin(posed, edges, middle, half, pieces.tag[i], reach < margin ? reach : margin,
+                   margin);
     if (searches.is_full()) finish();
   };
   const auto first_of = [&](uint32_t group) { return group == 0 ? 0 : group_ends[group - 1]; };

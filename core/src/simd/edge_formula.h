@@ -51,7 +51,10 @@ struct EdgeSearch {
   VOXSHELL_INLINE void go_on(float tie, const DistanceAt& distance_at) {
     if (is_done) return;
     const F8 t = minimum(maximum(place + width * kEdgeSamples, splat<F8>(-1.0f)), splat<F8>(1.0f));
-    const F8 distance = distance_at(place_on_edge(middle, half, t));
+    take(t, distance_at(place_on_edge(middle, half, t)), tie);
+  }
+  /// A round of which the places, and how deep they are, are known.
+  VOXSHELL_INLINE void take(F8 t, F8 distance, float tie) {
     place = balance(t, distance, tie);
     width *= kNarrower;
     is_done = all(distance < find_least(distance) + tie);

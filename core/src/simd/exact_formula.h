@@ -41,6 +41,11 @@ VOXSHELL_INLINE NearestOnTriangle<F> find_on_triangle(const Triple<F>& p, const 
   const F height = dot(normal, p);
 
   NearestOnTriangle<F> nearest;
+  nearest.squared_distance = height * height;
+  nearest.offset = {height * normal.x, height * normal.y, height * normal.z};
+  nearest.feature = Integer<F>{};
+  if (all(is_above)) return nearest;
+  const NearestOnTriangle<F> on_face = nearest;
   const auto along = [&](const Triple<F>& edge, const Triple<F>& from, F& t) {
     t = minimum(maximum(dot(edge, from) / dot(edge, edge), zero), one);
     return Triple<F>{from.x - t * edge.x, from.y - t * edge.y, from.z - t * edge.z};
@@ -68,10 +73,9 @@ VOXSHELL_INLINE NearestOnTriangle<F> find_on_triangle(const Triple<F>& p, const 
   const Triple<F> from_ac = along(ac, p, t);
   take(from_ac, code(t, 3, 4, 6), false);
 
-  nearest.squared_distance = select(is_above, height * height, nearest.squared_distance);
-  const Triple<F> from_face{height * normal.x, height * normal.y, height * normal.z};
-  nearest.offset = select<F>(is_above, from_face, nearest.offset);
-  nearest.feature = select(is_above, Integer<F>{}, nearest.feature);
+  nearest.squared_distance = select(is_above, on_face.squared_distance, nearest.squared_distance);
+  nearest.offset = select<F>(is_above, on_face.offset, nearest.offset);
+  nearest.feature = select(is_above, on_face.feature, nearest.feature);
   return nearest;
 }
 
@@ -95,24 +99,49 @@ struct ListedTriangles {
   }
 };
 
-/// Squared distances of a place to eight of the listed triangles from `first` on; beyond the list's
-/// end the last is repeated.
-VOXSHELL_INLINE F8 measure_eight_triangles(const ListedTriangles& list, uint32_t first,
-                                           const Triple<F8>& place) {
+/// Eight triangles, one a lane.
+struct EightTriangles {
+  Triple<F8> a, ab, ac, normal;
+};
+
+VOXSHELL_INLINE EightTriangles load_triangles(const float* triangles, I8 index) {
   F8 rows[kLanes];
   F8 others[kLanes];
-  for (uint32_t i = 0; i < kLanes; ++i) {
-    const float* record = list.record(first + i);
+  for (int i = 0; i < kLanes; ++i) {
+    const float* record =
+        triangles + static_cast<uint64_t>(static_cast<uint32_t>(index[i])) * kTriangleFloats;
     rows[i] = load<F8>(record);
     others[i] = load<F8>(record + kLanes);
   }
   transpose(rows);
   transpose(others);
-  const Triple<F8> p = subtract(place, Triple<F8>{rows[0], rows[1], rows[2]});
-  return find_on_triangle(p, Triple<F8>{rows[3], rows[4], rows[5]},
-                          Triple<F8>{rows[6], rows[7], others[0]},
-                          Triple<F8>{others[1], others[2], others[3]})
-      .squared_distance;
+  return {{rows[0], rows[1], rows[2]},
+          {rows[3], rows[4], rows[5]},
+          {rows[6], rows[7], others[0]},
+          {others[1], others[2], others[3]}};
+}
+
+/// One triangle in all lanes.
+VOXSHELL_INLINE EightTriangles repeat_triangle(const float* record) {
+  const auto pick = [&](int k) {
+    return Triple<F8>{splat<F8>(record[k]), splat<F8>(record[k + 1]), splat<F8>(record[k + 2])};
+  };
+  return {pick(0), pick(3), pick(6), pick(kRecordNormal)};
+}
+
+VOXSHELL_INLINE NearestOnTriangle<F8> find_on_triangles(const EightTriangles& triangles,
+                                                        const Triple<F8>& places) {
+  return find_on_triangle(subtract(places, triangles.a), triangles.ab, triangles.ac,
+                          triangles.normal);
+}
+
+/// Squared distances of a place to eight of the listed triangles from `first` on; beyond the list's
+/// end the last is repeated.
+VOXSHELL_INLINE F8 measure_eight_triangles(const ListedTriangles& list, uint32_t first,
+                                           const Triple<F8>& place) {
+  I8 index{};
+  for (uint32_t i = 0; i < kLanes; ++i) index[i] = static_cast<int32_t>(list.index(first + i));
+  return find_on_triangles(load_triangles(list.triangles, index), place).squared_distance;
 }
 
 /// The signed distance where `nearest` is of a triangle with that normal and the feature normals
@@ -158,6 +187,7 @@ inline ExactValue<float> evaluate_triangle(const ListedTriangles& list, uint32_t
 /// The signed distance to the nearest of a few triangles.
 inline ExactValue<float> evaluate_triangles(const ListedTriangles& list, float x, float y,
                                             float z) {
+  if (list.count == 1) return evaluate_triangle(list, 0, x, y, z);
   F8 least = splat<F8>(__builtin_inff());
   I8 least_index{};
   const Triple<F8> place{splat<F8>(x), splat<F8>(y), splat<F8>(z)};
@@ -174,28 +204,62 @@ inline ExactValue<float> evaluate_triangles(const ListedTriangles& list, float x
   return evaluate_triangle(list, static_cast<uint32_t>(least_index[lane]), x, y, z);
 }
 
-/// The same of eight places with one list: triangle by triangle, of which the first of the nearest
-/// counts, as in evaluate_triangles() where there are at most eight.
-inline ExactValue<F8> evaluate_triangles_at(const ListedTriangles& list, const Triple<F8>& places) {
-  NearestOnTriangle<F8> nearest{};
-  Triple<F8> normal{};
-  I8 index{};
-  for (uint32_t i = 0; i < list.count; ++i) {
-    const float* record = list.record(i);
-    const auto pick = [&](int k) {
-      return Triple<F8>{splat<F8>(record[k]), splat<F8>(record[k + 1]), splat<F8>(record[k + 2])};
-    };
-    const Triple<F8> of_this = pick(kRecordNormal);
-    const auto found = find_on_triangle<F8>(subtract(places, pick(0)), pick(3), pick(6), of_this);
-    const I8 is_nearer = i == 0 ? ~I8{} : found.squared_distance < nearest.squared_distance;
+/// The same of eight places: triangle by triangle, of which the first of the nearest counts, as in
+/// evaluate_triangles() where there are at most eight. `index_at(i)` tells the i-th of each place,
+/// and `triangles_at` loads those.
+template <class IndexAt, class TrianglesAt>
+VOXSHELL_INLINE ExactValue<F8> evaluate_eight_places(const Triple<F8>& places, uint32_t count,
+                                                     const float* feature_normals,
+                                                     const IndexAt& index_at,
+                                                     const TrianglesAt& triangles_at) {
+  I8 index = index_at(0);
+  EightTriangles triangles = triangles_at(index);
+  NearestOnTriangle<F8> nearest = find_on_triangles(triangles, places);
+  Triple<F8> normal = triangles.normal;
+  for (uint32_t i = 1; i < count; ++i) {
+    const I8 of_this = index_at(i);
+    triangles = triangles_at(of_this);
+    const auto found = find_on_triangles(triangles, places);
+    const I8 is_nearer = found.squared_distance < nearest.squared_distance;
     nearest.squared_distance = select(is_nearer, found.squared_distance, nearest.squared_distance);
     nearest.offset = select<F8>(is_nearer, found.offset, nearest.offset);
     nearest.feature = select(is_nearer, found.feature, nearest.feature);
-    normal = select<F8>(is_nearer, of_this, normal);
-    index = select(is_nearer, I8{} + static_cast<int32_t>(list.index(i)), index);
+    normal = select<F8>(is_nearer, triangles.normal, normal);
+    index = select(is_nearer, of_this, index);
   }
-  return sign_distance<F8>(places, nearest, normal, list.feature_normals,
-                           index * kFeatureNormalFloats);
+  return sign_distance<F8>(places, nearest, normal, feature_normals, index * kFeatureNormalFloats);
+}
+
+/// Of eight places with one list.
+inline ExactValue<F8> evaluate_triangles_at(const ListedTriangles& list, const Triple<F8>& places) {
+  return evaluate_eight_places(
+      places, list.count, list.feature_normals,
+      [&](uint32_t i) { return I8{} + static_cast<int32_t>(list.index(i)); },
+      [&](I8 index) {
+        return repeat_triangle(list.triangles +
+                               static_cast<uint64_t>(static_cast<uint32_t>(index[0])) *
+                                   kTriangleFloats);
+      });
+}
+
+/// The lists of eight places, one each, of which none is empty.
+struct EightLists {
+  I8 first;  ///< where they begin in `listed`
+  I8 last;   ///< where their last triangles are
+  const uint32_t* listed;
+  const float* triangles;
+  const float* feature_normals;
+};
+
+/// `count` is that of the longest list.
+inline ExactValue<F8> evaluate_triangles_at(const EightLists& lists, uint32_t count,
+                                            const Triple<F8>& places) {
+  return evaluate_eight_places(
+      places, count, lists.feature_normals,
+      [&](uint32_t i) {
+        return gather(lists.listed, minimum(lists.first + static_cast<int32_t>(i), lists.last));
+      },
+      [&](I8 index) { return load_triangles(lists.triangles, index); });
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

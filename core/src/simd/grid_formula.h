@@ -62,6 +62,7 @@ struct GridCell {
   Triple<F> t;  ///< 0 to 1
   F scale;      ///< metres of one quantum
   F size;       ///< edge of the cell, voxels
+  bool is_one;  ///< all places fall in one cell
 };
 
 /// What follows an entry's fields; entries are unsigned.
@@ -82,7 +83,7 @@ VOXSHELL_INLINE F lerp(F a, F b, F t) {
   return a + t * (b - a);
 }
 
-/// The first sample of the cell at `cell` and the four pairs along x that make up its corners.
+/// From the first sample of each cell: the four pairs along x that make up its corners.
 template <class F>
 VOXSHELL_INLINE void load_corners(const GridView& grid, Integer<F> first, Integer<F> row,
                                   Integer<F> layer, GridCell<F>& cell) {
@@ -94,6 +95,13 @@ VOXSHELL_INLINE void load_corners(const GridView& grid, Integer<F> first, Intege
     cell.c[2 * i] = to_float((pairs[i] << 16) >> 16);
     cell.c[2 * i + 1] = to_float(pairs[i] >> 16);
   }
+}
+/// The same of one cell that all eight places fall in.
+VOXSHELL_INLINE void repeat_corners(const GridView& grid, int32_t first, int32_t row, int32_t layer,
+                                    GridCell<F8>& cell) {
+  GridCell<float> one;
+  load_corners<float>(grid, first, row, layer, one);
+  for (int i = 0; i < 8; ++i) cell.c[i] = splat<F8>(one.c[i]);
 }
 
 /// What the lowest three bits of an entry say of its samples: how many cells there are to a side,
@@ -114,9 +122,10 @@ struct CellTables {
 inline constexpr CellTables kCellTables;
 
 /// Lanes whose brick holds a plane get some cell or other.
+/// @param is_one_brick  That all places fall in.
 template <class F>
 VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& place,
-                                      Integer<F> entry) {
+                                      Integer<F> entry, bool is_one_brick) {
   using I = Integer<F>;
   const F per_voxel = look_up(kCellTables.per_voxel, entry);
   const I last = look_up(kCellTables.last_cell, entry);
@@ -133,7 +142,17 @@ VOXSHELL_INLINE GridCell<F> load_cell(const GridView& grid, const GridPlace<F>& 
   const I brick =
       shift_down(entry, look_up(kCellTables.shift, entry)) & look_up(kCellTables.payload, entry);
   const I first = brick + x + dot_pairs(make_pair(y, z), look_up(kCellTables.strides, entry));
-  load_corners(grid, first, look_up(grid.rows, entry), look_up(grid.layers, entry), cell);
+  cell.is_one = is_one_brick && is_uniform(first);
+  if constexpr (sizeof(F) == sizeof(F8)) {
+    if (cell.is_one) {
+      const int32_t kind = entry[0] & 7;
+      repeat_corners(grid, first[0], grid.rows[kind], grid.layers[kind], cell);
+    } else {
+      load_corners(grid, first, look_up(grid.rows, entry), look_up(grid.layers, entry), cell);
+    }
+  } else {
+    load_corners(grid, first, look_up(grid.rows, entry), look_up(grid.layers, entry), cell);
+  }
   // The exponent is added to that of the quantum: cheaper than a product, and the same.
   cell.scale = as_float(as_int(splat<F>(grid.quantum)) +
                         ((entry & (kFieldMask << kFieldShift)) << (23 - kFieldShift)));
@@ -162,12 +181,41 @@ VOXSHELL_INLINE Triple<F> differentiate(const GridCell<F>& cell, float inverse_v
   return {x * scale, y * scale, z * scale};
 }
 
+/// How much farther apart the values of two corners of a cell may be than the corners are, in the
+/// steepest direction: along each axis no edge is steeper than the steepest.
+VOXSHELL_INLINE F8 find_steepness(const GridView& grid, const GridCell<F8>& cell) {
+  float c[8];
+  for (int i = 0; i < 8; ++i) c[i] = cell.c[i][0];
+  const auto steepest = [&](int step, int i, int j, int k) {
+    const auto rise = [&](int from) { return absolute(c[from + step] - c[from]); };
+    return maximum(maximum(rise(0), rise(i)), maximum(rise(j), rise(k)));
+  };
+  const float x = steepest(1, 2, 4, 6);
+  const float y = steepest(2, 1, 4, 5);
+  const float z = steepest(4, 1, 2, 3);
+  return square_root(x * x + y * y + z * z) * cell.scale * (grid.inverse_voxel_size / cell.size);
+}
+VOXSHELL_INLINE float find_steepness(const GridView&, const GridCell<float>&) {
+  return __builtin_inff();
+}
+
+/// How far a place is within its cell from the nearest side, voxels, rounding left out.
+template <class F>
+VOXSHELL_INLINE F find_room(const GridCell<F>& cell) {
+  constexpr float kSafety = 0.001f;  // voxels
+  const auto along = [](F t) { return absolute(t - 0.5f); };
+  return cell.size * (0.5f - maximum(maximum(along(cell.t.x), along(cell.t.y)), along(cell.t.z))) -
+         kSafety;
+}
+
 template <class F>
 struct GridValue {
   Integer<F> entry;
   F distance;          ///< at the nearest point of the grid
   F cell_size;         ///< voxels; 1 on planes
   Triple<F> gradient;  ///< there; only where asked for
+  F steepness;         ///< how fast values change that are not farther away than the room
+  F room;              ///< voxels; less than 0 where nothing is known of it
 };
 
 enum class Wanted { kDistance, kDistanceAndGradient };
@@ -175,10 +223,19 @@ enum class Wanted { kDistance, kDistanceAndGradient };
 VOXSHELL_INLINE float lane_of(float value, int) { return value; }
 VOXSHELL_INLINE float lane_of(F8 value, int lane) { return value[lane]; }
 
+/// What a table says of the bricks that places fall in. Where they are one, eight loads take longer
+/// than the question.
+VOXSHELL_INLINE int32_t gather_of_brick(const uint32_t* table, int32_t brick, bool) {
+  return gather(table, brick);
+}
+VOXSHELL_INLINE I8 gather_of_brick(const uint32_t* table, I8 brick, bool is_one) {
+  return is_one ? I8{} + static_cast<int32_t>(table[brick[0]]) : gather(table, brick);
+}
+
 /// 0, or 1 + the index of the exact cells, of bricks that have such.
 template <class F>
 VOXSHELL_INLINE Integer<F> find_exact_bricks(const ExactGridView& grid, const GridPlace<F>& place) {
-  return gather(grid.exact_bricks, place.brick);
+  return gather_of_brick(grid.exact_bricks, place.brick, is_uniform(place.brick));
 }
 
 /// The triangles of a lane's cell; none where it is not exact.
@@ -207,53 +264,72 @@ VOXSHELL_INLINE ListedTriangles triangles_of(const ExactGridView& grid, uint32_t
           grid.feature_normals};
 }
 
-template <Wanted kWanted>
-VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<float>& p,
-                                          const GridPlace<float>& place, GridValue<float>& value) {
-  const uint32_t list = find_exact_list(grid, place, find_exact_bricks(grid, place), 0);
-  if (list == 0) return;
-  const ExactValue<float> exact = evaluate_triangles(triangles_of(grid, list), p.x, p.y, p.z);
-  value.distance = exact.distance;
-  if constexpr (kWanted == Wanted::kDistanceAndGradient) value.gradient = exact.gradient;
+/// The list of the cell that a place falls in; 0 where that is not exact.
+VOXSHELL_INLINE int32_t find_exact_lists(const ExactGridView& grid, const GridPlace<float>& place,
+                                         int32_t brick) {
+  return static_cast<int32_t>(find_exact_list(grid, place, brick, 0));
 }
 
-/// Puts the values of exact cells in place of those of samples. Of eight places, those in a row
-/// often have one list.
-template <Wanted kWanted>
-VOXSHELL_INLINE void evaluate_exact_cells(const ExactGridView& grid, const Triple<F8>& p,
-                                          const GridPlace<F8>& place, GridValue<F8>& value) {
-  const I8 bricks = find_exact_bricks(grid, place);
-  unsigned left = bits(bricks != 0);
-  if (left == 0) return;
+/// The value of the triangles that are listed for a place.
+VOXSHELL_INLINE ExactValue<float> evaluate_lists(const ExactGridView& grid, const Triple<float>& p,
+                                                 int32_t list) {
+  return evaluate_triangles(triangles_of(grid, static_cast<uint32_t>(list)), p.x, p.y, p.z);
+}
+
+/// The lists of the cells that eight places fall in; 0 where those are not exact.
+VOXSHELL_INLINE I8 find_exact_lists(const ExactGridView& grid, const GridPlace<F8>& place,
+                                    I8 bricks) {
+  unsigned lanes = bits(bricks != 0);
   I8 lists{};
-  for (unsigned lanes = left; lanes != 0; lanes &= lanes - 1) {
+  if (lanes == 255u && is_uniform(bricks)) {
+    // Of eight places, those in a row often are in one cell.
+    const auto cell_along = [](F8 within) {
+      return minimum(to_int(within), I8{} + (kBrickCells - 1));
+    };
+    const I8 cells =
+        cell_along(place.within.x) +
+        kBrickCells * (cell_along(place.within.y) + kBrickCells * cell_along(place.within.z));
+    if (is_uniform(cells)) {
+      return lists + static_cast<int32_t>(find_exact_list(grid, place, bricks[0], 0));
+    }
+  }
+  for (; lanes != 0; lanes &= lanes - 1) {
     const int lane = __builtin_ctz(lanes);
     lists[lane] = static_cast<int32_t>(find_exact_list(grid, place, bricks[lane], lane));
   }
-  left = bits(lists != 0);
-  while (left != 0) {
-    const int lane = __builtin_ctz(left);
+  return lists;
+}
+
+/// The values of the triangles that are listed for eight places; of any sort where none are.
+inline ExactValue<F8> evaluate_lists(const ExactGridView& grid, const Triple<F8>& p, I8 lists) {
+  const unsigned listed = bits(lists != 0);
+  const int32_t some = lists[__builtin_ctz(listed)];
+  lists = select(lists != 0, lists, I8{} + some);
+  const I8 counts = lists & static_cast<int32_t>(kMostInList);
+  const bool is_one = is_uniform(lists);
+  const bool are_short = !any(counts > kLanes);
+  if (is_one && are_short) {
+    return evaluate_triangles_at(triangles_of(grid, static_cast<uint32_t>(some)), p);
+  }
+  if (are_short) {
+    const I8 first = shift_down(lists, kListCountBits);
+    uint32_t longest = 1;
+    while (any(counts > static_cast<int32_t>(longest))) ++longest;
+    return evaluate_triangles_at(
+        EightLists{first, first + counts - 1, grid.listed, grid.triangles, grid.feature_normals},
+        longest, p);
+  }
+  ExactValue<F8> value{};
+  for (unsigned lanes = listed; lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
     const ListedTriangles triangles = triangles_of(grid, static_cast<uint32_t>(lists[lane]));
-    const I8 is_same = lists == lists[lane];
-    const unsigned same = bits(is_same);
-    if ((same & (same - 1)) != 0 && triangles.count <= kLanes) {
-      const ExactValue<F8> exact = evaluate_triangles_at(triangles, p);
-      value.distance = select(is_same, exact.distance, value.distance);
-      if constexpr (kWanted == Wanted::kDistanceAndGradient) {
-        value.gradient = select<F8>(is_same, exact.gradient, value.gradient);
-      }
-      left &= ~same;
-      continue;
-    }
     const ExactValue<float> exact = evaluate_triangles(triangles, p.x[lane], p.y[lane], p.z[lane]);
     value.distance[lane] = exact.distance;
-    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
-      value.gradient.x[lane] = exact.gradient.x;
-      value.gradient.y[lane] = exact.gradient.y;
-      value.gradient.z[lane] = exact.gradient.z;
-    }
-    left &= left - 1;
+    value.gradient.x[lane] = exact.gradient.x;
+    value.gradient.y[lane] = exact.gradient.y;
+    value.gradient.z[lane] = exact.gradient.z;
   }
+  return value;
 }
 
 /// What samples and planes say at the nearest point of the grid.
@@ -262,13 +338,20 @@ VOXSHELL_INLINE GridValue<F> evaluate_samples(const GridView& grid, const Triple
                                               const GridPlace<F>& place) {
   constexpr unsigned kAllLanes = sizeof(F) == sizeof(float) ? 1u : 255u;
   GridValue<F> value;
-  value.entry = gather(grid.entries, place.brick);
+  const bool is_one_brick = is_uniform(place.brick);
+  value.entry = gather_of_brick(grid.entries, place.brick, is_one_brick);
   const unsigned planes = find_planes(value.entry);
   value.cell_size = splat<F>(1.0f);
+  value.steepness = splat<F>(1.0f);
+  value.room = splat<F>(-1.0f);
   if (planes != kAllLanes) {
-    const GridCell<F> cell = load_cell<F>(grid, place, value.entry);
+    const GridCell<F> cell = load_cell<F>(grid, place, value.entry, is_one_brick);
     value.distance = interpolate(cell);
     value.cell_size = cell.size;
+    if (cell.is_one) {
+      value.steepness = find_steepness(grid, cell);
+      value.room = find_room(cell);
+    }
     if constexpr (kWanted == Wanted::kDistanceAndGradient) {
       value.gradient = differentiate(cell, grid.inverse_voxel_size);
     }
@@ -297,13 +380,52 @@ VOXSHELL_INLINE GridValue<F> evaluate_samples(const GridView& grid, const Triple
   return value;
 }
 
+/// How far a point is within its cell of one voxel from the nearest side, voxels, rounding left
+/// out.
+template <class F>
+VOXSHELL_INLINE F find_room_in_cell(const GridPlace<F>& place) {
+  constexpr float kSafety = 0.001f;  // voxels
+  const auto along = [](F within) { return absolute(within - to_float(to_int(within)) - 0.5f); };
+  const Triple<F>& w = place.within;
+  return 0.5f - kSafety - maximum(maximum(along(w.x), along(w.y)), along(w.z));
+}
+
 /// The field at the nearest point of the grid.
 template <Wanted kWanted, class G, class F>
 VOXSHELL_INLINE GridValue<F> evaluate_in_grid(const G& grid, const Triple<F>& p,
                                               const GridPlace<F>& place) {
-  GridValue<F> value = evaluate_samples<kWanted>(grid, p, place);
-  if constexpr (kHasExactCells<G>) evaluate_exact_cells<kWanted>(grid, p, place, value);
-  return value;
+  if constexpr (kHasExactCells<G>) {
+    const Integer<F> bricks = find_exact_bricks(grid, place);
+    const Integer<F> lists = find_exact_lists(grid, place, bricks);
+    const auto is_exact = lists != 0;
+    GridValue<F> value;
+    if (all(is_exact)) {
+      // Nothing is wanted of samples but how large their cells are.
+      value.entry = gather_of_brick(grid.entries, place.brick, is_uniform(place.brick));
+      value.cell_size = select((value.entry & kPlaneBit) != 0, splat<F>(1.0f),
+                               look_up(kCellTables.size, value.entry));
+      value.steepness = splat<F>(1.0f);
+      value.room = splat<F>(-1.0f);
+    } else {
+      value = evaluate_samples<kWanted>(grid, p, place);
+    }
+    const auto is_mixed = bricks != 0;
+    if (!any(is_mixed)) return value;
+    const F room = find_room_in_cell(place);
+    value.room = select(is_mixed, minimum(value.room, room), value.room);
+    if (!any(is_exact)) return value;
+    const ExactValue<F> exact = evaluate_lists(grid, p, lists);
+    value.distance = select(is_exact, exact.distance, value.distance);
+    // The distance of triangles falls no faster than one comes nearer.
+    value.steepness = select(is_exact, splat<F>(1.0f), value.steepness);
+    value.room = select(is_exact, room, value.room);
+    if constexpr (kWanted == Wanted::kDistanceAndGradient) {
+      value.gradient = select<F>(is_exact, exact.gradient, value.gradient);
+    }
+    return value;
+  } else {
+    return evaluate_samples<kWanted>(grid, p, place);
+  }
 }
 
 template <class F>
@@ -450,16 +572,6 @@ VOXSHELL_INLINE F find_room(const GridPlace<F>& place) {
          maximum(maximum(absolute(w.x - kHalf), absolute(w.y - kHalf)), absolute(w.z - kHalf));
 }
 
-/// How far a point is within its cell of one voxel from the nearest side, voxels, rounding left
-/// out.
-template <class F>
-VOXSHELL_INLINE F find_room_in_cell(const GridPlace<F>& place) {
-  constexpr float kSafety = 0.001f;  // voxels
-  const auto along = [](F within) { return absolute(within - to_float(to_int(within)) - 0.5f); };
-  const Triple<F>& w = place.within;
-  return 0.5f - kSafety - maximum(maximum(along(w.x), along(w.y)), along(w.z));
-}
-
 /// Of balls within which the field is continuous: those in one brick, or in one cell of a brick
 /// that has exact cells. From the value at the centre: along each axis it is no steeper than two
 /// nodes next to each other allow, nor is an exact one. For others, infinity.
@@ -480,6 +592,19 @@ VOXSHELL_INLINE F bound_fall_in_brick(const G& grid, const GridPlace<F>& place,
   return select(is_within, fall, splat<F>(__builtin_inff()));
 }
 
+/// Of balls within one cell whose values are known to be no steeper. For others, infinity.
+template <class F>
+VOXSHELL_INLINE F bound_fall_in_cell(const GridView& grid, const GridPlace<F>& place,
+                                     const GridValue<F>& value, F radius) {
+  // float32 loses some at coordinates of the grid's size.
+  constexpr float kOfSize = 1e-6f;
+  const float size = (grid.cells[0] + grid.cells[1] + grid.cells[2]) * grid.voxel_size;
+  const auto is_within =
+      (radius * grid.inverse_voxel_size <= value.room) & (is_beyond(place.outside) == 0);
+  const F fall = (1.0001f * value.steepness) * radius + kOfSize * size;
+  return select(is_within, fall, splat<F>(__builtin_inff()));
+}
+
 /// Of the value over a ball, from that at its centre; of values up to a limit alone where
 /// `coarsest` is what find_coarsest() says of it.
 template <class G, class F>
@@ -490,6 +615,31 @@ VOXSHELL_INLINE F find_lower_bound(const G& grid, const GridPlace<F>& place,
                  value.distance - bound_fall_in_brick(grid, place, value, radius));
 }
 
+/// The same, as near to the value as is known. What advances by such bounds would end elsewhere.
+template <class G, class F>
+VOXSHELL_INLINE F find_tight_bound(const G& grid, const GridPlace<F>& place,
+                                   const GridValue<F>& value, F radius, float coarsest) {
+  return maximum(find_lower_bound(grid, place, value, radius, coarsest),
+                 value.distance - bound_fall_in_cell(grid, place, value, radius));
+}
+
+/// The distances of places, and tight bounds of those in balls about them.
+template <class F>
+struct BoundedDistance {
+  F distance;
+  F bound;
+};
+template <class G, class F>
+  requires kIsGrid<G>
+VOXSHELL_INLINE BoundedDistance<F> evaluate_with_bound(const G& grid, const Triple<F>& p, F radius,
+                                                       float coarsest) {
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  const F bound = find_tight_bound(grid, place, value, radius, coarsest);
+  if (!any(is_beyond(place.outside))) return {value.distance, bound};
+  return {evaluate_distance(grid, p), bound};
+}
+
 template <class G, class F>
   requires kIsGrid<G>
 VOXSHELL_INLINE F evaluate_lower_bound(const G& grid, const Triple<F>& p, F radius,
@@ -497,6 +647,15 @@ VOXSHELL_INLINE F evaluate_lower_bound(const G& grid, const Triple<F>& p, F radi
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
   return find_lower_bound(grid, place, value, radius, coarsest);
+}
+
+template <class G, class F>
+  requires kIsGrid<G>
+VOXSHELL_INLINE F evaluate_tight_bound(const G& grid, const Triple<F>& p, F radius,
+                                       float coarsest) {
+  const auto place = locate(grid, p);
+  const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
+  return find_tight_bound(grid, place, value, radius, coarsest);
 }
 
 }  // namespace voxshell::simd::VOXSHELL_ISA

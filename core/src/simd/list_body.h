@@ -102,7 +102,7 @@ VOXSHELL_INLINE F8 bound_points(const PosedView<G>& posed, const Triple<F8>& p, 
   // Where rounding may carry a point across the side of a brick, values are not continuous.
   const F8 radius = splat<F8>(growth + posed.slack);
   const float coarsest = find_coarsest(posed.field, margin + posed.slack);
-  const F8 bound = tag == 0 ? evaluate_lower_bound(posed.field, q, radius, coarsest)
+  const F8 bound = tag == 0 ? evaluate_tight_bound(posed.field, q, radius, coarsest)
                             : distance_to_plane(posed.field, tag, q) - growth;
   return bound - posed.slack;
 }

@@ -33,12 +33,7 @@ VOXSHELL_INLINE F8 bound_cell(const GridView& grid, const GridCell<F8>& cell, F8
 VOXSHELL_INLINE void bound_exact_cells(const ExactGridView& grid, const GridPlace<F8>& place,
                                        const Triple<F8>& corners, const Triple<float>& p,
                                        float radius, F8& bound) {
-  const I8 bricks = find_exact_bricks(grid, place);
-  I8 lists{};
-  for (unsigned lanes = bits(bricks != 0); lanes != 0; lanes &= lanes - 1) {
-    const int lane = __builtin_ctz(lanes);
-    lists[lane] = static_cast<int32_t>(find_exact_list(grid, place, bricks[lane], lane));
-  }
+  const I8 lists = find_exact_lists(grid, place, find_exact_bricks(grid, place));
   constexpr float kDiagonal = 1.7321f;  // of a cube, in its sides
   const float fall = kDiagonal * radius;
   for (unsigned left = bits(lists != 0); left != 0;) {
@@ -85,7 +80,7 @@ VOXSHELL_INLINE float bound_small_ball(const PosedView<G>& posed, const Triple<f
   const auto place = locate(grid, corners);
   const I8 entry = gather(grid.entries, place.brick);
   const I8 is_plane = (entry & kPlaneBit) != 0;
-  GridCell<F8> cell = load_cell<F8>(grid, place, entry);
+  GridCell<F8> cell = load_cell<F8>(grid, place, entry, /*is_one_brick=*/false);
   F8 size = select(is_plane, splat<F8>(kBrickCells), cell.size);
   if constexpr (kHasExactCells<G>) {
     size = select(find_exact_bricks(grid, place) != 0, splat<F8>(1.0f), size);

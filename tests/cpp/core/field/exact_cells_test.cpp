@@ -11,6 +11,7 @@
 
 #include "field/grid_field_check.h"
 #include "mesh/closest_point.h"
+#include "simd/grid_formula.h"
 #include "support/brute_force.h"
 #include "support/grid_fields.h"
 #include "support/meshes.h"
@@ -256,6 +257,57 @@ TEST(ExactCells, KeepTheLowerBoundOfBalls) {
       }
     }
   }
+}
+
+/// What kernels leave out places by, of eight balls about a place. Returns how many bounds are
+/// larger than those of lower_bound().
+template <class View>
+int expect_tight_bounds(const GridField& field, const View& view, const Vec3& centre, double radius,
+                        Random& random) {
+  using namespace simd::portable;
+  Triple<F8> places{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto p = static_cast<Vec3f>(centre + (lane % 4) * radius * random.direction());
+    places.x[lane] = p.x;
+    places.y[lane] = p.y;
+    places.z[lane] = p.z;
+  }
+  const auto radius_f = static_cast<float>(radius);
+  const F8 bounds = evaluate_tight_bound(view, places, splat<F8>(radius_f), simd::kBrickCells);
+  int larger = 0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Vec3f at{places.x[lane], places.y[lane], places.z[lane]};
+    larger += bounds[lane] > field.lower_bound(at, radius_f) ? 1 : 0;
+    Vec3 p = static_cast<Vec3>(at);
+    for (int step = 0; step < 8; ++step) {
+      EXPECT_GE(field.distance(static_cast<Vec3f>(p)), bounds[lane] - 2e-6f);
+      const Vec3 slope = step % 4 == 3 ? random.direction()
+                                       : static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)));
+      p = static_cast<Vec3>(at) - (radius * (1.0 - 1e-6)) * normalized(slope);
+    }
+  }
+  return larger;
+}
+
+TEST(ExactCells, AndSamplesKeepTheTightBoundsOfBalls) {
+  Random random(306);
+  int larger = 0;
+  for (const auto& [name, mesh, voxel_size] : bodies()) {
+    const GridField exact = build_exact(mesh, voxel_size, 0.02 * voxel_size);
+    const GridField sampled = build(mesh, voxel_size);
+    const Bounds bounds = grown(mesh.bounds(), voxel_size);
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 centre = point_in(random, bounds);
+      const double radius = voxel_size * std::pow(10.0, random.uniform(-3, -0.3));
+      larger += expect_tight_bounds(exact, exact.exact_view(), centre, radius, random);
+      larger += expect_tight_bounds(sampled, sampled.view(), centre, radius, random);
+      if (testing::Test::HasFailure()) {
+        ADD_FAILURE() << name;
+        return;
+      }
+    }
+  }
+  EXPECT_GT(larger, 10'000);
 }
 
 TEST(ExactCells, GiveTheContactsOfTheFlatLoopToTheBit) {
