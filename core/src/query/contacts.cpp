@@ -126,6 +126,34 @@ simd::PointList find_edges(const simd::PosedView<V>& posed, const EdgeSegments& 
   return found;
 }
 
+/// What bodies that move together are asked differs by the margin alone, which follows their speed.
+bool is_of_same_place(const QueryScratch::State::Question& a,
+                      const QueryScratch::State::Question& b) {
+  QueryScratch::State::Question other = b;
+  other.margin = a.margin;
+  return a == other;
+}
+
+/// The margin that an answer is worth finding for, of which the one that is asked for is a part: of
+/// a margin that grows, the next steps ask for more.
+float choose_margin(float margin, float last_margin) {
+  constexpr float kAhead = 1.5f;
+  return margin > last_margin ? kAhead * margin : last_margin;
+}
+
+/// Whether the answer for one margin holds that for another, and not too much beside it.
+bool may_serve(float found, float margin) {
+  constexpr float kMost = 2.0f;
+  return margin > 0.0f && margin <= found && found <= kMost * margin;
+}
+
+std::size_t drop_beyond(float margin, Contact* contacts, std::size_t count) {
+  return static_cast<std::size_t>(
+      std::remove_if(contacts, contacts + count,
+                     [&](const Contact& contact) { return !(-contact.depth < margin); }) -
+      contacts);
+}
+
 }  // namespace
 
 std::span<const Contact> find_contacts(const Field& field, const PointShell& shell,
@@ -137,26 +165,46 @@ std::span<const Contact> find_contacts(const Field& field, const PointShell& she
   const std::uint64_t edge_serial = edges == nullptr ? 0 : edges->view().tree.serial;
   with_view(field, [&]<class V>(const auto& typed, const V& view) {
     const auto posed = make_posed(typed, view, shell, field_from_shell);
-    const QueryScratch::State::Question question{
-        view, tree.serial, edge_serial, bits_of(posed), options.margin, options.max_points};
-    const bool is_asked_again = question == state.asked;
+    QueryScratch::State::Question question{view,           tree.serial,    edge_serial,
+                                           bits_of(posed), options.margin, options.max_points};
+    const bool is_asked_again = is_of_same_place(question, state.asked);
     const std::size_t pieces = shell.element_count() - shell.size();
-    if (is_asked_again && state.recall_contacts(tree, pieces)) return;
+    const float last_margin = state.asked.margin;
+    const auto leave_wanted = [&] {
+      if (question.margin == options.margin) return;
+      state.lists().contact_count =
+          drop_beyond(options.margin, state.contact_data(), state.lists().contact_count);
+    };
+    // Of what lists of its own hold, and of the deepest, nothing may be dropped.
+    const bool may_drop = !state.owns_lists() && shell.element_count() <= options.max_points;
+    const auto serves = [&](float margin) {
+      return margin == options.margin || (may_drop && may_serve(margin, options.margin));
+    };
+    if (is_asked_again && serves(last_margin) && state.recall_contacts(tree, pieces)) {
+      question.margin = last_margin;
+      leave_wanted();
+      return;
+    }
+    if (is_asked_again) {
+      const float margin = choose_margin(options.margin, last_margin);
+      if (serves(margin)) question.margin = margin;
+    }
     state.reserve(tree, pieces);
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     const simd::PointList points =
-        find_points(posed, tree, shell, field_from_shell, options.margin, view, state);
+        find_points(posed, tree, shell, field_from_shell, question.margin, view, state);
     kernels.complete(posed, tree, points, state.contact_data());
     state.lists().contact_count = points.count;
     if (edges != nullptr) {
       const simd::PointList found =
-          find_edges(posed, *edges, field_from_shell, options.margin, view, state.of_edges());
+          find_edges(posed, *edges, field_from_shell, question.margin, view, state.of_edges());
       complete_on_edges(posed, edges->view(), found, shell.size(), state);
     }
     state.lists().contact_count =
         keep_deepest(state.contact_data(), state.lists().contact_count, options.max_points);
     state.asked = question;
     state.keep_contacts(is_asked_again);
+    leave_wanted();
   });
   return scratch.contacts();
 }

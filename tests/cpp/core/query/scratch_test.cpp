@@ -190,6 +190,31 @@ TEST(Scratch, SharesListsWithOthersByTurns) {
   EXPECT_GT(contacts, 20'000u);
 }
 
+TEST(Scratch, FollowsMarginsOfBodiesThatMoveTogether) {
+  // At one pose, or at poses that are rounded to one.
+  Random random(252);
+  QueryLists lists;
+  std::size_t contacts = 0;
+  for (const PointShell& shell : shells()) {
+    for (const Field& field : fields()) {
+      QueryScratch scratch;
+      Pose pose = make_pose_at(field, shell, -0.01, random);
+      float margin = 1e-4f;
+      for (int i = 0; i < 60; ++i) {
+        if (i % 20 == 0) pose = nudged(pose, 1e-5, 1e-5, random);
+        const bool grows = i % 20 < 14;
+        margin *= grows ? 1.0f + static_cast<float>(random.uniform(0.0, 0.4)) : 0.7f;
+        const ContactOptions some{.margin = margin, .max_points = 5};
+        const ContactOptions all{.margin = i % 7 == 3 ? -0.5f * margin : margin};
+        scratch.borrow(lists);
+        contacts += expect_equal_to_flat(field, shell, pose, i % 11 == 5 ? some : all, scratch);
+        if (testing::Test::HasFailure()) return;
+      }
+    }
+  }
+  EXPECT_GT(contacts, 20'000u);
+}
+
 TEST(Scratch, ServesMarginsByTurns) {
   Random random(244);
   QueryScratch scratch;
