@@ -39,7 +39,8 @@ class SecondShell {
     Vec3f point;
     Vec3f normal;
   };
-  std::vector<Placed> sorted_;  ///< ascending along it
+  std::vector<Placed> sorted_;         ///< by slices across it, these ascending
+  std::vector<std::uint32_t> starts_;  ///< of the slices, and of one more
 };
 
 }  // namespace voxshell::bullet

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "contact_constants.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
@@ -48,6 +50,48 @@ TEST(SecondShell, DropsOnlyWhatIsNearAndFacesTheSameWay) {
   std::vector<std::uint32_t> ids;
   for (const Contact& contact : contacts) ids.push_back(contact.id);
   EXPECT_EQ(ids, (std::vector<std::uint32_t>{3, 9, kFirstOfSecond + 2, kFirstOfSecond + 3}));
+}
+
+TEST(SecondShell, DropsWhatAComparisonOfAllFinds) {
+  meshes::Random random(8);
+  std::size_t dropped = 0;
+  std::size_t kept = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double size = std::pow(10.0, random.uniform(-4, 1));
+    const float margin = i % 10 == 0 ? 0.0f : static_cast<float>(0.01 * random.unit());
+    std::vector<Contact> contacts;
+    const auto append = [&](std::uint32_t first, std::size_t count) {
+      for (std::uint32_t k = 0; k < count; ++k) {
+        // Often at the same place.
+        const Vec3 place = i % 3 == 0 ? Vec3{0.01 * (k % 5), 0, 0} : size * random.in_cube(0.1);
+        const Vec3 normal = k % 3 == 0 ? Vec3{0, 0, 1} : random.direction();
+        contacts.push_back(
+            {first + k, 0.0f, static_cast<Vec3f>(place), static_cast<Vec3f>(normal)});
+      }
+    };
+    append(0, random.below(60));
+    const std::size_t of_first = contacts.size();
+    append(kFirstOfSecond, random.below(60));
+    std::vector<std::uint32_t> expected;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const bool is_double =
+          k >= of_first &&
+          std::any_of(contacts.begin(), contacts.begin() + static_cast<std::ptrdiff_t>(of_first),
+                      [&](const Contact& of) {
+                        return squared_length(of.point - contacts[k].point) <= margin * margin &&
+                               dot(of.normal, contacts[k].normal) >= kDoubleCosine;
+                      });
+      if (!is_double) expected.push_back(contacts[k].id);
+      (is_double ? dropped : kept) += 1;
+    }
+    SecondShell second;
+    second.drop_doubles(margin, contacts);
+    std::vector<std::uint32_t> ids;
+    for (const Contact& contact : contacts) ids.push_back(contact.id);
+    ASSERT_EQ(ids, expected);
+  }
+  EXPECT_GT(dropped, 500u);
+  EXPECT_GT(kept, 500u);
 }
 
 /// A sharp corner that points down between the points of a slab, which are 10 mm apart.
