@@ -191,10 +191,12 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   of_step.hold = renew_hold(step, contacts, memory.held_b_from_a);
   memory.held_b_from_a = of_step.hold.b_from_a;
   memory.owed_energy = 0.0;
-  for (const Contact& contact : contacts) {
-    if (memory.rebounding.count_with(contact.id) == 0) continue;
-    const Rebound rebound = rebound_of(step, impact_of(step, contact));
-    memory.owed_energy = std::max(memory.owed_energy, rebound.owed_energy);
+  if (step.restitution > 0.0 || step.owed_energy > 0.0) {
+    for (const Contact& contact : contacts) {
+      if (memory.rebounding.count_with(contact.id) == 0) continue;
+      const Rebound rebound = rebound_of(step, impact_of(step, contact));
+      memory.owed_energy = std::max(memory.owed_energy, rebound.owed_energy);
+    }
   }
   return of_step;
 }

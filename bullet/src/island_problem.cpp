@@ -92,7 +92,7 @@ void SolverState::write(const SolverPools& pools) const {
 bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
   number_bodies(pools);
   if (scales_.empty() || (!is_far_off && !is_small())) return false;
-  fill(pools, Sliding::kIgnored);
+  fill(pools);
   return newton_.prepare(scales_.size(), rows_) <= kMostCost;
 }
 
@@ -113,7 +113,7 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
 bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
 
 bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
-  fill(pools, sliding);
+  renew(pools, sliding);
   const int most_steps = is_small() ? kMostNewtonSteps : kMostNewtonStepsOfMany;
   if (!newton_.solve(rows_, stiffness, most_steps)) return false;
   for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, most_steps);
@@ -128,43 +128,34 @@ bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sl
 
 /// With the correction for sliding, the natural map of the cones is that of Coulomb's law.
 double IslandProblem::error(const SolverPools& pools) {
-  fill(pools, Sliding::kCorrected);
+  renew(pools, Sliding::kCorrected);
   return newton_.error(rows_);
 }
 
-void IslandProblem::fill(const SolverPools& pools, Sliding sliding) {
+/// All that the island's solution does not change.
+void IslandProblem::fill(const SolverPools& pools) {
   rows_.clear();
   sources_.clear();
   for (int i = 0; i < pools.joints->size(); ++i) append((*pools.joints)[i]);
+  first_contact_ = rows_.size();
   const int contact_count = pools.contacts->size();
   const int friction_rows = contact_count == 0 ? 0 : pools.friction->size() / contact_count;
   for (int i = 0; i < contact_count; ++i) {
-    fill_contact(pools, (*pools.contacts)[i], friction_rows, sliding);
+    fill_contact(pools, (*pools.contacts)[i], friction_rows);
   }
-  for (int i = 0; i < pools.rolling->size(); ++i) {
-    btSolverConstraint& source = (*pools.rolling)[i];
-    const btSolverConstraint& contact = (*pools.contacts)[source.m_frictionIndex];
-    VelocityRow& row = append(source);
-    row.upper = static_cast<double>(source.m_friction) *
-                std::max(static_cast<double>(btScalar(contact.m_appliedImpulse)), 0.0);
-    row.lower = -row.upper;
-  }
+  first_rolling_ = rows_.size();
+  for (int i = 0; i < pools.rolling->size(); ++i) append((*pools.rolling)[i]);
 }
 
 void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& contact,
-                                 int friction_rows, Sliding sliding) {
+                                 int friction_rows) {
   const std::size_t place_of_normal = rows_.size();
   append(contact);
   double unit_impulse = contact.m_jacDiagABInv;
   double friction = 0.0;
-  double squared_sliding = 0.0;
   for (int k = 0; k < friction_rows; ++k) {
     btSolverConstraint& source = (*pools.friction)[contact.m_frictionIndex + k];
-    const double speed =
-        static_cast<double>(added_velocity(source, (*pools.bodies)[source.m_solverBodyIdA],
-                                           (*pools.bodies)[source.m_solverBodyIdB])) -
-        append(source).target;
-    squared_sliding += speed * speed;
+    append(source);
     unit_impulse = std::min(unit_impulse, static_cast<double>(source.m_jacDiagABInv));
     friction = source.m_friction;
   }
@@ -173,7 +164,42 @@ void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& c
   normal.friction_rows = friction_rows;
   normal.friction = friction;
   normal.unit_impulse = unit_impulse;
-  if (sliding == Sliding::kCorrected) normal.target -= friction * std::sqrt(squared_sliding);
+}
+
+/// The impulses so far, and what depends on them.
+void IslandProblem::renew(const SolverPools& pools, Sliding sliding) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    rows_[i].impulse = btScalar(sources_[i]->m_appliedImpulse);
+  }
+  for (std::size_t i = first_contact_; i < first_rolling_;) {
+    VelocityRow& normal = rows_[i];
+    const std::size_t end = i + 1 + static_cast<std::size_t>(normal.friction_rows);
+    normal.target = per_unit_impulse(sources_[i]->m_rhs, *sources_[i]);
+    double squared_sliding = 0.0;
+    if (sliding == Sliding::kCorrected) {
+      for (std::size_t k = i + 1; k < end; ++k) {
+        const double speed = sliding_of(pools, k);
+        squared_sliding += speed * speed;
+      }
+      normal.target -= normal.friction * std::sqrt(squared_sliding);
+    }
+    i = end;
+  }
+  for (std::size_t i = first_rolling_; i < rows_.size(); ++i) {
+    const btSolverConstraint& source = *sources_[i];
+    const btSolverConstraint& contact = (*pools.contacts)[source.m_frictionIndex];
+    rows_[i].upper = static_cast<double>(source.m_friction) *
+                     std::max(static_cast<double>(btScalar(contact.m_appliedImpulse)), 0.0);
+    rows_[i].lower = -rows_[i].upper;
+  }
+}
+
+/// The velocity by which a row of friction slides now, m/s.
+double IslandProblem::sliding_of(const SolverPools& pools, std::size_t row) const {
+  const btSolverConstraint& source = *sources_[row];
+  return static_cast<double>(added_velocity(source, (*pools.bodies)[source.m_solverBodyIdA],
+                                            (*pools.bodies)[source.m_solverBodyIdB])) -
+         rows_[row].target;
 }
 
 VelocityRow& IslandProblem::append(btSolverConstraint& source) {

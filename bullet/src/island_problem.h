@@ -79,9 +79,10 @@ class IslandProblem {
   };
 
   void number_bodies(const SolverPools& pools);
-  void fill(const SolverPools& pools, Sliding sliding);
-  void fill_contact(const SolverPools& pools, btSolverConstraint& contact, int friction_rows,
-                    Sliding sliding);
+  void fill(const SolverPools& pools);
+  void fill_contact(const SolverPools& pools, btSolverConstraint& contact, int friction_rows);
+  void renew(const SolverPools& pools, Sliding sliding);
+  double sliding_of(const SolverPools& pools, std::size_t row) const;
   VelocityRow& append(btSolverConstraint& source);
   int place(int body, const btVector3& linear, const btVector3& angular,
             std::array<double, 6>& along) const;
@@ -91,6 +92,8 @@ class IslandProblem {
   std::vector<Scale> scales_;
   std::vector<VelocityRow> rows_;
   std::vector<btSolverConstraint*> sources_;  ///< of the rows
+  std::size_t first_contact_ = 0;             ///< of the rows; joints come before
+  std::size_t first_rolling_ = 0;             ///< rolling friction comes last
 };
 
 }  // namespace voxshell::bullet
