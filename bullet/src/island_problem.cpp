@@ -151,13 +151,13 @@ void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& c
                                  int friction_rows) {
   const std::size_t place_of_normal = rows_.size();
   append(contact);
-  double unit_impulse = contact.m_jacDiagABInv;
+  auto unit_impulse = static_cast<double>(contact.m_jacDiagABInv);
   double friction = 0.0;
   for (int k = 0; k < friction_rows; ++k) {
     btSolverConstraint& source = (*pools.friction)[contact.m_frictionIndex + k];
     append(source);
     unit_impulse = std::min(unit_impulse, static_cast<double>(source.m_jacDiagABInv));
-    friction = source.m_friction;
+    friction = static_cast<double>(source.m_friction);
   }
   VelocityRow& normal = rows_[place_of_normal];
   normal.is_contact = true;
@@ -169,7 +169,7 @@ void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& c
 /// The impulses so far, and what depends on them.
 void IslandProblem::renew(const SolverPools& pools, Sliding sliding) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    rows_[i].impulse = btScalar(sources_[i]->m_appliedImpulse);
+    rows_[i].impulse = static_cast<double>(btScalar(sources_[i]->m_appliedImpulse));
   }
   for (std::size_t i = first_contact_; i < first_rolling_;) {
     VelocityRow& normal = rows_[i];
@@ -210,10 +210,10 @@ VelocityRow& IslandProblem::append(btSolverConstraint& source) {
                      row.along_b);
   row.target = per_unit_impulse(source.m_rhs, source);
   row.softness = per_unit_impulse(source.m_cfm, source);
-  row.impulse = btScalar(source.m_appliedImpulse);
-  row.unit_impulse = source.m_jacDiagABInv;
-  row.lower = source.m_lowerLimit;
-  row.upper = source.m_upperLimit;
+  row.impulse = static_cast<double>(btScalar(source.m_appliedImpulse));
+  row.unit_impulse = static_cast<double>(source.m_jacDiagABInv);
+  row.lower = static_cast<double>(source.m_lowerLimit);
+  row.upper = static_cast<double>(source.m_upperLimit);
   sources_.push_back(&source);
   return rows_.emplace_back(row);
 }
@@ -227,8 +227,8 @@ int IslandProblem::place(int body, const btVector3& linear, const btVector3& ang
   const btVector3 scaled_linear = linear * scale.linear;
   const btVector3 scaled_angular = scale.angular.transpose() * angular;
   for (int k = 0; k < 3; ++k) {
-    along[static_cast<std::size_t>(k)] = scaled_linear[k];
-    along[static_cast<std::size_t>(k) + 3] = scaled_angular[k];
+    along[static_cast<std::size_t>(k)] = static_cast<double>(scaled_linear[k]);
+    along[static_cast<std::size_t>(k) + 3] = static_cast<double>(scaled_angular[k]);
   }
   return number;
 }
