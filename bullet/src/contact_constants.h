@@ -40,6 +40,20 @@ inline constexpr double kAddedOfDisplacement = 0.5;
 /// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
 /// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
 inline constexpr double kMostReachingTurn = 0.5;
+/// What touches a plane is of a round surface that faces it if its normal has at least this cosine
+/// with the plane's: within 30 degrees. Smaller: places beside an edge count as ones on it. Larger:
+/// samples that are not the deepest are followed as if they were, and brake what rolls.
+inline constexpr double kFacesPlane = 0.866;
+/// The same of an edge, and of the normal that the place has: within 60 degrees.
+inline constexpr double kFacesEdge = 0.5;
+/// A surface has an edge where it bends by more than this fraction of the first of kFlatScales.
+/// Smaller: round surfaces count as edges. Larger: edges count as faces, whose normals lean.
+inline constexpr double kEdgeBend = 0.1;
+/// How often the place of a round surface that faces an edge is looked for, each time from the
+/// center of curvature of the last one.
+inline constexpr int kMostFacing = 4;
+/// By how much a direction is tilted to see how round a surface is, radians.
+inline constexpr double kTilt = 0.1;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
 /// more steps of conservative advancement. Larger: fast bodies stop visibly early.
 inline constexpr double kTouchingOfDetail = 0.05;

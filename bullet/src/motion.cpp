@@ -15,6 +15,12 @@
 namespace voxshell::bullet {
 namespace {
 
+/// By Rodrigues' formula. The axis has unit length.
+Vec3 turned(const Vec3& v, const Vec3& axis, double angle) {
+  return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
+         (1.0 - std::cos(angle)) * dot(axis, v) * axis;
+}
+
 /// What its own force alone would add to a link's velocity: joints are left out.
 Vec3 velocity_of_force(const btMultiBody& body, int link, double time_step) {
   const bool is_base = link < 0;
@@ -67,15 +73,12 @@ Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) 
   const Vec3 turn = fraction * time_step * angular_velocity;
   const double angle = length(turn);
   const Vec3 axis = normalized(turn);
-  const auto turned = [&](const Vec3& v) {  // Rodrigues' formula
-    return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
-           (1.0 - std::cos(angle)) * dot(axis, v) * axis;
-  };
+  const auto after = [&](const Vec3& v) { return turned(v, axis, angle); };
   const Matrix3 columns = world_from_x.rotation.transposed();
   const Matrix3 rotation =
-      Matrix3{turned(columns.row_x), turned(columns.row_y), turned(columns.row_z)}.transposed();
+      Matrix3{after(columns.row_x), after(columns.row_y), after(columns.row_z)}.transposed();
   const Vec3 displacement = fraction * time_step * (velocity + velocity_of_forces);
-  return {rotation, centre + displacement + turned(world_from_x.translation - centre)};
+  return {rotation, centre + displacement + after(world_from_x.translation - centre)};
 }
 
 double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
@@ -108,9 +111,49 @@ RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
                                   const Pose& world_from_frame) {
   const Vec3& origin = world_from_frame.translation;
   const Matrix3 frame_from_world = world_from_frame.rotation.transposed();
+  const auto spin_of = [&](const Motion& motion) {
+    return Spin{frame_from_world * (motion.centre - origin),
+                frame_from_world * motion.angular_velocity};
+  };
   return {frame_from_world * (body.velocity_at(origin) - seen_from.velocity_at(origin)),
           frame_from_world * (body.angular_velocity - seen_from.angular_velocity),
-          frame_from_world * (body.velocity_of_forces - seen_from.velocity_of_forces)};
+          frame_from_world * (body.velocity_of_forces - seen_from.velocity_of_forces),
+          spin_of(body), spin_of(seen_from)};
+}
+
+Path::Path(const RelativeMotion& motion, const Vec3& place, double time_step)
+    : place_(place), arm_(place - motion.own.centre), seen_centre_(motion.seen_from.centre) {
+  const Spin& own = motion.own;
+  const Spin& seen = motion.seen_from;
+  // Relative velocities at the origin contain what the spins do there.
+  const Vec3 of_centres = motion.velocity + cross(own.angular_velocity, own.centre) -
+                          cross(seen.angular_velocity, seen.centre);
+  displacement_ = time_step * (of_centres + motion.velocity_of_forces);
+  own_axis_ = normalized(own.angular_velocity);
+  seen_axis_ = normalized(seen.angular_velocity);
+  own_angle_ = time_step * voxshell::length(own.angular_velocity);
+  seen_angle_ = time_step * voxshell::length(seen.angular_velocity);
+  const double in_the_world =
+      voxshell::length(displacement_) + own_angle_ * voxshell::length(cross(own_axis_, arm_));
+  const double farthest = voxshell::length(cross(seen_axis_, place - seen.centre)) + in_the_world;
+  length_ = in_the_world + seen_angle_ * farthest;
+}
+
+Vec3 Path::turned_at(double fraction, const Vec3& direction) const {
+  return turned(turned(direction, own_axis_, fraction * own_angle_), seen_axis_,
+                -fraction * seen_angle_);
+}
+
+Vec3 Path::turned_back(double fraction, const Vec3& direction) const {
+  return turned(turned(direction, seen_axis_, fraction * seen_angle_), own_axis_,
+                -fraction * own_angle_);
+}
+
+Vec3 Path::at(double fraction) const {
+  if (own_angle_ == 0.0 && seen_angle_ == 0.0) return place_ + fraction * displacement_;
+  const Vec3 from_centre = (place_ - arm_) - seen_centre_ + fraction * displacement_ +
+                           turned(arm_, own_axis_, fraction * own_angle_);
+  return seen_centre_ + turned(from_centre, seen_axis_, -fraction * seen_angle_);
 }
 
 }  // namespace voxshell::bullet

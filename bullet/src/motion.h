@@ -49,16 +49,56 @@ double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ba
 /// else stops one of the bodies. Metres.
 double find_touch_reach(const Motion& a, const Motion& b, const Ball& ball, double time_step);
 
+/// The point that a body turns about, and how fast.
+struct Spin {
+  Vec3 centre;
+  Vec3 angular_velocity;  ///< rad/s
+};
+
 /// How one body moves as another sees it. Any frame: its own, that of one of them or the world's.
 struct RelativeMotion {
   Vec3 velocity;            ///< at the frame's origin, m/s
   Vec3 angular_velocity;    ///< rad/s
   Vec3 velocity_of_forces;  ///< as of Motion
+  Spin own;                 ///< of the body
+  Spin seen_from;           ///< of the other one
 
   static RelativeMotion of(const Motion& body, const Motion& seen_from,
                            const Pose& world_from_frame);
 
   Vec3 velocity_at(const Vec3& point) const { return velocity + cross(angular_velocity, point); }
+  /// How the other body moves as this one sees it.
+  RelativeMotion reversed() const {
+    return {-velocity, -angular_velocity, -velocity_of_forces, seen_from, own};
+  }
+};
+
+/// The path of a place of a body, as another one sees it, if nothing stops them: each body turns
+/// about its own center. The place of a ball that will touch the ground as it rolls comes down on
+/// an arc; straight on, it would be below the ground.
+class Path {
+ public:
+  Path(const RelativeMotion& motion, const Vec3& place, double time_step);
+
+  /// After a fraction of the step, in the frame that the other body has at the start.
+  Vec3 at(double fraction) const;
+  /// Where a direction of the body points then.
+  Vec3 turned_at(double fraction, const Vec3& direction) const;
+  /// Which direction of the body will point in a direction then.
+  Vec3 turned_back(double fraction, const Vec3& direction) const;
+  /// The path is not longer than that, metres.
+  double length() const { return length_; }
+
+ private:
+  Vec3 place_;
+  Vec3 displacement_;  ///< of one center as the other sees it
+  Vec3 arm_;           ///< from the center to the place
+  Vec3 seen_centre_;
+  Vec3 own_axis_;
+  Vec3 seen_axis_;
+  double own_angle_;  ///< radians
+  double seen_angle_;
+  double length_;
 };
 
 }  // namespace voxshell::bullet

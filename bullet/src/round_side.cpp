@@ -101,4 +101,18 @@ std::optional<Place> RoundSide::slide(const Place& start, const Vec3& direction,
       *field_);
 }
 
+std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3& direction,
+                                double least_curvature) {
+  const auto round = RoundSide::of(side);
+  if (!round) return std::nullopt;
+  const auto start = round->nearest(point);
+  if (!start) return std::nullopt;
+  const auto reached = round->slide(*start, direction, least_curvature);
+  // Along a cylinder's axis nothing faces it.
+  if (!reached || dot(reached->normal, direction) < static_cast<double>(kDoubleCosine)) {
+    return std::nullopt;
+  }
+  return reached->position;
+}
+
 }  // namespace voxshell::bullet

@@ -42,4 +42,9 @@ class RoundSide {
   const Field* field_;
 };
 
+/// The place of a side's round surface that faces a direction, by way of the surface from a point
+/// of it on; none where the surface is flat or not convex. The geometry's frame.
+std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3& direction,
+                                double least_curvature);
+
 }  // namespace voxshell::bullet

@@ -19,6 +19,7 @@
 #include "contact_constants.h"
 #include "motion.h"
 #include "posed_pair.h"
+#include "round_side.h"
 #include "seamless_bodies.h"
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
@@ -88,6 +89,23 @@ double radius_of(const btCollisionObject& body) {
   btScalar radius = 0;
   body.getCollisionShape()->getBoundingSphere(centre, radius);
   return static_cast<double>(radius);
+}
+
+/// The place of a body's round surface that faces a direction, from a place of it on; none where it
+/// is flat there, and of compounds.
+std::optional<Vec3> facing_place(const btCollisionObject& body, const Vec3& place,
+                                 const Vec3& direction) {
+  const btCollisionShape& shape = *body.getCollisionShape();
+  const CollisionMethod method = collision_method_of(shape);
+  if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return std::nullopt;
+  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, body.getWorldTransform(), -1, -1);
+  const Side side(wrap, nullptr);
+  const Pose& world_from_own = side.world_from_geometry();
+  const Pose own_from_world = world_from_own.inverse();
+  const auto facing = find_facing(side, own_from_world.transform_point(place),
+                                  own_from_world.rotate(direction), kFlatBend / radius_of(body));
+  if (!facing) return std::nullopt;
+  return world_from_own.transform_point(*facing);
 }
 
 /// A body that another one touches.
@@ -325,10 +343,23 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
                            [](const Touching& each) { return each.body->getWorldArrayIndex(); });
 }
 
-/// Turns the contact into the seam's normal, its place on the body that slides as it is.
+/// Turns the contact into the seam's normal. Its place on the body that slides stays, or is that of
+/// a round surface which faces the plane: another one turns away, and would brake what rolls.
 void turn(btManifoldPoint& point, const Correction& correction) {
-  const auto& [normal, gap, carries] = correction.seam;
-  const Vec3 on_body = touch_of(point, correction.of_first).on_body;
+  auto [normal, gap, carries] = correction.seam;
+  Vec3 on_body = touch_of(point, correction.of_first).on_body;
+  const btPersistentManifold& manifold = *correction.manifold;
+  const btCollisionObject& body =
+      *(correction.of_first ? manifold.getBody0() : manifold.getBody1());
+  const auto facing = facing_place(body, on_body, -normal);
+  const double below = facing ? dot(on_body - *facing, normal) : 0.0;
+  // Below the plane it is a place of something else.
+  if (facing && gap - below >= std::min(gap, 0.0) - kSeamStep * radius_of(body)) {
+    gap -= below;
+    on_body = *facing;
+    (correction.of_first ? point.m_positionWorldOnA : point.m_positionWorldOnB) =
+        to_bullet(on_body);
+  }
   const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
   point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);

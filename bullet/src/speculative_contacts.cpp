@@ -10,6 +10,7 @@
 #include "contact_constants.h"
 #include "flatness.h"
 #include "impact.h"
+#include "round_side.h"
 #include "second_shell.h"
 
 namespace voxshell::bullet {
@@ -22,6 +23,7 @@ struct Touch {
   double closing;  ///< how much of the gap the displacement closes up to there, metres
   Vec3 outwards;   ///< the field's normal
   double along;    ///< how far along its edge the place has moved, metres
+  double fraction;  ///< of the step
 };
 
 /// A point of a shell that is followed, in its own body's frame.
@@ -29,7 +31,7 @@ struct ShellPoint {
   const GridField* own;
   Vec3 place;
   Vec3 normal;
-  Vec3 out_of_field;  ///< the normal turned over, in the field's frame
+  Vec3 normal_in_path;  ///< the same in the path's frame, at the start of the step
 };
 
 /// A piece of an edge that is followed, in its own body's frame. What touches an edge of the other
@@ -43,7 +45,8 @@ struct EdgePiece {
   double tolerance;     ///< of its own surface, metres
 };
 
-/// What is followed: a point, a piece of an edge, or a place that knows nothing of its surface.
+/// What is followed: a point of a flat surface, a piece of an edge, or a place that knows nothing of
+/// its surface.
 using Element = std::variant<std::monostate, ShellPoint, EdgePiece>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
@@ -76,41 +79,47 @@ double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double
   return off_surface <= edge.tolerance ? along : 0.0;
 }
 
-/// @param element What is followed.
-/// @param steps   For how long it is followed.
-/// @param offset  How much nearer the surface is than the field's zero: for balls, and for Bullet's
-/// margins. Metres.
+/// @param path             Of what is followed, in the frame of the shell.
+/// @param field_from_path  Its pose in the field, at the start of the step.
+/// @param displacement     Of its place at the velocity that it begins the step with, which is what
+/// solvers change; field's frame.
+/// @param steps            For how long it is followed.
+/// @param offset           How much nearer the surface is than the field's zero: for balls, and for
+/// Bullet's margins. Metres.
+/// @param element          What is followed.
 template <class F>
-std::optional<Touch> find_touch(const PairStep& step, const F& field, const Vec3& start,
-                                const Vec3& displacement, double steps, double offset,
-                                const Element& element) {
+std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path& path,
+                                const Pose& field_from_path, const Vec3& displacement,
+                                double steps, double offset, const Element& element) {
   const auto* point = std::get_if<ShellPoint>(&element);
   const auto* edge = std::get_if<EdgePiece>(&element);
-  const double way = length(displacement);
   double along = 0.0;
   const auto place_at = [&](double fraction) {
-    const Vec3 place = start + fraction * displacement;
+    const Vec3 place = field_from_path.transform_point(path.at(fraction));
     if (edge == nullptr) return static_cast<Vec3f>(place);
-    along = slide_along(*edge, field, place, fraction * way);
+    along = slide_along(*edge, field, place, fraction * path.length());
     return static_cast<Vec3f>(place + along * edge->along_in_field);
   };
-  const auto reached = advance(way, step.touching_gap(), steps, [&](double fraction) {
+  const auto reached = advance(path.length(), step.touching_gap(), steps, [&](double fraction) {
     return clearance_of(field, place_at(fraction), offset);
   });
   if (!reached) return std::nullopt;
-  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along};
+  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
   touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
-  if (point != nullptr &&
-      dot(touch.outwards, point->out_of_field) < -static_cast<double>(kAlignedCosine)) {
+  const Vec3 out_of_field =
+      point == nullptr
+          ? touch.outwards
+          : -field_from_path.rotate(path.turned_at(reached->fraction, point->normal_in_path));
+  if (dot(touch.outwards, out_of_field) < -static_cast<double>(kAlignedCosine)) {
     const auto place = static_cast<Vec3>(touch.place);
     const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
     const std::size_t bends =
         bends_from(*point->own, point->place, point->normal, step.ball.radius);
     if (bends_before(field, on_field, touch.outwards, step.ball.radius, bends)) {
       const auto depth =
-          depth_along(field, place, point->out_of_field, offset, kColumnGaps * step.touching_gap());
+          depth_along(field, place, out_of_field, offset, kColumnGaps * step.touching_gap());
       if (!depth) return std::nullopt;
-      touch.outwards = point->out_of_field;
+      touch.outwards = out_of_field;
       touch.gap = std::max(-*depth, 0.0);
     }
   }
@@ -134,20 +143,159 @@ void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) 
 }
 
 /// Where nothing rebounds, edges are places, too: beside flush faces, a crossing has a normal that
-/// leans, and would brake what slides.
+/// leans, and would brake what slides. Points of curved surfaces are no faces, however small the
+/// facets' bend.
 Element element_of(const PairStep& step, const Side& side, std::uint32_t id, const Vec3& place,
-                   const Pose& field_from_own) {
+                   const Pose& path_from_own, const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
   const GridField& own = side.model()->grid();
   if (shell.is_point(id)) {
+    const SmoothSurface& surface = side.model()->smooth_surface();
+    if (surface.is_curved() && !surface.is_flat(surface.triangle_of(id))) return {};
     const auto normal = static_cast<Vec3>(shell.normals()[id]);
-    return ShellPoint{&own, place, normal, -field_from_own.rotate(normal)};
+    return ShellPoint{&own, place, normal, path_from_own.rotate(normal)};
   }
   if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
   const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
   const Vec3 along = normalized(half);
   return EdgePiece{&own, place, along, field_from_own.rotate(along),
                    side.model()->settings().tolerance};
+}
+
+/// The other body's field as it is felt at a place. Shell's frame.
+struct Felt {
+  double distance;  ///< metres
+  Vec3 outwards;
+};
+
+/// The smaller body's round surface, which touches a plane with the place that faces it: whatever
+/// place of a ball has turned to the ground when they touch, it is the ball's lowest one. Solvers
+/// would brake what rolls by the lever of another place.
+class RoundTouch {
+ public:
+  RoundTouch(const PairStep& step, const RelativeMotion& motion, const Touch& touch)
+      : step_(step),
+        motion_(motion),
+        touch_(touch),
+        is_shell_(!is_shell_larger(step)),
+        side_(is_shell_ ? step.pair->shell_side() : step.pair->field_side()),
+        own_from_shell_(is_shell_ ? Pose{} : step.field_from_shell),
+        shell_from_own_(own_from_shell_.inverse()),
+        of_side_(is_shell_ ? motion : motion.reversed()) {}
+
+  /// Moves a contact to where the surface faces its plane now. Left alone are places that do not
+  /// face the plane once they have turned, and bodies that hardly turn.
+  /// @param path   Of the place that was followed.
+  /// @param owner  The side that the place is of.
+  void move(const Path& path, const Side& owner, Contact& contact);
+
+ private:
+  std::optional<Vec3> face(const Vec3& direction) const;
+  Felt feel(const Vec3& place) const;
+  bool ends_beside(const Vec3& place, const Vec3& normal) const;
+  bool meet_edge(const Path& path, const Vec3& own);
+
+  const PairStep& step_;
+  const RelativeMotion& motion_;
+  const Touch& touch_;
+  bool is_shell_;
+  const Side& side_;
+  Pose own_from_shell_;
+  Pose shell_from_own_;
+  RelativeMotion of_side_;
+  Vec3 place_;     ///< of the surface now
+  Vec3 outwards_;  ///< of the other body's plane
+  double gap_ = 0.0;
+};
+
+/// The place that faces a direction now, by way of the surface from the last one.
+std::optional<Vec3> RoundTouch::face(const Vec3& direction) const {
+  const auto found =
+      find_facing(side_, own_from_shell_.transform_point(place_),
+                  own_from_shell_.rotate(direction), kFlatBend / step_.ball.radius);
+  if (!found) return std::nullopt;
+  return shell_from_own_.transform_point(*found);
+}
+
+Felt RoundTouch::feel(const Vec3& place) const {
+  const auto at = [&](const auto& field, const Pose& field_from_shell) {
+    const auto there = static_cast<Vec3f>(field_from_shell.transform_point(place));
+    const Vec3 outwards = normalized(static_cast<Vec3>(field.gradient(there)));
+    return Felt{static_cast<double>(field.distance(there)) - step_.thickness,
+                field_from_shell.inverse().rotate(outwards)};
+  };
+  if (!is_shell_) return at(step_.pair->shell_side().model()->grid(), Pose{});
+  return std::visit([&](const auto& field) { return at(field, step_.field_from_shell); },
+                    step_.pair->field());
+}
+
+/// Whether the other body's surface has an edge beside a place of it.
+bool RoundTouch::ends_beside(const Vec3& place, const Vec3& normal) const {
+  const auto bends = [&](const auto& field, const Pose& field_from_shell) {
+    return bend_of(field, field_from_shell.transform_point(place), field_from_shell.rotate(normal),
+                   kFlatScales[0] * step_.ball.radius) > kEdgeBend;
+  };
+  if (!is_shell_) return bends(step_.pair->shell_side().model()->grid(), Pose{});
+  return std::visit([&](const auto& field) { return bends(field, step_.field_from_shell); },
+                    step_.pair->field());
+}
+
+/// Finds the place that faces an edge when they touch, from its center of curvature: beside an edge
+/// a field has all normals. `own` is what the place that was followed faces then.
+bool RoundTouch::meet_edge(const Path& path, const Vec3& own) {
+  outwards_ = own;
+  for (int i = 0; i < kMostFacing; ++i) {
+    const auto facing = face(path.turned_back(touch_.fraction, -outwards_));
+    if (!facing) return false;
+    place_ = *facing;
+    const Vec3 then = Path(of_side_, place_, step_.time_step).at(touch_.fraction);
+    const Felt on_surface = feel(then);
+    gap_ = on_surface.distance;
+    if (on_surface.outwards == Vec3{}) return false;
+    const double cosine = dot(on_surface.outwards, outwards_);
+    if (cosine >= -static_cast<double>(kAlignedCosine)) break;
+    const Vec3 aside = normalized(on_surface.outwards - cosine * outwards_);
+    const Vec3 tilted = normalized(outwards_ + kTilt * aside);
+    const auto beside = face(path.turned_back(touch_.fraction, -tilted));
+    if (!beside) return false;
+    const double radius = std::min(length(*beside - place_) / kTilt, 2.0 * step_.ball.radius);
+    const Felt at_centre = feel(then + radius * outwards_);
+    gap_ = at_centre.distance - radius;
+    outwards_ = at_centre.outwards;
+  }
+  return gap_ <= kColumnGaps * step_.touching_gap() && dot(outwards_, own) >= kFacesEdge;
+}
+
+void RoundTouch::move(const Path& path, const Side& owner, Contact& contact) {
+  const double turn = touch_.fraction * step_.time_step * length(motion_.angular_velocity);
+  if (turn * step_.ball.radius <= step_.touching_gap()) return;
+  const double sign = is_shell_ ? 1.0 : -1.0;
+  place_ = is_shell_ ? static_cast<Vec3>(contact.point) : place_of_second(contact);
+  outwards_ = sign * static_cast<Vec3>(contact.normal);
+  gap_ = touch_.gap;
+  if (&side_ == &owner) {
+    const PointShell& shell = *side_.participant().shell;
+    const std::uint32_t id = is_shell_ ? contact.id : contact.id - kFirstOfSecond;
+    if (!shell.is_point(id)) return;
+    const Vec3 normal = shell_from_own_.rotate(static_cast<Vec3>(shell.normals()[id]));
+    const Vec3 own = -path.turned_at(touch_.fraction, normal);
+    const Vec3 on_other = path.at(touch_.fraction) - gap_ * outwards_;
+    if (ends_beside(on_other, outwards_)) {
+      if (step_.restitution > 0.0 || !meet_edge(path, own)) return;
+    } else if (dot(own, outwards_) < kFacesPlane) {
+      return;
+    }
+  }
+  const auto now = face(-outwards_);
+  if (!now) return;
+  const Vec3 normal = sign * outwards_;
+  const Vec3 velocity = motion_.velocity_at(*now) + motion_.velocity_of_forces;
+  const double closing = std::max(-dot(velocity, normal) * step_.time_step, 0.0);
+  contact.normal = static_cast<Vec3f>(normal);
+  contact.depth =
+      static_cast<float>(-std::max(touch_.fraction * closing + gap_, 0.0) - step_.thickness);
+  contact.point = static_cast<Vec3f>(*now);
+  if (!is_shell_) put_on_field(step_, own_from_shell_.transform_point(*now), contact);
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
@@ -158,7 +306,8 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMo
   const GridField& field = pair.shell_side().model()->grid();
   const Vec3 displacement =
       -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_forces);
-  const auto touch = find_touch(step, field, feature.place, displacement, steps,
+  const Path path(motion.reversed(), feature.place, step.time_step);
+  const auto touch = find_touch(step, field, path, Pose{}, displacement, steps,
                                 feature.radius + step.thickness, element);
   if (!touch) return std::nullopt;
   const auto outwards = static_cast<Vec3f>(touch->outwards);
@@ -171,6 +320,9 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMo
   // The shell's place, as in put_on_field().
   if (id < kFirstFeature && step.larger == &pair.field_side()) {
     touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
+  }
+  if (id < kFirstFeature) {
+    RoundTouch(step, motion, *touch).move(path, pair.field_side(), touching);
   }
   return touching;
 }
@@ -208,20 +360,22 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   if (contact.id >= kFirstOfSecond) {
     const Vec3 place = place_of_second(contact);
     const std::uint32_t id = contact.id - kFirstOfSecond;
+    const Pose shell_from_field = step.field_from_shell.inverse();
     const Element element =
         element_of(step, pair.field_side(), id, step.field_from_shell.transform_point(place),
-                   step.field_from_shell.inverse());
+                   shell_from_field, shell_from_field);
     return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
       step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
-  const Vec3 start = step.field_from_shell.transform_point(point);
+  const Path path(motion, point, step.time_step);
   const Element element =
-      element_of(step, pair.shell_side(), contact.id, point, step.field_from_shell);
+      element_of(step, pair.shell_side(), contact.id, point, Pose{}, step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
-        return find_touch(step, field, start, displacement, steps, step.thickness, element);
+        return find_touch(step, field, path, step.field_from_shell, displacement, steps,
+                          step.thickness, element);
       },
       pair.field());
   if (!touch) return std::nullopt;
@@ -235,6 +389,7 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
     const double apart = touch->gap + step.thickness;
     put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
   }
+  RoundTouch(step, motion, *touch).move(path, pair.shell_side(), touching);
   return touching;
 }
 
