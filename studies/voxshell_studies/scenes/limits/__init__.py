@@ -1,0 +1,14 @@
+"""Scenes that the page of limits states figures of; each yields one number beside its truth.
+
+One module a theme; :data:`SCENES` has all of them by name, in the order of the report.
+"""
+
+from __future__ import annotations
+
+from voxshell_studies.scenes.limits import kinematic, rolling
+from voxshell_studies.scenes.limits.scene import LimitScene
+
+SCENES: dict[str, LimitScene] = {
+    scene.name: scene for module in (rolling, kinematic) for scene in module.SCENES
+}
+"""All scenes by name, in the order of the report."""
