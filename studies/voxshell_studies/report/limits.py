@@ -52,9 +52,14 @@ class Line:
         values = self.values[rate]
         # Without a value, a median would depend on what a NaN is counted as.
         middle = float(np.median(values)) if np.isfinite(values).all() else float("nan")
-        text = format_value(round(middle, 4))
-        worst = format_value(round(self.worst(rate), 4))
+        text = _shorten(middle)
+        worst = _shorten(self.worst(rate))
         return text if worst == text else f"{text} ({worst})"
+
+
+def _shorten(value: float) -> str:
+    """Return a value as text, without what is below a thousandth."""
+    return format_value(round(value, 3) + 0.0)
 
 
 def make_lines(settings: LimitsSettings, results: Results) -> list[Line]:

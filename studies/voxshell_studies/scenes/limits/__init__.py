@@ -5,10 +5,12 @@ One module a theme; :data:`SCENES` has all of them by name, in the order of the 
 
 from __future__ import annotations
 
-from voxshell_studies.scenes.limits import kinematic, rolling
+from voxshell_studies.scenes.limits import blows, kinematic, loads, mechanisms, rolling, slots
 from voxshell_studies.scenes.limits.scene import LimitScene
 
 SCENES: dict[str, LimitScene] = {
-    scene.name: scene for module in (rolling, kinematic) for scene in module.SCENES
+    scene.name: scene
+    for module in (slots, mechanisms, blows, rolling, kinematic, loads)
+    for scene in module.SCENES
 }
 """All scenes by name, in the order of the report."""
