@@ -74,6 +74,7 @@ def plan(settings: LimitsSettings) -> list[Part]:
             name_run(scene, rate),
             measure_scene,
             {"name": scene.name, "rate": rate, "placements": settings.placements_of(scene)},
+            timed=scene.timed,
             cost=0.5 + scene.cost * settings.placements_of(scene) * rate / _COST_RATE,
         )
         for scene in settings.chosen

@@ -10,7 +10,7 @@ from voxshell.model.shapes import Capsule, Sphere
 from voxshell.simulation.joint_kinds import FixedJoint, PointJoint, SliderJoint
 from voxshell.simulation.world import World
 from voxshell_studies.scenes.everyday import forms
-from voxshell_studies.scenes.everyday.scene import Y, Z, shift, turn
+from voxshell_studies.scenes.everyday.scene import X, Y, Z, shift, turn
 from voxshell_studies.scenes.limits.scene import G, LimitScene, count_steps, open_world, put
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 TALL = "Tall thin bodies"
 LIGHT = "Light bodies far below their load"
 PRESSED = "Balls pressed with thousands of times their weight"
+NEEDLES = "Needles on large bodies"
 SLIPS = "Tiny slips"
 ITERATIONS = "Given iterations with joints"
 WHIPS = "Light links that whip heavy bodies"
@@ -48,6 +49,19 @@ def _stand_past_balance(rate: float, _: int, slenderness: float) -> float:
         if box.pose[:3, 2] @ slab.pose[:3, 2] < math.cos(math.radians(2.0)):
             break
     return tilt - balance
+
+
+def _drop_a_needle(rate: float, placement: int) -> float:
+    """Return how deep a needle's lowest corner is in a slab a second after it fell aslant, millimeters."""
+    world = open_world(rate)
+    put(world, forms.slab(5.0))
+    needle = forms.box(1.0, 0.001, 0.001)
+    pose = turn(X, 0.02 + 0.2 * placement) @ turn(Y, 0.02)
+    low = float((needle.vertices @ pose[2, :3]).min())
+    body = put(world, needle, shift(0.0, 0.0, 0.002 - low) @ pose, 0.01)
+    world.step(count_steps(rate, 1.0))
+    lowest = float((needle.vertices @ body.pose[2, :3]).min() + body.pose[2, 3])
+    return -1e3 * min(lowest, 0.0)
 
 
 def _slip_after_a_kick(rate: float, _: int) -> float:
@@ -204,6 +218,15 @@ _STANDING = (
             cost=2.0,
         )
         for slenderness in (4.0, 16.0)
+    ),
+    LimitScene(
+        "needle of 1 mm by 1 m falls aslant on a slab of 5 m",
+        NEEDLES,
+        "depth of a corner",
+        "mm",
+        0.0,
+        _drop_a_needle,
+        placements=5,
     ),
     LimitScene(
         "cube of 0.1 m at rest is kicked to 5 mm/s",

@@ -57,9 +57,8 @@ def _turn_a_geneva_drive(rate: float, _: int) -> float:
     return -wheel.position / (0.5 * _TURN)
 
 
-def _turn_an_oldham_coupling(rate: float, _: int) -> float:
-    """Return how far the output of an Oldham coupling lags behind its input at most, degrees."""
-    world = open_world(rate)
+def add_oldham_coupling(world: World) -> tuple[Joint, Joint]:
+    """Add a driven Oldham coupling, and return the hinges of its input and its output."""
     gap = 0.0002
     middle = parts.THICK + gap
     driver = _put_on_hinge(world, parts.hub(_PLAY), 0.0, 0.0, 0.1)
@@ -72,6 +71,13 @@ def _turn_an_oldham_coupling(rate: float, _: int) -> float:
         HingeJoint(axis=Z, friction=0.02), None, output, world_from_joint=place
     )
     driver.set_target_velocity(0.5 * _TURN, max_force=2.0)
+    return driver, follower
+
+
+def _turn_an_oldham_coupling(rate: float, _: int) -> float:
+    """Return how far the output of an Oldham coupling lags behind its input at most, degrees."""
+    world = open_world(rate)
+    driver, follower = add_oldham_coupling(world)
     lag = 0.0
     for _step in range(count_steps(rate, 2.0)):
         world.step()

@@ -1,4 +1,4 @@
-"""Round bodies on curved models, in tubes and bearings, and across seams."""
+"""Round bodies on curved models, on small wheels, and across seams."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from voxshell.model.shapes import Box, Cylinder, Sphere
+from voxshell.model.shapes import Box, Cylinder
 from voxshell.simulation.joint_kinds import HingeJoint
 from voxshell_studies.scenes.everyday import forms
 from voxshell_studies.scenes.everyday.scene import X, Y, heading, scatter, shift, turn
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Form
 
 WAVES = "Bullet's cylinders and capsules on curved models"
-BEARINGS = "Shafts in bearings"
-TUBES = "Balls in close tubes"
 PIPES = "Balls in half-pipes and on rails of facets"
 BOWLS = "Swinging in a bowl"
 EGGS = "Eggs and other long round bodies"
@@ -44,7 +42,7 @@ ALONG_X, ALONG_Y = turn(Y, 0.5 * math.pi), turn(X, -0.5 * math.pi)
 _BALL_INERTIA = 0.4
 """Of a ball, in units of mass times squared radius."""
 
-# ---- waves and bearings --------------------------------------------------------------------------
+# ---- waves --------------------------------------------------------------------------
 
 _WAVE, _WAVE_LENGTH = 0.02, 0.5
 
@@ -87,39 +85,7 @@ def _roll_over_waves(rate: float, shape: Form | Shape, radius: float) -> float:
     return float(wheel.pose[0, 3] - x) / way
 
 
-def _spin_in_a_bearing(rate: float, shape: Form | Shape) -> float:
-    """Return the fraction of the spin of a shaft without friction that is left after 0.5 s."""
-    world = open_world(rate)
-    put(world, forms.tube(0.032, 0.02, 0.03, 128), ALONG_Y, friction=0.0)
-    shaft = put(
-        *(world, shape, shift(0.0, 0.0, -0.002) @ ALONG_Y, 0.3), friction=0.0, spin=(0, 10, 0)
-    )
-    world.step(count_steps(rate, 0.5))
-    return float(shaft.angular_velocity[1]) / 10.0
-
-
-def _swing(world: World, rate: float, body: Body, start: float) -> float:
-    """Return the largest angle in the last 0.4 s of a second, as a fraction of the first one.
-
-    The angle is that of the body's center about the x axis or the y axis, from straight below.
-    """
-    angles = []
-    for _ in range(count_steps(rate, 1.0)):
-        world.step()
-        x, y, z = body.position
-        angles.append(math.atan2(math.hypot(x, y), -z))
-    return max(angles[-round(0.4 * rate) :]) / start
-
-
-def _swing_in_a_bearing(rate: float, shape: Form | Shape) -> float:
-    world = open_world(rate)
-    put(world, forms.tube(0.06, 0.04, 0.06, 128), ALONG_Y, friction=1.0)
-    start = math.radians(30.0)
-    place = shift(0.022 * math.sin(start), 0.0, -0.022 * math.cos(start))
-    return _swing(world, rate, put(world, shape, place @ ALONG_Y, 0.3, friction=1.0), start)
-
-
-# ---- tubes, pipes, rails, bends ------------------------------------------------------------------
+# ---- pipes, rails, bends ------------------------------------------------------------------
 
 _SPEED = 0.3
 
@@ -129,7 +95,7 @@ def _any_way(placement: int) -> NDArray[np.float64]:
     return turn((0.0, 0.0, 1.0), heading(5 * placement)) @ turn(X, 2.0 * scatter(placement))
 
 
-def _roll_along(
+def roll_along(
     rate: float, placement: int, add_ground: Callable[[World], object], ball: Form, height: float
 ) -> float:
     """Return the fraction of a ball's speed along x that is left after 2 s.
@@ -148,49 +114,10 @@ def _roll_along(
     return float(body.linear_velocity[0]) / _SPEED
 
 
-def _roll_in_a_tube(rate: float, placement: int) -> float:
-    tube = forms.tube(0.03, 0.025, 1.0, 128)
-    phase = turn(X, 0.05 * scatter(placement, 2))
-    ball = forms.ball(0.0245)
-    return _roll_along(rate, placement, lambda w: put(w, tube, phase @ ALONG_X), ball, -0.0005)
-
-
-def _fall_in_a_tube(rate: float, placement: int) -> float:
-    """Return the distance of a ball without friction as a fraction of free fall."""
-    world = open_world(rate)
-    put(world, forms.tube(0.03, 0.025, 1.2, 128), friction=0.0)
-    aside = heading(placement + 1)
-    start = shift(3e-4 * math.cos(aside), 3e-4 * math.sin(aside), 0.5)
-    push = 0.02 * scatter(placement + 1)
-    body = put(
-        *(world, forms.ball(0.0245), start, 0.3), friction=0.0, velocity=(push, 0.3 * push, 0.0)
-    )
-    world.step(count_steps(rate, 0.4))
-    return float(0.5 - body.position[2]) / fallen_way(rate, 0.4)
-
-
-def _leave_a_thin_tube(rate: float, _: int) -> float:
-    """Return how many of ten spheres of 10 mm leave a tube with walls of 1.5 mm."""
-    left = 0
-    for throw in range(10):
-        world = open_world(rate)
-        put(world, forms.tube(0.0075, 0.006, 0.4, 64), ALONG_X)
-        aside = heading(throw)
-        velocity = (0.5, 0.5 * math.cos(aside), 0.5 * math.sin(aside))
-        ball = put(world, Sphere(0.005), shift(-0.15, 0.0, 0.0), 0.01, velocity=velocity)
-        inside = True
-        for _step in range(count_steps(rate, 1.0)):
-            world.step()
-            x, y, z = ball.position
-            inside &= abs(x) > 0.19 or math.hypot(y, z) < 0.005
-        left += not inside
-    return float(left)
-
-
 def _roll_in_a_half_pipe(rate: float, placement: int, radius: float) -> float:
     pipe = bodies.half_pipe(radius, 1.0, 48.0, 0.5 * (1.0 + scatter(placement, 2)))
     height = 0.02 - radius
-    return _roll_along(rate, placement, lambda w: put(w, pipe), forms.ball(0.02), height)
+    return roll_along(rate, placement, lambda w: put(w, pipe), forms.ball(0.02), height)
 
 
 def _roll_on_rails(rate: float, placement: int) -> float:
@@ -228,12 +155,25 @@ def _slide_through_a_bend(rate: float, placement: int) -> float:
 # ---- swinging ------------------------------------------------------------------------------------
 
 
+def swing(world: World, rate: float, body: Body, start: float) -> float:
+    """Return the largest angle in the last 0.4 s of a second, as a fraction of the first one.
+
+    The angle is that of the body's center about the x axis or the y axis, from straight below.
+    """
+    angles = []
+    for _ in range(count_steps(rate, 1.0)):
+        world.step()
+        x, y, z = body.position
+        angles.append(math.atan2(math.hypot(x, y), -z))
+    return max(angles[-round(0.4 * rate) :]) / start
+
+
 def _swing_in_a_trough(rate: float, _: int) -> float:
     world = open_world(rate)
     put(world, bodies.half_pipe(0.06, 2.0, 64.0), friction=1.0)
     start = math.radians(30.0)
     place = shift(0.0, 0.03 * math.sin(start), -0.03 * math.cos(start))
-    return _swing(world, rate, put(world, forms.ball(0.03), place, 1.0, friction=1.0), start)
+    return swing(world, rate, put(world, forms.ball(0.03), place, 1.0, friction=1.0), start)
 
 
 def _swing_in_a_bowl(rate: float, placement: int, segments: int) -> float:
@@ -371,61 +311,6 @@ SCENES = (
             ("model wheel", lambda radius: forms.cylinder(radius, 0.04, 128)),
         )
         for radius in (0.05, 0.005)
-    ),
-    *(
-        LimitScene(
-            f"{name} of 36 mm spins in a bearing of 40 mm",
-            BEARINGS,
-            "fraction of the spin after 0.5 s",
-            "",
-            1.0,
-            lambda rate, _, make=make: _spin_in_a_bearing(rate, make()),
-        )
-        for name, make in (
-            ("model shaft", lambda: forms.cylinder(0.018, 0.06, 128)),
-            ("Bullet's cylinder", lambda: Cylinder(0.018, 0.06)),
-        )
-    ),
-    *(
-        LimitScene(
-            f"{name} of {1e3 * length:g} mm swings in a bearing of 60 mm",
-            BEARINGS,
-            "fraction of the angle after a second",
-            "",
-            1.0,
-            lambda rate, _, make=make, length=length: _swing_in_a_bearing(rate, make(length)),
-        )
-        for name, make in (
-            ("model shaft", lambda length: forms.cylinder(0.018, length, 128)),
-            ("Bullet's cylinder", lambda length: Cylinder(0.018, length)),
-        )
-        for length in (0.04, 0.12)
-    ),
-    LimitScene(
-        "model ball rolls in a tube of 50 mm with 0.5 mm of clearance",
-        TUBES,
-        "fraction of the speed after 2 s",
-        "",
-        1.0,
-        _roll_in_a_tube,
-        placements=3,
-    ),
-    LimitScene(
-        "model ball falls in a tube of 50 mm with 0.5 mm of clearance",
-        TUBES,
-        "distance over free fall",
-        "",
-        1.0,
-        _fall_in_a_tube,
-        placements=5,
-    ),
-    LimitScene(
-        "spheres of 10 mm thrown in tubes with walls of 1.5 mm",
-        TUBES,
-        "spheres that leave",
-        "of 10",
-        0.0,
-        _leave_a_thin_tube,
     ),
     *(
         LimitScene(

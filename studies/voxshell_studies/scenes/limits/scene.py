@@ -6,6 +6,7 @@ Meters, kilograms, seconds, radians; z is up.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -40,6 +41,7 @@ class LimitScene:
         rates: Steps per second.
         placements: Number of placements; the first is 0.
         cost: Approximate time of a run at 200 Hz, seconds, only for progress displays.
+        timed: Whether the number is a time, so that nothing else may run at the same time.
     """
 
     name: str
@@ -51,6 +53,7 @@ class LimitScene:
     rates: tuple[float, ...] = RATES
     placements: int = 1
     cost: float = 0.5
+    timed: bool = False
 
 
 def open_world(rate: float, gravity: Vector = (0.0, 0.0, -G)) -> World:
@@ -112,6 +115,17 @@ def count_steps(rate: float, seconds: float) -> int:
         (15, 1)
     """
     return max(round(seconds * rate), 1)
+
+
+def time_steps(world: World, rate: float, seconds: float) -> float:
+    """Step, and return the time of the longest step but the first, milliseconds."""
+    world.step()
+    longest = 0.0
+    for _ in range(count_steps(rate, seconds)):
+        start = time.perf_counter()
+        world.step()
+        longest = max(longest, time.perf_counter() - start)
+    return 1e3 * longest
 
 
 def fallen_way(rate: float, seconds: float) -> float:

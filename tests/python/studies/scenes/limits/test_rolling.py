@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 from voxshell_studies.scenes.limits import SCENES, rolling
 
@@ -23,7 +21,6 @@ def test_the_foot_of_a_ramp_and_a_step_cost_speed():
     ("name", "rate"),
     [
         ("Bullet's cylinder of 50 mm in radius rolls over waves of 2 cm", 200.0),
-        ("Bullet's cylinder of 36 mm spins in a bearing of 40 mm", 200.0),
         ("ball of 60 mm swings in a trough of 60 mm in radius", 200.0),
         ("ball of 100 mm rolls up a ramp of 10 degrees at 1 m/s", 1000.0),
         ("ellipsoid of 20 by 30 mm rolls on a plane", 200.0),
@@ -32,10 +29,3 @@ def test_the_foot_of_a_ramp_and_a_step_cost_speed():
 def test_scenes_are_near_their_truths_in_short_steps(name, rate):
     scene = SCENES[name]
     assert scene.run(rate, 0) == pytest.approx(scene.truth, rel=0.05)
-
-
-def test_placements_of_a_tube_differ():
-    scene = SCENES["model ball falls in a tube of 50 mm with 0.5 mm of clearance"]
-    values = [scene.run(60.0, placement) for placement in range(2)]
-    assert values[0] != values[1]
-    assert all(math.isfinite(value) for value in values)
