@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from voxshell.simulation.body_shapes import Shape
     from voxshell_studies.scenes.everyday.scene import Form
 
-ROCKING = "Rocking blocks at low rates"
+ROCKING = "Rocking blocks"
 SLOW = "Slow blows"
 TURNED = "Rebounds with a turn"
 ROOMS = "Elastic bodies in narrow rooms"
 SEVERAL = "Several rebounds within one step"
-DRIVEN = "Bodies that something makes fast within a step"
-RODS = "Thin rods that spin by more than an eighth of a turn in a step"
-PIPES = "Bullet's shapes inside a curved model at 13 m/s and more"
+DRIVEN = "Bodies that something makes fast beside a wall"
+RODS = "Thin rods that spin fast"
+PIPES = "Bullet's shapes that are fast inside a curved model"
 
 _FREE = (0.0, 0.0, 0.0)
 

@@ -12,7 +12,7 @@ from voxshell_studies.scenes.limits.scene import LimitScene, count_steps, open_w
 if TYPE_CHECKING:
     from voxshell.simulation.world import World
 
-DOORS = "Doors and paddles that turn"
+DOORS = "Doors that turn"
 BELTS = "Belts of Bullet's boxes"
 GRIPPERS = "Kinematic grippers"
 

@@ -278,8 +278,8 @@ _LOADS = (
         )
         for force in (3000.0, 10000.0)
         for pick, short, what, unit, truth, scale in (
-            (0, "depth of", "depth in both plates", "mm", 0.0, 1e3),
-            (1, "force through", "share of the force that contacts report", "", 1.0, 1.0),
+            (0, "depth of", "in both plates", "mm", 0.0, 1e3),
+            (1, "force through", "share that contacts report", "", 1.0, 1.0),
         )
     ),
 )

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
     from voxshell_studies.scenes.everyday.scene import Form
 
-MECHANISMS = "Mechanisms at 30 Hz"
-GEARS = "Spur gears at low rates"
+MECHANISMS = "Mechanisms with little play"
+GEARS = "Spur gears"
 
 _PLAY = 0.0003
 """Of all mechanisms, meters."""

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
     from voxshell_studies.scenes.everyday.scene import Form
 
-WAVES = "Bullet's cylinders and capsules on curved models"
-PIPES = "Balls in half-pipes and on rails of facets"
+WAVES = "Wheels on waves"
+PIPES = "Balls in half-pipes, on rails and in bends"
 BOWLS = "Swinging in a bowl"
 EGGS = "Eggs and other long round bodies"
 WHEELS = "Small wheels"
-SEAMS = "Seams, small steps and the foot of a ramp"
+SEAMS = "Seams, small steps and ramps"
 
 ALONG_X, ALONG_Y = turn(Y, 0.5 * math.pi), turn(X, -0.5 * math.pi)
 """Rotations that lay a body's z along x and along y."""

@@ -17,7 +17,7 @@ from voxshell_studies.scenes.limits.scene import (
 )
 from voxshell_studies.scenes.solids import as_mesh, import_manifold
 
-SLOTS = "Narrow slots and holes at low rates"
+SLOTS = "Narrow slots and holes"
 
 
 @cache
