@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 WAVES = "Wheels on waves"
 PIPES = "Balls in half-pipes, on rails and in bends"
-BOWLS = "Swinging in a bowl"
+BOWLS = "Swinging in troughs and bowls"
 EGGS = "Eggs and other long round bodies"
 WHEELS = "Small wheels"
 SEAMS = "Seams, small steps and ramps"
