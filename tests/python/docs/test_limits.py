@@ -54,3 +54,9 @@ def test_cells_are_empty_only_where_a_scene_does_not_run():
 def test_titles_are_groups_of_the_study():
     named = {row[0].split("**")[1].rstrip(".") for row in rows() if row[0]}
     assert named <= {scene.group for scene in SCENES.values()}
+
+
+def test_the_page_counts_the_scenes():
+    told = re.search(r"which runs (\d+) scenes", PAGE.read_text(encoding="utf-8"))
+    assert told is not None
+    assert int(told[1]) == len(SCENES)

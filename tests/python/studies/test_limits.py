@@ -7,6 +7,8 @@ import math
 import pytest
 from voxshell.errors import SettingsError
 from voxshell_studies.limits import LimitsSettings, measure_scene, name_run, plan
+from voxshell_studies.report.limits import LIMITS, TABLE
+from voxshell_studies.reproduction import conclude, plan_studies, run_studies
 from voxshell_studies.scenes.limits import SCENES
 
 NAME = "Bullet's box of 0.1 m on a belt at 0.3 m/s"
@@ -37,3 +39,17 @@ def test_a_run_has_a_value_for_each_placement():
     runs = measure_scene(NAME, 200.0, 1)["runs"]
     assert runs["placement"].tolist() == [0.0]
     assert math.isfinite(runs["value"][0])
+
+
+def test_a_quick_run_of_one_scene_writes_its_table_and_is_not_repeated(tmp_path):
+    settings = {"scenes": [NAME], "rates": [200.0, 30.0]}
+    studies = plan_studies(
+        (LIMITS,), tmp_path, quick=True, overrides={"limits": settings}, known=["limits"]
+    )
+    ran = []
+    for _ in range(2):
+        run_studies(studies, jobs=1, done=lambda part: ran.append(part.name))
+    assert sorted(ran) == sorted(name_run(SCENES[NAME], rate) for rate in (200.0, 30.0))
+    (row,) = conclude(studies[0]).rows
+    assert row.verdict == "for information"
+    assert f"| {NAME}: depth of a corner, mm | 0 |" in (tmp_path / "limits" / TABLE).read_text()
