@@ -9,6 +9,7 @@ from voxshell_studies.report.bunny import BUNNY
 from voxshell_studies.report.everyday import EVERYDAY
 from voxshell_studies.report.gears import GEARS
 from voxshell_studies.report.geometry import GEOMETRY
+from voxshell_studies.report.limits import LIMITS
 from voxshell_studies.report.nut import NUT
 from voxshell_studies.report.pair import PAIR
 from voxshell_studies.report.pour import POUR
@@ -34,5 +35,6 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     ACCURACY,
     GEOMETRY,
     EVERYDAY,
+    LIMITS,
     SCALING,
 )

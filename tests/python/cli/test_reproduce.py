@@ -105,6 +105,9 @@ placements = 1
 longest = 0.2
 rates = [200.0, 60.0]
 engines = ["voxshell", "bullet"]
+[limits]
+scenes = ["Bullet's box of 0.1 m on a belt at 0.3 m/s"]
+rates = [200.0]
 [scaling]
 orientations = 1
 points = [500, 1000]

@@ -25,7 +25,7 @@ NOT_RUN = {
     r"(export PKG_CONFIG_PATH|g\+\+ -O2 app.cpp)": "C++ test: build_example.cmake does so",
     r"\.venv/bin/voxshell reproduce all ": "takes minutes; tests/python/cli runs its parts",
     r"voxshell reproduce geometry ": "takes minutes; tests/python/cli runs it small",
-    r"voxshell reproduce everyday ": "takes minutes; tests/python/cli runs it small",
+    r"voxshell reproduce (everyday|limits) ": "takes minutes; tests/python/cli runs it small",
     r"pip install --find-links build/dist ": "./dev wheel installs what it makes",
     r"docker (build|run) ": "needs a program that builds containers",
     r"voxshell simulate examples/": "tests/python/cli/test_simulate_scene.py runs the scenes",
