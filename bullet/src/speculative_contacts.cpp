@@ -19,10 +19,10 @@ namespace {
 /// Where a place touches a field within the step.
 struct Touch {
   Vec3f place;
-  double gap;      ///< that is left there, not negative, metres
-  double closing;  ///< how much of the gap the displacement closes up to there, metres
-  Vec3 outwards;   ///< the field's normal
-  double along;    ///< how far along its edge the place has moved, metres
+  double gap;       ///< that is left there, not negative, metres
+  double closing;   ///< how much of the gap the displacement closes up to there, metres
+  Vec3 outwards;    ///< the field's normal
+  double along;     ///< how far along its edge the place has moved, metres
   double fraction;  ///< of the step
 };
 
@@ -45,8 +45,8 @@ struct EdgePiece {
   double tolerance;     ///< of its own surface, metres
 };
 
-/// What is followed: a point of a flat surface, a piece of an edge, or a place that knows nothing of
-/// its surface.
+/// What is followed: a point of a flat surface, a piece of an edge, or a place that knows nothing
+/// of its surface.
 using Element = std::variant<std::monostate, ShellPoint, EdgePiece>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
@@ -89,8 +89,8 @@ double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double
 /// @param element          What is followed.
 template <class F>
 std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path& path,
-                                const Pose& field_from_path, const Vec3& displacement,
-                                double steps, double offset, const Element& element) {
+                                const Pose& field_from_path, const Vec3& displacement, double steps,
+                                double offset, const Element& element) {
   const auto* point = std::get_if<ShellPoint>(&element);
   const auto* edge = std::get_if<EdgePiece>(&element);
   double along = 0.0;
@@ -104,7 +104,8 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     return clearance_of(field, place_at(fraction), offset);
   });
   if (!reached) return std::nullopt;
-  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
+  Touch touch{
+      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
   touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
   const Vec3 out_of_field =
       point == nullptr
@@ -210,9 +211,8 @@ class RoundTouch {
 
 /// The place that faces a direction now, by way of the surface from the last one.
 std::optional<Vec3> RoundTouch::face(const Vec3& direction) const {
-  const auto found =
-      find_facing(side_, own_from_shell_.transform_point(place_),
-                  own_from_shell_.rotate(direction), kFlatBend / step_.ball.radius);
+  const auto found = find_facing(side_, own_from_shell_.transform_point(place_),
+                                 own_from_shell_.rotate(direction), kFlatBend / step_.ball.radius);
   if (!found) return std::nullopt;
   return shell_from_own_.transform_point(*found);
 }

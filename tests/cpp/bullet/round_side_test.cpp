@@ -6,6 +6,7 @@
 
 #include "support/models.h"
 #include "support/world.h"
+#include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -43,14 +44,14 @@ TEST(RoundSide, FindsItOnBulletsSpheres) {
 
 TEST(RoundSide, FindsNoneAlongTheAxisOfACylinder) {
   TestWorld world;
-  const OneSide can(world.add(world.make<btCylinderShapeZ>(btVector3(0.1, 0.1, 0.3)), 1));
+  const OneSide can(world.add(world.make<btCylinderShapeZ>(to_bullet(Vec3{0.1, 0.1, 0.3})), 1));
   EXPECT_TRUE(find_facing(can.side, {0.1, 0, 0}, {0, 1, 0}, kLeastCurvature));
   EXPECT_FALSE(find_facing(can.side, {0.1, 0, 0}, {0, 0, -1}, kLeastCurvature));
 }
 
 TEST(RoundSide, FindsNoneOnABox) {
   TestWorld world;
-  const OneSide box(world.add(world.make<btBoxShape>(btVector3(0.1, 0.1, 0.1)), 1));
+  const OneSide box(world.add(world.make<btBoxShape>(to_bullet(Vec3{0.1, 0.1, 0.1})), 1));
   EXPECT_FALSE(find_facing(box.side, {0, 0, -0.1}, {0, 0, -1}, kLeastCurvature));
 }
 
