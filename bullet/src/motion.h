@@ -71,6 +71,14 @@ struct RelativeMotion {
   RelativeMotion reversed() const {
     return {-velocity, -angular_velocity, -velocity_of_forces, seen_from, own};
   }
+  /// The same if the body did not turn: how the place of a ball moves that faces something.
+  RelativeMotion unspun() const {
+    return {velocity + cross(own.angular_velocity, own.centre),
+            angular_velocity - own.angular_velocity,
+            velocity_of_forces,
+            {own.centre, {}},
+            seen_from};
+  }
 };
 
 /// The path of a place of a body, as another one sees it, if nothing stops them: each body turns

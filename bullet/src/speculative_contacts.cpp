@@ -45,9 +45,12 @@ struct EdgePiece {
   double tolerance;     ///< of its own surface, metres
 };
 
-/// What is followed: a point of a flat surface, a piece of an edge, or a place that knows nothing
-/// of its surface.
-using Element = std::variant<std::monostate, ShellPoint, EdgePiece>;
+/// The place of a curved surface that faces a face of the other body, as long as it does.
+struct FacingPlace {};
+
+/// What is followed: a point of a flat surface, a piece of an edge, a place that faces, or one that
+/// knows nothing of its surface.
+using Element = std::variant<std::monostate, ShellPoint, EdgePiece, FacingPlace>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
 /// ends before. `way` is what that place has moved by, metres.
@@ -107,6 +110,11 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
   Touch touch{
       place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
   touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
+  if (std::holds_alternative<FacingPlace>(element)) {
+    const Vec3 on_field = static_cast<Vec3>(touch.place) - (reached->gap + offset) * touch.outwards;
+    const double distance = kFlatScales[0] * step.ball.radius;
+    if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
+  }
   const Vec3 out_of_field =
       point == nullptr
           ? touch.outwards
@@ -282,8 +290,13 @@ void RoundTouch::move(const Path& path, const Side& owner, Contact& contact) {
     const Vec3 on_other = path.at(touch_.fraction) - gap_ * outwards_;
     if (ends_beside(on_other, outwards_)) {
       if (step_.restitution > 0.0 || !meet_edge(path, own)) return;
-    } else if (dot(own, outwards_) < kFacesPlane) {
-      return;
+    } else {
+      if (dot(own, outwards_) < kFacesPlane) return;
+      // Where the sample touches, the surface is deeper beside it.
+      const auto facing = face(path.turned_back(touch_.fraction, -outwards_));
+      if (!facing) return;
+      const Vec3 then = Path(of_side_, *facing, step_.time_step).at(touch_.fraction);
+      gap_ += dot(then - path.at(touch_.fraction), outwards_);
     }
   }
   const auto now = face(-outwards_);
@@ -342,11 +355,29 @@ void widen(const PairStep& step, double closing, Contact& plane) {
   if (is_shell_larger(step)) put_on_field(step, on_field, plane);
 }
 
-}  // namespace
+/// Whether a contact is at the place of a curved surface that faces the other body.
+bool is_facing(const PairStep& step, const Contact& contact) {
+  if (contact.id >= kFirstFeature) return false;
+  const bool is_of_shell = contact.id < kFirstOfSecond;
+  const Side& side = is_of_shell ? step.pair->shell_side() : step.pair->field_side();
+  const std::uint32_t id = is_of_shell ? contact.id : contact.id - kFirstOfSecond;
+  const SmoothSurface& surface = side.model()->smooth_surface();
+  if (!surface.is_curved() || !side.model()->shell().is_point(id)) return false;
+  const std::uint32_t triangle = surface.triangle_of(id);
+  if (surface.is_flat(triangle)) return false;
+  const Pose own_from_shell = is_of_shell ? Pose{} : step.field_from_shell;
+  const Vec3 place = own_from_shell.transform_point(is_of_shell ? static_cast<Vec3>(contact.point)
+                                                                : place_of_second(contact));
+  // What has slid is no longer where its sample is.
+  const Vec3 normal = surface.normal(surface.nearest(place, triangle));
+  const Vec3 facing = own_from_shell.rotate(static_cast<Vec3>(contact.normal));
+  return (is_of_shell ? -1.0 : 1.0) * dot(normal, facing) >= static_cast<double>(kDoubleCosine);
+}
 
-std::optional<Contact> find_speculative(const PairStep& step, const RelativeMotion& motion,
-                                        std::span<const Feature> features, const Contact& contact,
-                                        double steps) {
+/// Follows the place that a contact is at, which turns with its body or goes on facing the other.
+std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& motion,
+                                    std::span<const Feature> features, const Contact& contact,
+                                    double steps, bool turns) {
   const PosedPair& pair = *step.pair;
   if (contact.id >= kFirstFeature) {
     const Feature& feature = features[contact.id - kFirstFeature];
@@ -361,17 +392,19 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
     const Vec3 place = place_of_second(contact);
     const std::uint32_t id = contact.id - kFirstOfSecond;
     const Pose shell_from_field = step.field_from_shell.inverse();
-    const Element element =
-        element_of(step, pair.field_side(), id, step.field_from_shell.transform_point(place),
-                   shell_from_field, shell_from_field);
+    const Element element = !turns ? Element(FacingPlace{})
+                                   : element_of(step, pair.field_side(), id,
+                                                step.field_from_shell.transform_point(place),
+                                                shell_from_field, shell_from_field);
     return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
       step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
   const Path path(motion, point, step.time_step);
-  const Element element =
-      element_of(step, pair.shell_side(), contact.id, point, Pose{}, step.field_from_shell);
+  const Element element = !turns ? Element(FacingPlace{})
+                                 : element_of(step, pair.shell_side(), contact.id, point, Pose{},
+                                              step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
         return find_touch(step, field, path, step.field_from_shell, displacement, steps,
@@ -391,6 +424,19 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   }
   RoundTouch(step, motion, *touch).move(path, pair.shell_side(), touching);
   return touching;
+}
+
+}  // namespace
+
+std::optional<Contact> find_speculative(const PairStep& step, const RelativeMotion& motion,
+                                        std::span<const Feature> features, const Contact& contact,
+                                        double steps) {
+  const auto found = follow_place(step, motion, features, contact, steps, /*turns=*/true);
+  if (found || !is_facing(step, contact)) return found;
+  // The place turns away, and another one faces the other body.
+  const bool is_of_shell = contact.id < kFirstOfSecond;
+  return follow_place(step, is_of_shell ? motion.unspun() : motion.reversed().unspun().reversed(),
+                      features, contact, steps, /*turns=*/false);
 }
 
 void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,

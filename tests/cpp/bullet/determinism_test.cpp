@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x2498fd867f892976, 0xccca3b03f133cff6, 0x6f2aa60fae5c9ad3, 0x29298d385c3101ad,
-        0x20d13c386ced75, 0x60d73ad753aace4d}},
+       {0xbfe562897947e99a, 0xbc7d8cf6db3848af, 0xfc4d02674655744a, 0x12593977fe28b26d,
+        0xb7a328a6226c0e3d, 0x75194724cdffafec}},
       {"Bullet 324 double, anywhere",
-       {0x7ac813d03fdaed7e, 0x4ce29a1b16dfeaa5, 0xeb14c9812ed693f9, 0x6602773afd0b840b,
-        0xe5015293d3916fb, 0xfe9e612231023b30}},
+       {0x367d62e13bda979a, 0xf05127e2c8461c04, 0x928f2ae2dc9cb1d7, 0x9d1b7dee3619f7a8,
+        0x224e111b85dfef0f, 0x634138a6bc6c0aa8}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x7450353c0470258f, 0xc2460132e272d22c, 0x2467e598df7e1ebe, 0xdf47da5af8cbd81d,
-        0x2aa4650f82454cb3, 0x184fa2297142b6e2}},
+       {0x6e0af06c7e4d8774, 0x10af44ce984949d2, 0x665a03ff3e076e1b, 0xc81e514ebf04f3ca,
+        0x852eee68170a6553, 0xbe41010cae6e1e49}},
   };
   return hashes;
 }

@@ -119,9 +119,11 @@ SMALL_TILES = {
 }
 
 
-@pytest.mark.parametrize("tiles", SMALL_TILES)
 @pytest.mark.parametrize("name", ["ball", "torus"])
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(
+    ("rate", "tiles"),
+    [(rate, "models") for rate in RATES] + [(rate, "boxes") for rate in (1000, 200, 60)],
+)
 def test_round_bodies_roll_over_the_seams_of_tiles(rate, name, tiles):
     """A ball lost half of its speed at 60 Hz: places of it that turn away counted as obstacles."""
     world = vx.World(time_step=1 / rate)
