@@ -52,7 +52,7 @@ def way_over_waves(radius: float, speed: float, seconds: float) -> tuple[float, 
 
     Example:
         >>> [round(value, 3) for value in way_over_waves(0.05, 1.0, 1.5)]
-        [1.308, -0.012, 0.048]
+        [1.43, -0.012, 0.048]
     """
     x = np.linspace(0.0, 2.4, 24001)
     wave_number = 2.0 * math.pi / _WAVE_LENGTH
