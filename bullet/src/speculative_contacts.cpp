@@ -171,7 +171,7 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
                    side.model()->settings().tolerance};
 }
 
-/// The other body's field as it is felt at a place. Shell's frame.
+/// The distance and normal of the other body's field at a place, in the shell's frame.
 struct Felt {
   double distance;  ///< metres
   Vec3 outwards;

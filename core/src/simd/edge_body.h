@@ -50,7 +50,7 @@ VOXSHELL_INLINE MeasuredPlaces measure_near_places(const PosedView<V>& posed, co
   if (lanes_below(bound_points(posed, p, tag, reach, limit), limit) == 0) return {F8{}, false};
   return {measure_places(posed, p, tag, margin), true};
 }
-/// Both are told by the same values.
+/// In a grid, the values of the corners bound the distances and give them, so one read serves both.
 template <class G>
   requires kIsGrid<G>
 VOXSHELL_INLINE MeasuredPlaces measure_near_places(const PosedView<G>& posed, const Triple<F8>& p,
