@@ -10,7 +10,7 @@
 #include "contact_constants.h"
 #include "flatness.h"
 #include "impact.h"
-#include "round_side.h"
+#include "round_touch.h"
 #include "second_shell.h"
 
 namespace voxshell::bullet {
@@ -138,19 +138,6 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
   return touch;
 }
 
-/// Whether the points of the shell are those of the larger body. Triangles are no bodies.
-bool is_shell_larger(const PairStep& step) {
-  return !step.pair->has_triangles() && step.larger == &step.pair->shell_side();
-}
-
-/// Moves a contact, along the surface, to where a place of the field's body is now. Of two places
-/// that will touch, solvers are to see that of the smaller body where it is: with the lever of the
-/// other it would be turned, not stopped.
-void put_on_field(const PairStep& step, const Vec3& on_field, Contact& contact) {
-  const Vec3 now = step.field_from_shell.inverse().transform_point(on_field);
-  contact.point = static_cast<Vec3f>(now) - contact.depth * contact.normal;
-}
-
 /// Where nothing rebounds, edges are places, too: beside flush faces, a crossing has a normal that
 /// leans, and would brake what slides. Points of curved surfaces are no faces, however small the
 /// facets' bend.
@@ -159,8 +146,7 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
   const PointShell& shell = *side.participant().shell;
   const GridField& own = side.model()->grid();
   if (shell.is_point(id)) {
-    const SmoothSurface& surface = side.model()->smooth_surface();
-    if (surface.is_curved() && !surface.is_flat(surface.triangle_of(id))) return {};
+    if (lies_on_curve(*side.model(), id)) return {};
     const auto normal = static_cast<Vec3>(shell.normals()[id]);
     return ShellPoint{&own, place, normal, path_from_own.rotate(normal)};
   }
@@ -169,146 +155,6 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
   const Vec3 along = normalized(half);
   return EdgePiece{&own, place, along, field_from_own.rotate(along),
                    side.model()->settings().tolerance};
-}
-
-/// The distance and normal of the other body's field at a place, in the shell's frame.
-struct Felt {
-  double distance;  ///< metres
-  Vec3 outwards;
-};
-
-/// The smaller body's round surface, which touches a plane with the place that faces it: whatever
-/// place of a ball has turned to the ground when they touch, it is the ball's lowest one. Solvers
-/// would brake what rolls by the lever of another place.
-class RoundTouch {
- public:
-  RoundTouch(const PairStep& step, const RelativeMotion& motion, const Touch& touch)
-      : step_(step),
-        motion_(motion),
-        touch_(touch),
-        is_shell_(!is_shell_larger(step)),
-        side_(is_shell_ ? step.pair->shell_side() : step.pair->field_side()),
-        own_from_shell_(is_shell_ ? Pose{} : step.field_from_shell),
-        shell_from_own_(own_from_shell_.inverse()),
-        of_side_(is_shell_ ? motion : motion.reversed()) {}
-
-  /// Moves a contact to where the surface faces its plane now. Left alone are places that do not
-  /// face the plane once they have turned, and bodies that hardly turn.
-  /// @param path   Of the place that was followed.
-  /// @param owner  The side that the place is of.
-  void move(const Path& path, const Side& owner, Contact& contact);
-
- private:
-  std::optional<Vec3> face(const Vec3& direction) const;
-  Felt feel(const Vec3& place) const;
-  bool ends_beside(const Vec3& place, const Vec3& normal) const;
-  bool meet_edge(const Path& path, const Vec3& own);
-
-  const PairStep& step_;
-  const RelativeMotion& motion_;
-  const Touch& touch_;
-  bool is_shell_;
-  const Side& side_;
-  Pose own_from_shell_;
-  Pose shell_from_own_;
-  RelativeMotion of_side_;
-  Vec3 place_;     ///< of the surface now
-  Vec3 outwards_;  ///< of the other body's plane
-  double gap_ = 0.0;
-};
-
-/// The place that faces a direction now, by way of the surface from the last one.
-std::optional<Vec3> RoundTouch::face(const Vec3& direction) const {
-  const auto found = find_facing(side_, own_from_shell_.transform_point(place_),
-                                 own_from_shell_.rotate(direction), kFlatBend / step_.ball.radius);
-  if (!found) return std::nullopt;
-  return shell_from_own_.transform_point(*found);
-}
-
-Felt RoundTouch::feel(const Vec3& place) const {
-  const auto at = [&](const auto& field, const Pose& field_from_shell) {
-    const auto there = static_cast<Vec3f>(field_from_shell.transform_point(place));
-    const Vec3 outwards = normalized(static_cast<Vec3>(field.gradient(there)));
-    return Felt{static_cast<double>(field.distance(there)) - step_.thickness,
-                field_from_shell.inverse().rotate(outwards)};
-  };
-  if (!is_shell_) return at(step_.pair->shell_side().model()->grid(), Pose{});
-  return std::visit([&](const auto& field) { return at(field, step_.field_from_shell); },
-                    step_.pair->field());
-}
-
-/// Whether the other body's surface has an edge beside a place of it.
-bool RoundTouch::ends_beside(const Vec3& place, const Vec3& normal) const {
-  const auto bends = [&](const auto& field, const Pose& field_from_shell) {
-    return bend_of(field, field_from_shell.transform_point(place), field_from_shell.rotate(normal),
-                   kFlatScales[0] * step_.ball.radius) > kEdgeBend;
-  };
-  if (!is_shell_) return bends(step_.pair->shell_side().model()->grid(), Pose{});
-  return std::visit([&](const auto& field) { return bends(field, step_.field_from_shell); },
-                    step_.pair->field());
-}
-
-/// Finds the place that faces an edge when they touch, from its center of curvature: beside an edge
-/// a field has all normals. `own` is what the place that was followed faces then.
-bool RoundTouch::meet_edge(const Path& path, const Vec3& own) {
-  outwards_ = own;
-  for (int i = 0; i < kMostFacing; ++i) {
-    const auto facing = face(path.turned_back(touch_.fraction, -outwards_));
-    if (!facing) return false;
-    place_ = *facing;
-    const Vec3 then = Path(of_side_, place_, step_.time_step).at(touch_.fraction);
-    const Felt on_surface = feel(then);
-    gap_ = on_surface.distance;
-    if (on_surface.outwards == Vec3{}) return false;
-    const double cosine = dot(on_surface.outwards, outwards_);
-    if (cosine >= -static_cast<double>(kAlignedCosine)) break;
-    const Vec3 aside = normalized(on_surface.outwards - cosine * outwards_);
-    const Vec3 tilted = normalized(outwards_ + kTilt * aside);
-    const auto beside = face(path.turned_back(touch_.fraction, -tilted));
-    if (!beside) return false;
-    const double radius = std::min(length(*beside - place_) / kTilt, 2.0 * step_.ball.radius);
-    const Felt at_centre = feel(then + radius * outwards_);
-    gap_ = at_centre.distance - radius;
-    outwards_ = at_centre.outwards;
-  }
-  return gap_ <= kColumnGaps * step_.touching_gap() && dot(outwards_, own) >= kFacesEdge;
-}
-
-void RoundTouch::move(const Path& path, const Side& owner, Contact& contact) {
-  const double turn = touch_.fraction * step_.time_step * length(motion_.angular_velocity);
-  if (turn * step_.ball.radius <= step_.touching_gap()) return;
-  const double sign = is_shell_ ? 1.0 : -1.0;
-  place_ = is_shell_ ? static_cast<Vec3>(contact.point) : place_of_second(contact);
-  outwards_ = sign * static_cast<Vec3>(contact.normal);
-  gap_ = touch_.gap;
-  if (&side_ == &owner) {
-    const PointShell& shell = *side_.participant().shell;
-    const std::uint32_t id = is_shell_ ? contact.id : contact.id - kFirstOfSecond;
-    if (!shell.is_point(id)) return;
-    const Vec3 normal = shell_from_own_.rotate(static_cast<Vec3>(shell.normals()[id]));
-    const Vec3 own = -path.turned_at(touch_.fraction, normal);
-    const Vec3 on_other = path.at(touch_.fraction) - gap_ * outwards_;
-    if (ends_beside(on_other, outwards_)) {
-      if (step_.restitution > 0.0 || !meet_edge(path, own)) return;
-    } else {
-      if (dot(own, outwards_) < kFacesPlane) return;
-      // Where the sample touches, the surface is deeper beside it.
-      const auto facing = face(path.turned_back(touch_.fraction, -outwards_));
-      if (!facing) return;
-      const Vec3 then = Path(of_side_, *facing, step_.time_step).at(touch_.fraction);
-      gap_ += dot(then - path.at(touch_.fraction), outwards_);
-    }
-  }
-  const auto now = face(-outwards_);
-  if (!now) return;
-  const Vec3 normal = sign * outwards_;
-  const Vec3 velocity = motion_.velocity_at(*now) + motion_.velocity_of_forces;
-  const double closing = std::max(-dot(velocity, normal) * step_.time_step, 0.0);
-  contact.normal = static_cast<Vec3f>(normal);
-  contact.depth =
-      static_cast<float>(-std::max(touch_.fraction * closing + gap_, 0.0) - step_.thickness);
-  contact.point = static_cast<Vec3f>(*now);
-  if (!is_shell_) put_on_field(step_, own_from_shell_.transform_point(*now), contact);
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
@@ -335,7 +181,7 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMo
     touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
   }
   if (id < kFirstFeature) {
-    RoundTouch(step, motion, *touch).move(path, pair.field_side(), touching);
+    RoundTouch(step, motion, touch->fraction, touch->gap).move(path, touching);
   }
   return touching;
 }
@@ -353,25 +199,6 @@ void widen(const PairStep& step, double closing, Contact& plane) {
       static_cast<Vec3>(plane.point) + plane.depth * static_cast<Vec3>(plane.normal));
   plane.depth = static_cast<float>(-closing - step.thickness);
   if (is_shell_larger(step)) put_on_field(step, on_field, plane);
-}
-
-/// Whether a contact is at the place of a curved surface that faces the other body.
-bool is_facing(const PairStep& step, const Contact& contact) {
-  if (contact.id >= kFirstFeature) return false;
-  const bool is_of_shell = contact.id < kFirstOfSecond;
-  const Side& side = is_of_shell ? step.pair->shell_side() : step.pair->field_side();
-  const std::uint32_t id = is_of_shell ? contact.id : contact.id - kFirstOfSecond;
-  const SmoothSurface& surface = side.model()->smooth_surface();
-  if (!surface.is_curved() || !side.model()->shell().is_point(id)) return false;
-  const std::uint32_t triangle = surface.triangle_of(id);
-  if (surface.is_flat(triangle)) return false;
-  const Pose own_from_shell = is_of_shell ? Pose{} : step.field_from_shell;
-  const Vec3 place = own_from_shell.transform_point(is_of_shell ? static_cast<Vec3>(contact.point)
-                                                                : place_of_second(contact));
-  // What has slid is no longer where its sample is.
-  const Vec3 normal = surface.normal(surface.nearest(place, triangle));
-  const Vec3 facing = own_from_shell.rotate(static_cast<Vec3>(contact.normal));
-  return (is_of_shell ? -1.0 : 1.0) * dot(normal, facing) >= static_cast<double>(kDoubleCosine);
 }
 
 /// Follows the place that a contact is at, which turns with its body or goes on facing the other.
@@ -422,7 +249,7 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
     const double apart = touch->gap + step.thickness;
     put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
   }
-  RoundTouch(step, motion, *touch).move(path, pair.shell_side(), touching);
+  RoundTouch(step, motion, touch->fraction, touch->gap).move(path, touching);
   return touching;
 }
 
