@@ -22,7 +22,7 @@ inline double bound_difference(const RelativeMotion& from, const RelativeMotion&
                                const Vec3& middle, double radius) {
   return length(to.velocity_at(middle) - from.velocity_at(middle)) +
          length(to.angular_velocity - from.angular_velocity) * radius +
-         length(to.velocity_of_forces - from.velocity_of_forces);
+         length(to.velocity_of_fall - from.velocity_of_fall);
 }
 
 }  // namespace voxshell::bullet

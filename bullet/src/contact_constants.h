@@ -108,6 +108,14 @@ inline constexpr double kWarmStartingFactor = 0.85;
 /// A pair is still if its kinetic energy could lift it by at most this fraction of the rest margin.
 /// Larger: a ball that rolls slowly is stopped. Smaller: bodies on rounded bellies rock for longer.
 inline constexpr double kStillOfMargin = 0.15;
+/// A body is carried if its contacts took from it, in the last step, what forces gave it, up to
+/// this fraction of that. Larger: a body that a blow has stopped is taken to be carried by it.
+/// Smaller: what the solver leaves of a stack's motion makes its bodies fall.
+inline constexpr double kCarriedWithin = 0.1;
+/// Where a light body lies between heavy ones, the solver may leave this fraction of what they
+/// press it with. Larger: bodies below ten times their weight use CCD at low rates, and take
+/// longer. Smaller: bricks below a thousand times theirs move by half a millimetre at 30 Hz.
+inline constexpr double kUnsolvedOfLoad = 1e-3;
 /// Contacts are not searched for again while the pair, and what it moves by in a step, have changed
 /// by at most this fraction of the rest margin. Half of kIdleOfMargin: what was left out is not
 /// deeper by then than what was the deepest. 0: stacks that tremble by nanometres are searched in

@@ -19,7 +19,7 @@ bool touches_if_stopped(const PairStep& step, const Contact& contact, const Impa
   if (closing_of(step, impact) >= impact.gap) return false;
   const auto closes = [&](const RelativeMotion& motion) {
     const Vec3 velocity =
-        motion.velocity_at(static_cast<Vec3>(contact.point)) + motion.velocity_of_forces;
+        motion.velocity_at(static_cast<Vec3>(contact.point)) + motion.velocity_of_fall;
     return -dot(velocity, static_cast<Vec3>(contact.normal)) * step.time_step >= impact.gap;
   };
   return std::ranges::any_of(step.if_stopped, closes);

@@ -16,6 +16,7 @@ struct Impact {
   double gap;                 ///< metres, negative where the bodies overlap
   double approach;            ///< m/s
   double approach_of_forces;  ///< what forces add to it in the step, m/s
+  double approach_of_fall;    ///< the same as far as nothing carries the bodies, m/s
   double squared_speed;       ///< in any direction, m^2/s^2
 
   /// When the surfaces meet or met, seconds from the start of the step on.
@@ -26,12 +27,13 @@ inline Impact impact_of(const PairStep& step, const Contact& contact) {
   const Vec3 velocity = step.motion.velocity_at(static_cast<Vec3>(contact.point));
   const auto normal = static_cast<Vec3>(contact.normal);
   return {-static_cast<double>(contact.depth) - step.thickness, -dot(velocity, normal),
-          -dot(step.motion.velocity_of_forces, normal), squared_length(velocity)};
+          -dot(step.motion.velocity_of_forces, normal), -dot(step.motion.velocity_of_fall, normal),
+          squared_length(velocity)};
 }
 
 /// How much of the gap the bodies close within the step if nothing stops them, metres.
 inline double closing_of(const PairStep& step, const Impact& impact) {
-  return (impact.approach + impact.approach_of_forces) * step.time_step;
+  return (impact.approach + impact.approach_of_fall) * step.time_step;
 }
 
 /// Whether it takes more than a step to cross the rest margin.

@@ -13,6 +13,7 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "impact.h"
 #include "kept_contacts.h"
 #include "outer_contacts.h"
 #include "pair_step.h"
@@ -20,10 +21,17 @@
 #include "rolling_lever.h"
 #include "stage_clock.h"
 #include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/parallel_dispatcher.h"
 #include "voxshell/manifold.h"
 
 namespace voxshell::bullet {
 namespace {
+
+/// Null where the dispatcher does not tell.
+const Support* support_in(const btDispatcher& dispatcher) {
+  const auto* const known = dynamic_cast<const ParallelDispatcher*>(&dispatcher);
+  return known != nullptr ? &known->support() : nullptr;
+}
 
 /// The depth of the deepest of `points`.
 float depth_of(const ManifoldPoints& points, std::span<const Contact> contacts) {
@@ -74,7 +82,11 @@ void drop_idle_points(float band, std::vector<Contact>& contacts) {
 ModelAlgorithm::ModelAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
                                const ContactSettings& settings, Purpose purpose,
                                std::shared_ptr<const Hull> hull)
-    : btCollisionAlgorithm(info), settings_(settings), purpose_(purpose), hull_(std::move(hull)) {}
+    : btCollisionAlgorithm(info),
+      settings_(settings),
+      purpose_(purpose),
+      support_(support_in(*info.m_dispatcher1)),
+      hull_(std::move(hull)) {}
 
 ModelAlgorithm::~ModelAlgorithm() { release_manifolds(); }
 
@@ -181,6 +193,13 @@ void ModelAlgorithm::span_patches(const PairStep& step) {
                   kFlatOfMargin * static_cast<float>(step.rest_margin), near_->search.contacts());
 }
 
+/// Whether a contact that was found touches.
+bool ModelAlgorithm::touches(const PairStep& step) const {
+  return std::ranges::any_of(near_->search.contacts(), [&](const Contact& contact) {
+    return is_contact(step, impact_of(step, contact));
+  });
+}
+
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                              double time_step, StageClock* clock) {
   if (are_apart(a, b, settings_, time_step)) {
@@ -196,37 +215,41 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   Prepared& prepared = near_->prepared.emplace(a, b, hull_.get(), settings_.shell);
   PosedPair& pair = prepared.pair;
   PairStep& step = prepared.step;
-  const auto describe = [&] {
-    return describe_step(pair, settings_, time_step, memory.owed_energy);
-  };
-  step = describe();
-  // A point a segment is what kSegmented promises of bodies that move.
-  prepared.takes_all =
-      !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
   double fraction = 0.0;  // of the step, after which contacts are looked for
-  prepared.carries_on = kept.hold_in(step, search.can_follow());
-  if (prepared.carries_on) {
-    kept.carry_to(step, search.contacts());
-    if (kept.have_moved_in(step)) {
-      search.follow(pair);
-      kept.renew(step, search.contacts());
+  const auto look = [&](const Support* support, bool may_carry_on) {
+    const auto describe = [&] {
+      return describe_step(pair, settings_, time_step, memory.owed_energy, support);
+    };
+    step = describe();
+    // A point a segment is what kSegmented promises of bodies that move.
+    prepared.takes_all =
+        !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
+    prepared.carries_on = may_carry_on && kept.hold_in(step, search.can_follow());
+    if (prepared.carries_on) {
+      kept.carry_to(step, search.contacts());
+      if (kept.have_moved_in(step)) {
+        search.follow(pair);
+        kept.renew(step, search.contacts());
+      }
+    } else if (step.uses_ccd && pair.has_triangles()) {
+      fraction = search.find_on_the_way(settings_, step);
+    } else {
+      const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
+      const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
+      if (has_swapped_roles) step = describe();
+      span_patches(step);
+      if (may_keep(step)) kept.keep(step, search.contacts());
     }
-  } else if (step.uses_ccd && pair.has_triangles()) {
-    fraction = search.find_on_the_way(settings_, step);
-  } else {
-    const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
-    const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
-    if (has_swapped_roles) step = describe();
-    span_patches(step);
-    if (may_keep(step)) kept.keep(step, search.contacts());
-  }
+  };
+  look(active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
+  if (step.is_carried && !touches(step)) look(nullptr, /*may_carry_on=*/false);
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
   std::vector<Contact>& contacts = search.contacts();
   prepared.of_step = apply_contact_rule(step, search.features(), search.exact(), search.hits(),
                                         fraction, contacts, memory);
   // Of bodies in a pile that move a little, such points carry in the next step.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
-  if (prepared.takes_all && lies && !contacts.empty()) {
+  if (prepared.takes_all && lies && !contacts.empty() && !step.is_carried) {
     drop_idle_points(kIdleOfMargin * static_cast<float>(step.rest_margin), contacts);
   }
   is_prepared_ = true;

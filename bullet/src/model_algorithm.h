@@ -74,6 +74,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void test_contact(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                     btManifoldResult& result);
   bool may_keep(const PairStep& step) const;
+  bool touches(const PairStep& step) const;
   void commit(const Prepared& prepared, StageClock& clock);
   static Segment segment_of(const PosedPair& pair, const Contact& contact, int level);
   static void report(const PosedPair& pair, std::span<const Contact> contacts,
@@ -88,6 +89,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
 
   const ContactSettings& settings_;
   Purpose purpose_;
+  const Support* support_;  ///< of the world's bodies; null where the dispatcher does not tell
   std::shared_ptr<const Hull> hull_;
   std::optional<Vec3> hull_scaling_;  ///< of the shape that it is of, as last seen
   /// Null while the bodies are too far apart to touch.

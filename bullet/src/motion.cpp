@@ -42,10 +42,12 @@ Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
   const btTransform& world_from_link = collider.getWorldTransform();
   const int place = collider.m_link + 1;  // the base is the first
   const auto link = static_cast<std::size_t>(place);
+  const Vec3 of_force = velocity_of_force(body, collider.m_link, time_step);
   return {from_bullet(world_from_link.getOrigin()),
           from_bullet(world_from_link.getBasis() * linear[link]),
           from_bullet(world_from_link.getBasis() * angular[link]),
-          velocity_of_force(body, collider.m_link, time_step),
+          of_force,
+          of_force,
           0.0,
           {{}, {}, {}},
           true};
@@ -61,12 +63,22 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
   if (body == nullptr) return {};
   const auto inverse_mass = static_cast<double>(body->getInvMass());
   const btMatrix3x3& inertia = body->getInvInertiaTensorWorld();
+  const Vec3 of_forces = time_step * inverse_mass * from_bullet(body->getTotalForce());
   return {from_bullet(body->getCenterOfMassPosition()),
           from_bullet(body->getLinearVelocity()),
           from_bullet(body->getAngularVelocity()),
-          time_step * inverse_mass * from_bullet(body->getTotalForce()),
+          of_forces,
+          of_forces,
           inverse_mass,
           {from_bullet(inertia[0]), from_bullet(inertia[1]), from_bullet(inertia[2])}};
+}
+
+bool Motion::is_carried(const Support::Push& by_contacts, double radius) const {
+  if (inverse_mass == 0.0) return velocity_of_forces == Vec3{};
+  const Vec3 fall = velocity_of_forces + by_contacts.velocity;
+  return length(fall) + radius * length(by_contacts.angular_velocity) +
+             kUnsolvedOfLoad * by_contacts.load <=
+         kCarriedWithin * length(velocity_of_forces);
 }
 
 Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) const {
@@ -77,15 +89,15 @@ Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) 
   const Matrix3 columns = world_from_x.rotation.transposed();
   const Matrix3 rotation =
       Matrix3{after(columns.row_x), after(columns.row_y), after(columns.row_z)}.transposed();
-  const Vec3 displacement = fraction * time_step * (velocity + velocity_of_forces);
+  const Vec3 displacement = fraction * time_step * (velocity + velocity_of_fall);
   return {rotation, centre + displacement + after(world_from_x.translation - centre)};
 }
 
 double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
                                   double time_step) {
   // The relative velocity is affine in the place.
-  const Vec3 of_centre = a.velocity_at(ball.centre) + a.velocity_of_forces -
-                         b.velocity_at(ball.centre) - b.velocity_of_forces;
+  const Vec3 of_centre = a.velocity_at(ball.centre) + a.velocity_of_fall -
+                         b.velocity_at(ball.centre) - b.velocity_of_fall;
   const double of_spin = length(a.angular_velocity - b.angular_velocity) * ball.radius;
   return (length(of_centre) + of_spin) * time_step;
 }
@@ -118,6 +130,7 @@ RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
   return {frame_from_world * (body.velocity_at(origin) - seen_from.velocity_at(origin)),
           frame_from_world * (body.angular_velocity - seen_from.angular_velocity),
           frame_from_world * (body.velocity_of_forces - seen_from.velocity_of_forces),
+          frame_from_world * (body.velocity_of_fall - seen_from.velocity_of_fall),
           spin_of(body), spin_of(seen_from)};
 }
 
@@ -128,7 +141,7 @@ Path::Path(const RelativeMotion& motion, const Vec3& place, double time_step)
   // Relative velocities at the origin contain what the spins do there.
   const Vec3 of_centres = motion.velocity + cross(own.angular_velocity, own.centre) -
                           cross(seen.angular_velocity, seen.centre);
-  displacement_ = time_step * (of_centres + motion.velocity_of_forces);
+  displacement_ = time_step * (of_centres + motion.velocity_of_fall);
   own_axis_ = normalized(own.angular_velocity);
   seen_axis_ = normalized(seen.angular_velocity);
   own_angle_ = time_step * voxshell::length(own.angular_velocity);

@@ -3,6 +3,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
 #include "ball.h"
+#include "support.h"
 #include "voxshell/pose.h"
 
 namespace voxshell::bullet {
@@ -13,12 +14,17 @@ struct Motion {
   Vec3 velocity;              ///< of that point, m/s
   Vec3 angular_velocity;      ///< rad/s
   Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
+  Vec3 velocity_of_fall;      ///< the same, or 0 where contacts carry the body, m/s
   double inverse_mass = 0.0;  ///< 1/kg; 0 where it does not move, or is a link of a multibody
   Matrix3 inverse_inertia{{}, {}, {}};  ///< about the point, 1/(kg m^2); likewise
   bool is_link = false;  ///< of a multibody, whose solver adds what forces do beforehand
 
-  /// At rest where the object has no velocity of its own.
+  /// At rest where the object has no velocity of its own. Nothing carries it.
   static Motion of(const btCollisionObject& object, double time_step);
+
+  /// Whether forces do not move the body if contacts do what they did in the last step.
+  /// @param radius  Of the body, metres.
+  bool is_carried(const Support::Push& by_contacts, double radius) const;
 
   Vec3 velocity_at(const Vec3& world_point) const {
     return velocity + cross(angular_velocity, world_point - centre);
@@ -60,6 +66,7 @@ struct RelativeMotion {
   Vec3 velocity;            ///< at the frame's origin, m/s
   Vec3 angular_velocity;    ///< rad/s
   Vec3 velocity_of_forces;  ///< as of Motion
+  Vec3 velocity_of_fall;    ///< likewise
   Spin own;                 ///< of the body
   Spin seen_from;           ///< of the other one
 
@@ -69,13 +76,15 @@ struct RelativeMotion {
   Vec3 velocity_at(const Vec3& point) const { return velocity + cross(angular_velocity, point); }
   /// How the other body moves as this one sees it.
   RelativeMotion reversed() const {
-    return {-velocity, -angular_velocity, -velocity_of_forces, seen_from, own};
+    return {-velocity,         -angular_velocity, -velocity_of_forces,
+            -velocity_of_fall, seen_from,         own};
   }
   /// The same if the body did not turn: how the place of a ball moves that faces something.
   RelativeMotion unspun() const {
     return {velocity + cross(own.angular_velocity, own.centre),
             angular_velocity - own.angular_velocity,
             velocity_of_forces,
+            velocity_of_fall,
             {own.centre, {}},
             seen_from};
   }

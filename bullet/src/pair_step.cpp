@@ -23,7 +23,7 @@ Pose PairStep::field_from_shell_after(double fraction, const Motion& of_a,
 }
 
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
-                       double owed_energy) {
+                       double owed_energy, const Support* support) {
   const btCollisionObject* const object_a = pair.a.wrap().getCollisionObject();
   const btCollisionObject* const object_b = pair.b.wrap().getCollisionObject();
   const Ball ball_a = pair.a.bounding_ball();
@@ -43,6 +43,20 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
       default_rest_margin(step.ball.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
   step.rest_margin = settings.margin >= 0.0 ? settings.margin : rest_margin;
   step.deep_overlap = kDeepOfMargin * rest_margin;
+  const double fastest =
+      length(step.motion_a.velocity_at(step.ball.centre) -
+             step.motion_b.velocity_at(step.ball.centre)) +
+      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.ball.radius;
+  const double weight =
+      std::max(length(step.motion_a.velocity_of_forces), length(step.motion_b.velocity_of_forces));
+  const double energy_to_lift = weight / time_step * kStillOfMargin * step.rest_margin;
+  step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
+  if (support != nullptr && step.is_still && fastest * time_step <= rest_margin) {
+    const bool carries_a = step.motion_a.is_carried(support->of(*object_a), ball_a.radius);
+    const bool carries_b = step.motion_b.is_carried(support->of(*object_b), ball_b.radius);
+    step.is_carried = carries_a && carries_b;
+    if (step.is_carried) step.motion_a.velocity_of_fall = step.motion_b.velocity_of_fall = {};
+  }
   step.farthest_displacement =
       find_farthest_displacement(step.motion_a, step.motion_b, step.ball, time_step);
   step.detail = std::min(pair.a.detail(), pair.b.detail());
@@ -61,15 +75,6 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.touch_margin = std::min(
       step.margin, std::max(step.rest_margin,
                             find_touch_reach(step.motion_a, step.motion_b, step.ball, time_step)));
-
-  const double fastest =
-      length(step.motion_a.velocity_at(step.ball.centre) -
-             step.motion_b.velocity_at(step.ball.centre)) +
-      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.ball.radius;
-  const double weight =
-      std::max(length(step.motion_a.velocity_of_forces), length(step.motion_b.velocity_of_forces));
-  const double energy_to_lift = weight / time_step * kStillOfMargin * step.rest_margin;
-  step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
   step.rolls_at_rest = settings.rolling_at_rest;
 
   step.owed_energy = owed_energy;
@@ -82,7 +87,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
                      RelativeMotion::of(Motion{}, of_field, world_from_shell)};
   step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(step.ball.centre);
   step.displacement =
-      time_step * (step.motion.velocity_at(step.middle) + step.motion.velocity_of_forces);
+      time_step * (step.motion.velocity_at(step.middle) + step.motion.velocity_of_fall);
   return step;
 }
 

@@ -5,6 +5,7 @@
 #include "ball.h"
 #include "motion.h"
 #include "posed_pair.h"
+#include "support.h"
 #include "voxshell/bullet/contact_settings.h"
 
 namespace voxshell::bullet {
@@ -27,6 +28,7 @@ struct PairStep {
   bool uses_ccd;        ///< points that will touch within the step are contacts
   double margin;        ///< points may be contacts up to this gap
   double touch_margin;  ///< points farther apart do not touch within the step; at most the margin
+  bool is_carried;      ///< contacts are taken to carry the bodies as in the last step
   bool is_still;        ///< the bodies hardly move, and come to rest on the points that they lie on
   bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
   double restitution;   ///< of the two objects
@@ -69,7 +71,8 @@ Turning turning_of(const PairStep& step, bool is_of_field);
 /// towards the other body.
 Turning own_turning_of(const PairStep& step, bool is_of_field);
 
+/// @param support  What carries the bodies, which touched in the last step; else null.
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
-                       double owed_energy);
+                       double owed_energy, const Support* support = nullptr);
 
 }  // namespace voxshell::bullet

@@ -11,6 +11,7 @@
 
 #include "model_algorithm.h"
 #include "posed_pair.h"
+#include "support.h"
 #include "voxshell/parallel.h"
 
 namespace voxshell::bullet {
@@ -50,7 +51,8 @@ struct ParallelDispatcher::Job {
 
 ParallelDispatcher::ParallelDispatcher(btCollisionConfiguration* configuration, unsigned threads)
     : btCollisionDispatcher(configuration),
-      threads_(threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {}
+      threads_(threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())),
+      support_(std::make_unique<Support>()) {}
 
 ParallelDispatcher::~ParallelDispatcher() = default;
 
@@ -58,6 +60,7 @@ void ParallelDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs
                                                    const btDispatcherInfo& info,
                                                    btDispatcher* dispatcher) {
   parallel_seconds_ = 0.0;
+  support_->read(*this);
   jobs_.clear();
   // A callback of the user's may pass some by, and so may an exception.
   struct DropAtEnd {

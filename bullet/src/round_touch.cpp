@@ -170,7 +170,7 @@ void RoundTouch::move(const Path& path, Contact& contact) {
   const auto now = face(-outwards_);
   if (!now) return;
   const Vec3 normal = sign * outwards_;
-  const Vec3 velocity = motion_.velocity_at(*now) + motion_.velocity_of_forces;
+  const Vec3 velocity = motion_.velocity_at(*now) + motion_.velocity_of_fall;
   const double closing = std::max(-dot(velocity, normal) * step_.time_step, 0.0);
   contact.normal = static_cast<Vec3f>(normal);
   contact.depth = static_cast<float>(-std::max(fraction_ * closing + gap_, 0.0) - step_.thickness);

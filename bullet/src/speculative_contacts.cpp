@@ -164,7 +164,7 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMo
   const PosedPair& pair = *step.pair;
   const GridField& field = pair.shell_side().model()->grid();
   const Vec3 displacement =
-      -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_forces);
+      -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_fall);
   const Path path(motion.reversed(), feature.place, step.time_step);
   const auto touch = find_touch(step, field, path, Pose{}, displacement, steps,
                                 feature.radius + step.thickness, element);
@@ -227,7 +227,7 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
   }
   const auto point = static_cast<Vec3>(contact.point);
   const Vec3 displacement = step.field_from_shell.rotate(
-      step.time_step * (motion.velocity_at(point) + motion.velocity_of_forces));
+      step.time_step * (motion.velocity_at(point) + motion.velocity_of_fall));
   const Path path(motion, point, step.time_step);
   const Element element = !turns ? Element(FacingPlace{})
                                  : element_of(step, pair.shell_side(), contact.id, point, Pose{},
@@ -273,7 +273,7 @@ void allow_motion_without_forces(const PairStep& step, std::span<const Feature> 
   const double closing = impact.approach * step.time_step;
   if (closing <= impact.gap) return;
   RelativeMotion motion = step.motion;
-  motion.velocity_of_forces = {};
+  motion.velocity_of_fall = {};
   if (find_speculative(step, motion, features, found, 1.0)) return;
   widen(step, closing, plane);
 }
@@ -283,7 +283,7 @@ void allow_motion_after(const PairStep& step, const AfterTouch& after,
   if (step.pair->has_triangles()) return;
   // The solver has bodies move like that from the start of the step on.
   const Vec3 velocity =
-      after.motion.velocity_at(static_cast<Vec3>(plane.point)) + after.motion.velocity_of_forces;
+      after.motion.velocity_at(static_cast<Vec3>(plane.point)) + after.motion.velocity_of_fall;
   const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
   if (closing <= impact_of(step, plane).gap) return;
   PairStep rest = step;

@@ -36,8 +36,8 @@ void SweptHits::find(const PairStep& step, const PointShell& shell, const Field&
   PairStep motion = step;
   // What something carries does not fall.
   if (std::ranges::any_of(contacts, touches)) {
-    motion.motion_a.velocity_of_forces = {};
-    motion.motion_b.velocity_of_forces = {};
+    motion.motion_a.velocity_of_fall = {};
+    motion.motion_b.velocity_of_fall = {};
   }
   const double wanted = std::ceil(step.farthest_displacement / step.detail);
   const int poses = static_cast<int>(std::clamp(wanted, 1.0, 1.0 * kMostSweptPoses));

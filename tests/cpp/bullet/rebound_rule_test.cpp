@@ -23,7 +23,7 @@ PairStep make_step(double restitution, double owed_energy = 0.0) {
 }
 
 Impact impact(double gap, double approach) {
-  return {gap, approach, kGravity * kStep, approach * approach};
+  return {gap, approach, kGravity * kStep, kGravity * kStep, approach * approach};
 }
 
 /// What Bullet's integration keeps of a body that rises at `speed`, J/kg: it adds gravity to the
@@ -124,6 +124,7 @@ TEST(ReboundRule, ContactsThatDoNotTouchWithinTheStepDoNotRebound) {
   step.motion.velocity = {0, 0, -1};
   // The solver sees it because a turn might bring it nearer. Gravity pulls away from it.
   step.motion.velocity_of_forces = {0, 0, kGravity * kStep};
+  step.motion.velocity_of_fall = step.motion.velocity_of_forces;
   const std::vector<Contact> contacts{{1, -0.03f, {}, {0, 0, 1}}};
   const FirstTouch first = find_first_touch(step, contacts);
   EXPECT_FALSE(first.includes(step, impact_of(step, contacts[0])));

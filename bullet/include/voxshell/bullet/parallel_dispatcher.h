@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 namespace voxshell::bullet {
+
+class Support;
 
 /// A dispatcher that searches for the contacts of models on several threads. Use it in place of
 /// btCollisionDispatcher, with a CollisionConfiguration. The calling thread puts the contacts into
@@ -22,6 +25,8 @@ class ParallelDispatcher : public btCollisionDispatcher {
 
   /// Seconds that the last dispatch spent on several threads.
   double parallel_seconds() const { return parallel_seconds_; }
+  /// What carried the bodies in the last step, from the start of a dispatch on.
+  const Support& support() const { return *support_; }
 
  private:
   struct Job;
@@ -29,6 +34,7 @@ class ParallelDispatcher : public btCollisionDispatcher {
 
   unsigned threads_;
   double parallel_seconds_ = 0.0;
+  std::unique_ptr<Support> support_;
   std::vector<Job> jobs_;  ///< of the last dispatch
 };
 
