@@ -268,7 +268,8 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
                 posed.own.thickness() + posed.other.thickness());
   if (question.slides) {
     of.on_round.slide(contacts, posed.model(), posed.other, field_from_shell, question.touch,
-                      own_turning_of(*step, posed.is_of_field));
+                      own_turning_of(*step, posed.is_of_field),
+                      turning_of(*step, !posed.is_of_field));
   }
   of.flat.align(contacts, posed.field(), posed.shell(), posed.model().grid(), field_from_shell,
                 question.touch);

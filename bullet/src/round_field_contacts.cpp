@@ -11,7 +11,8 @@ namespace voxshell::bullet {
 
 void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& model,
                                const Side& other, const Pose& field_from_shell,
-                               const TouchScale& scale, const Turning& turning) {
+                               const TouchScale& scale, const Turning& turning,
+                               const Turning& turning_of_field) {
   const bool forgets = before_ != &model;
   on_edges_.begin(forgets);
   on_faces_.begin(forgets);
@@ -26,6 +27,8 @@ void RoundFieldContacts::slide(std::vector<Contact>& contacts, const Model& mode
   field_from_shell_ = field_from_shell;
   shell_from_field_ = field_from_shell.inverse();
   turning_ = turning;
+  turning_of_field_ = turning_of_field;
+  lead_ = std::max(scale.margin, kLeadOfRadius * scale.radius);
   margin_ = scale.margin;
   least_curvature_ = kFlatBend / scale.radius;
   same_within_ = kSameOfRadius * scale.radius;
@@ -185,6 +188,14 @@ bool RoundFieldContacts::may_lead(const Vec3& place, const Vec3& normal, const T
   return turning_.lead_over(place, normal, touch.position, gap, touch.outwards) > margin_;
 }
 
+/// The same of a place of the round body.
+bool RoundFieldContacts::round_may_lead(const RoundSide::Place& place, const Touch& touch) const {
+  const double gap = std::max(-touch.depth, 0.0);
+  const Vec3 direction = -field_from_shell_.rotate(touch.outwards);
+  return turning_of_field_.lead_over(place.position, place.normal, touch.on_round.position, gap,
+                                     direction) > lead_;
+}
+
 /// Whether a place of the shell's body, which looks outwards there, lies behind the nearest of some
 /// contacts, to which the round surface leads from there.
 bool RoundFieldContacts::is_covered(const RoundSide& round, const PlacesAtRest<Touch>& places,
@@ -227,10 +238,15 @@ void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_o
     const std::uint32_t triangle = surface.triangle_of(contact.id);
     if (surface.is_flat(triangle)) return false;
     const SmoothSurface::Place on = surface.nearest_on(triangle, point);
+    const RoundSide::Place on_round{surface.position(on), surface.normal(on), on};
     const auto normal = static_cast<Vec3>(contact.normal);
     const Vec3 touched = point + static_cast<double>(contact.depth) * normal;
-    return covers(shell_from_field_.transform_point(touched), shell_from_field_.rotate(normal),
-                  {surface.position(on), surface.normal(on), on});
+    const Vec3 position = shell_from_field_.transform_point(touched);
+    const auto leads = [&](const PlacesAtRest<Touch>& places) {
+      return !places.empty() && round_may_lead(on_round, places.nearest(position).of);
+    };
+    return !leads(on_edges_) && !leads(on_faces_) &&
+           covers(position, shell_from_field_.rotate(normal), on_round);
   });
 }
 

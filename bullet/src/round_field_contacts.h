@@ -27,8 +27,10 @@ class RoundFieldContacts {
   /// @param field_from_shell  Pose of the shell's frame in the field's.
   /// @param turning           Of the shell's body: samples that may touch, once it has turned,
   /// before the place that they slide to does, stay where they are, also in drop_covered().
+  /// @param turning_of_field  The same of the field's body, for its samples in drop_covered().
   void slide(std::vector<Contact>& contacts, const Model& model, const Side& other,
-             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning);
+             const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
+             const Turning& turning_of_field);
 
   /// Finds where the contacts of the last slide() are now; see RoundContacts::follow().
   void follow(std::span<const Contact> kept, std::uint32_t first_id, const Side& other,
@@ -68,6 +70,7 @@ class RoundFieldContacts {
   std::optional<RoundSide::Place> nearest_on(const RoundSide& round, const Vec3& place);
   bool slide_feature(const RoundSide& round, Contact& contact, Feature& feature) const;
   bool may_lead(const Vec3& place, const Vec3& normal, const Touch& touch) const;
+  bool round_may_lead(const RoundSide::Place& place, const Touch& touch) const;
   bool is_covered(const RoundSide& round, const PlacesAtRest<Touch>& places, const Vec3& position,
                   const Vec3& outwards, const RoundSide::Place& on_round) const;
 
@@ -78,6 +81,8 @@ class RoundFieldContacts {
   Pose field_from_shell_;
   Pose shell_from_field_;
   Turning turning_{};
+  Turning turning_of_field_{};
+  double lead_ = 0.0;             ///< by which places of the round body come first, metres
   double margin_ = 0.0;           ///< see TouchScale
   double least_curvature_ = 0.0;  ///< 1/metres
   double same_within_ = 0.0;      ///< metres

@@ -113,7 +113,7 @@ TEST(PairStep, WhatMovesIsNotCarried) {
 TEST(PairStep, ABlowDoesNotCarry) {
   Supporting of;
   btRigidBody& slab = of.world.add_model(slab_model(), 0);
-  btRigidBody& cube = of.world.add_model(cube_model(), 1.0, {{}, {0, 0, Resting::top() + 0.01}});
+  btRigidBody& cube = of.world.add_model(cube_model(), 1.0, {{}, {0, 0, Resting::top() + 0.001}});
   cube.setLinearVelocity(btVector3(0, 0, -1));
   TwoBodies bodies(cube, slab);
   of.step(1);
