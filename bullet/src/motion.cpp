@@ -131,7 +131,8 @@ RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
           frame_from_world * (body.angular_velocity - seen_from.angular_velocity),
           frame_from_world * (body.velocity_of_forces - seen_from.velocity_of_forces),
           frame_from_world * (body.velocity_of_fall - seen_from.velocity_of_fall),
-          spin_of(body), spin_of(seen_from)};
+          spin_of(body),
+          spin_of(seen_from)};
 }
 
 Path::Path(const RelativeMotion& motion, const Vec3& place, double time_step)

@@ -76,8 +76,7 @@ struct RelativeMotion {
   Vec3 velocity_at(const Vec3& point) const { return velocity + cross(angular_velocity, point); }
   /// How the other body moves as this one sees it.
   RelativeMotion reversed() const {
-    return {-velocity,         -angular_velocity, -velocity_of_forces,
-            -velocity_of_fall, seen_from,         own};
+    return {-velocity, -angular_velocity, -velocity_of_forces, -velocity_of_fall, seen_from, own};
   }
   /// The same if the body did not turn: how the place of a ball moves that faces something.
   RelativeMotion unspun() const {

@@ -22,6 +22,37 @@ Pose PairStep::field_from_shell_after(double fraction, const Motion& of_a,
   return moved(pair->field_side()).inverse() * moved(pair->shell_side());
 }
 
+namespace {
+
+/// No place of the smaller body is faster, as the other one sees it, without what forces add, m/s.
+double find_fastest(const PairStep& step) {
+  const Motion& a = step.motion_a;
+  const Motion& b = step.motion_b;
+  return length(a.velocity_at(step.ball.centre) - b.velocity_at(step.ball.centre)) +
+         length(a.angular_velocity - b.angular_velocity) * step.ball.radius;
+}
+
+/// How far contacts are looked for.
+void look_ahead(const ContactSettings& settings, PairStep& step) {
+  const Motion& a = step.motion_a;
+  const Motion& b = step.motion_b;
+  // Inside each other the nearest surface is a face, not the edge or corner that they hit.
+  const bool rebounds = step.restitution > 0.0 && settings.mode == ContactMode::kAutomatic;
+  const double by_default = rebounds ? std::min(step.rest_margin, step.detail) : step.detail;
+  const double threshold =
+      settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : by_default;
+  step.farthest_displacement = find_farthest_displacement(a, b, step.ball, step.time_step);
+  step.uses_ccd = step.farthest_displacement > threshold;
+  step.margin = step.rest_margin;
+  if (step.uses_ccd) step.margin = std::max(step.margin, kCcdReach * step.farthest_displacement);
+  const double farthest_if_stopped = find_farthest_if_stopped(a, b, step.ball, step.time_step);
+  if (farthest_if_stopped > threshold) step.margin = std::max(step.margin, farthest_if_stopped);
+  step.touch_margin = std::min(
+      step.margin, std::max(step.rest_margin, find_touch_reach(a, b, step.ball, step.time_step)));
+}
+
+}  // namespace
+
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
                        double owed_energy, const Support* support) {
   const btCollisionObject* const object_a = pair.a.wrap().getCollisionObject();
@@ -43,38 +74,23 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
       default_rest_margin(step.ball.radius, std::min(pair.a.thinnest(), pair.b.thinnest()));
   step.rest_margin = settings.margin >= 0.0 ? settings.margin : rest_margin;
   step.deep_overlap = kDeepOfMargin * rest_margin;
-  const double fastest =
-      length(step.motion_a.velocity_at(step.ball.centre) -
-             step.motion_b.velocity_at(step.ball.centre)) +
-      length(step.motion_a.angular_velocity - step.motion_b.angular_velocity) * step.ball.radius;
+  step.detail = std::min(pair.a.detail(), pair.b.detail());
+  step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
+  const double fastest = find_fastest(step);
   const double weight =
       std::max(length(step.motion_a.velocity_of_forces), length(step.motion_b.velocity_of_forces));
   const double energy_to_lift = weight / time_step * kStillOfMargin * step.rest_margin;
   step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
-  if (support != nullptr && step.is_still && fastest * time_step <= rest_margin) {
-    const bool carries_a = step.motion_a.is_carried(support->of(*object_a), ball_a.radius);
-    const bool carries_b = step.motion_b.is_carried(support->of(*object_b), ball_b.radius);
-    step.is_carried = carries_a && carries_b;
-    if (step.is_carried) step.motion_a.velocity_of_fall = step.motion_b.velocity_of_fall = {};
+  look_ahead(settings, step);
+  // What lies on something looks no farther than what touches it.
+  step.is_carried = step.looks_ahead() && support != nullptr && step.is_still &&
+                    fastest * time_step <= step.rest_margin &&
+                    step.motion_a.is_carried(support->of(*object_a), ball_a.radius) &&
+                    step.motion_b.is_carried(support->of(*object_b), ball_b.radius);
+  if (step.is_carried) {
+    step.motion_a.velocity_of_fall = step.motion_b.velocity_of_fall = {};
+    look_ahead(settings, step);
   }
-  step.farthest_displacement =
-      find_farthest_displacement(step.motion_a, step.motion_b, step.ball, time_step);
-  step.detail = std::min(pair.a.detail(), pair.b.detail());
-  step.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(object_a, object_b));
-  // Inside each other the nearest surface is a face, not the edge or corner that they hit.
-  const bool rebounds = step.restitution > 0.0 && settings.mode == ContactMode::kAutomatic;
-  const double by_default = rebounds ? std::min(step.rest_margin, step.detail) : step.detail;
-  const double threshold =
-      settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : by_default;
-  step.uses_ccd = step.farthest_displacement > threshold;
-  step.margin = step.rest_margin;
-  if (step.uses_ccd) step.margin = std::max(step.margin, kCcdReach * step.farthest_displacement);
-  const double farthest_if_stopped =
-      find_farthest_if_stopped(step.motion_a, step.motion_b, step.ball, time_step);
-  if (farthest_if_stopped > threshold) step.margin = std::max(step.margin, farthest_if_stopped);
-  step.touch_margin = std::min(
-      step.margin, std::max(step.rest_margin,
-                            find_touch_reach(step.motion_a, step.motion_b, step.ball, time_step)));
   step.rolls_at_rest = settings.rolling_at_rest;
 
   step.owed_energy = owed_energy;

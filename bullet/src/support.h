@@ -23,7 +23,7 @@ class Support {
   struct Push {
     Vec3 velocity;          ///< m/s
     Vec3 angular_velocity;  ///< rad/s
-    double load = 0.0;      ///< the sum of what all contacts gave alone, whatever its direction, m/s
+    double load = 0.0;  ///< the sum of what all contacts gave alone, whatever its direction, m/s
   };
   Push of(const btCollisionObject& body) const;
 

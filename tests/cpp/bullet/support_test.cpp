@@ -15,7 +15,7 @@ namespace {
 
 using namespace test_support;
 
-constexpr double kStep = 1.0 / 60.0;
+constexpr double kStep = 1.0 / 30.0;
 constexpr double kGravityOfStep = 9.81 * kStep;
 
 /// A world whose dispatcher tells what carries bodies.
@@ -68,8 +68,7 @@ TEST(Support, IsNothingOfWhatFalls) {
   EXPECT_EQ(length(of.support.of(stranger).velocity), 0.0);
 }
 
-/// A cube of 2 cm that gravity would move by 2.7 mm in a step, ten times as far as its models are
-/// fine.
+/// A cube that gravity would move farther in a step than CCD allows.
 class Resting {
  public:
   Resting()
