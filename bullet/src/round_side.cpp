@@ -115,4 +115,20 @@ std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3&
   return reached->position;
 }
 
+std::optional<Vec3> find_lowest_of_rim(const Model& model, const Vec3& point, double within,
+                                       const Vec3& direction, double least_curvature) {
+  const SmoothSurface& surface = model.smooth_surface();
+  if (!surface.is_curved()) return std::nullopt;
+  SmoothSurface::Place start = surface.nearest(point);
+  if (surface.is_flat(start.triangle)) {
+    // On a flat face: the round one that ends beside it.
+    start = surface.nearest(point - within * surface.normal(start));
+    if (surface.is_flat(start.triangle)) return std::nullopt;
+    start = surface.nearest_on(start.triangle, point);
+  }
+  const SmoothSurface::Slide slide = surface.slide(start, direction, least_curvature);
+  if (!slide.is_at_rest || surface.is_flat(slide.place.triangle)) return std::nullopt;
+  return surface.position(slide.place);
+}
+
 }  // namespace voxshell::bullet

@@ -47,4 +47,10 @@ class RoundSide {
 std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3& direction,
                                 double least_curvature);
 
+/// The place of a model's rim, a sharp edge of its round surface, that is farthest along a
+/// direction, by way of the rim from a point of it on; none where the edge is no rim. The model's
+/// frame.
+std::optional<Vec3> find_lowest_of_rim(const Model& model, const Vec3& point, double within,
+                                       const Vec3& direction, double least_curvature);
+
 }  // namespace voxshell::bullet

@@ -70,12 +70,17 @@ RoundTouch::RoundTouch(const PairStep& step, const RelativeMotion& motion, doubl
       side_(is_shell_ ? step.pair->shell_side() : step.pair->field_side()),
       own_from_shell_(is_shell_ ? Pose{} : step.field_from_shell),
       shell_from_own_(own_from_shell_.inverse()),
-      of_side_(is_shell_ ? motion : motion.reversed()) {}
+      of_side_(is_shell_ ? motion : motion.reversed()),
+      rim_within_(std::min(kRimOfRadius * step.ball.radius, kRimOfThickness * side_.thinnest())) {}
 
 /// The place that faces a direction now, by way of the surface from the last one.
 std::optional<Vec3> RoundTouch::face(const Vec3& direction) const {
-  const auto found = find_facing(side_, own_from_shell_.transform_point(place_),
-                                 own_from_shell_.rotate(direction), kFlatBend / step_.ball.radius);
+  const Vec3 place = own_from_shell_.transform_point(place_);
+  const Vec3 along = own_from_shell_.rotate(direction);
+  const double least_curvature = kFlatBend / step_.ball.radius;
+  const auto found =
+      is_rim_ ? find_lowest_of_rim(*side_.model(), place, rim_within_, along, least_curvature)
+              : find_facing(side_, place, along, least_curvature);
   if (!found) return std::nullopt;
   return shell_from_own_.transform_point(*found);
 }
@@ -108,6 +113,15 @@ bool RoundTouch::meet_face(const Path& path, const Vec3& own) {
   const auto facing = face(path.turned_back(fraction_, -outwards_));
   if (!facing) return false;
   gap_ += dot(after(*facing) - path.at(fraction_), outwards_);
+  return true;
+}
+
+/// The same where the body touches with a rim: its lowest place, by way of the rim.
+bool RoundTouch::meet_face_with_rim(const Path& path) {
+  is_rim_ = true;
+  const auto lowest = face(path.turned_back(fraction_, -outwards_));
+  if (!lowest) return false;
+  gap_ += dot(after(*lowest) - path.at(fraction_), outwards_);
   return true;
 }
 
@@ -149,24 +163,29 @@ bool RoundTouch::meet_edge(const Path& path, const Vec3& own) {
   return gap_ <= kColumnGaps * step_.touching_gap() && dot(outwards_, own) >= kFacesEdge;
 }
 
+/// Finds how the body touches what a place of an element of it has come to. Whether it is with a
+/// place of the round surface, or with its rim.
+bool RoundTouch::meet(const Path& path, const Model& model, std::uint32_t id) {
+  const PointShell& shell = model.shell();
+  const bool is_on_edge = ends_beside(path.at(fraction_) - gap_ * outwards_, outwards_);
+  if (!shell.is_point(id)) return !is_on_edge && meet_face_with_rim(path);
+  const Vec3 normal = shell_from_own_.rotate(static_cast<Vec3>(shell.normals()[id]));
+  const Vec3 own = -path.turned_at(fraction_, normal);
+  if (!lies_on_curve(model, id)) {
+    return !is_on_edge && dot(own, outwards_) < kFacesPlane && meet_face_with_rim(path);
+  }
+  if (!is_on_edge) return meet_face(path, own);
+  return step_.restitution == 0.0 && meet_edge(path, own);
+}
+
 void RoundTouch::move(const Path& path, Contact& contact) {
   const double turn = fraction_ * step_.time_step * length(motion_.angular_velocity);
   if (turn * step_.ball.radius <= step_.touching_gap()) return;
   const double sign = is_shell_ ? 1.0 : -1.0;
   place_ = place_on(is_shell_, contact);
   outwards_ = sign * static_cast<Vec3>(contact.normal);
-  const auto [owner, id, is_of_shell] = element_at(step_, contact);
-  if (is_of_shell == is_shell_) {
-    const PointShell& shell = *owner.participant().shell;
-    if (!shell.is_point(id)) return;
-    const Vec3 normal = shell_from_own_.rotate(static_cast<Vec3>(shell.normals()[id]));
-    const Vec3 own = -path.turned_at(fraction_, normal);
-    if (!ends_beside(path.at(fraction_) - gap_ * outwards_, outwards_)) {
-      if (!meet_face(path, own)) return;
-    } else if (step_.restitution > 0.0 || !meet_edge(path, own)) {
-      return;
-    }
-  }
+  const OwnedElement element = element_at(step_, contact);
+  if (element.is_of_shell == is_shell_ && !meet(path, *element.side.model(), element.id)) return;
   const auto now = face(-outwards_);
   if (!now) return;
   const Vec3 normal = sign * outwards_;

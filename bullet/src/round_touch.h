@@ -47,6 +47,8 @@ class RoundTouch {
   bool ends_beside(const Vec3& place, const Vec3& normal) const;
   bool meet_face(const Path& path, const Vec3& own);
   bool meet_edge(const Path& path, const Vec3& own);
+  bool meet_face_with_rim(const Path& path);
+  bool meet(const Path& path, const Model& model, std::uint32_t id);
 
   const PairStep& step_;
   const RelativeMotion& motion_;
@@ -57,6 +59,8 @@ class RoundTouch {
   Pose own_from_shell_;
   Pose shell_from_own_;
   RelativeMotion of_side_;
+  bool is_rim_ = false;  ///< what touches is the rim of the round surface
+  double rim_within_;    ///< places of flat faces that are nearer to the rim are of it, metres
   // Shell's frame.
   Vec3 place_;     ///< of the surface now
   Vec3 outwards_;  ///< of the other body's plane
