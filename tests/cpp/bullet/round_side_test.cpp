@@ -55,5 +55,27 @@ TEST(RoundSide, FindsNoneOnABox) {
   EXPECT_FALSE(find_facing(box.side, {0, 0, -0.1}, {0, 0, -1}, kLeastCurvature));
 }
 
+TEST(RoundSide, FindsTheLowestPlaceOfARim) {
+  constexpr double kRadius = 0.1;
+  constexpr double kHalf = 0.05;
+  const auto can =
+      build_by_tolerance(voxshell::test_support::make_cylinder(kRadius, 2.0 * kHalf, 96));
+  // Leaning over, it touches with its rim.
+  const Vec3 down = normalized(Vec3{0.6, 0.0, -0.3});
+  const Vec3 lowest{kRadius, 0.0, -kHalf};
+  for (const Vec3& start : {Vec3{0.08, 0.06, -kHalf}, Vec3{0.075, 0.055, -kHalf}}) {
+    const auto found = find_lowest_of_rim(*can, start, 0.02, down, kLeastCurvature);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(length(*found - lowest), 0.0, 2e-3);
+  }
+  // The middle of the base is of no rim.
+  EXPECT_FALSE(find_lowest_of_rim(*can, {0, 0, -kHalf}, 0.02, down, kLeastCurvature));
+}
+
+TEST(RoundSide, ABoxHasNoRim) {
+  const auto box = build_by_tolerance(Vec3{0.1, 0.1, 0.1});
+  EXPECT_FALSE(find_lowest_of_rim(*box, {0.1, 0, -0.1}, 0.02, {0, 0, -1}, kLeastCurvature));
+}
+
 }  // namespace
 }  // namespace voxshell::bullet
