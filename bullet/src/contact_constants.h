@@ -57,6 +57,10 @@ inline constexpr double kEdgeBend = 0.1;
 /// How often the place of a round surface that faces an edge is looked for, each time from the
 /// center of curvature of the last one.
 inline constexpr int kMostFacing = 4;
+/// Sine by which the normals of a round surface and of what it slides over may miss each other on
+/// the way, and of a first step along it, how far from an edge it ends. Smaller: places are looked
+/// for in vain where cells of a field meet. Larger: planes lean.
+inline constexpr double kSlidesWithin = 0.01;
 /// By how much a direction is tilted to see how round a surface is, radians.
 inline constexpr double kTilt = 0.1;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:

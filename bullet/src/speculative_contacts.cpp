@@ -12,6 +12,7 @@
 #include "impact.h"
 #include "round_touch.h"
 #include "second_shell.h"
+#include "sliding_touch.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -201,6 +202,15 @@ void widen(const PairStep& step, double closing, Contact& plane) {
   if (is_shell_larger(step)) put_on_field(step, on_field, plane);
 }
 
+/// When the bodies reach a plane, as a fraction of the step.
+double time_of(const PairStep& step, const RelativeMotion& motion, const Contact& plane) {
+  const Vec3 velocity =
+      motion.velocity_at(static_cast<Vec3>(plane.point)) + motion.velocity_of_fall;
+  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  const double gap = -static_cast<double>(plane.depth) - step.thickness;
+  return closing > 0.0 ? gap / closing : kNever;
+}
+
 /// Follows the place that a contact is at, which turns with its body or goes on facing the other.
 std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& motion,
                                     std::span<const Feature> features, const Contact& contact,
@@ -259,7 +269,13 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
                                         std::span<const Feature> features, const Contact& contact,
                                         double steps) {
   const auto found = follow_place(step, motion, features, contact, steps, /*turns=*/true);
-  if (found || !is_facing(step, contact)) return found;
+  if (!is_facing(step, contact)) return found;
+  // What faces another plane by then passes the edge, or the bar, that a place beside it touches.
+  if (found && dot(found->normal, contact.normal) >= kDoubleCosine) return found;
+  const auto sliding = find_sliding(step, motion, contact, steps);
+  const auto time_of_plane = [&](const Contact& plane) { return time_of(step, motion, plane); };
+  if (sliding && (!found || time_of_plane(*sliding) < time_of_plane(*found))) return sliding;
+  if (found) return found;
   // The place turns away, and another one faces the other body.
   const bool is_of_shell = contact.id < kFirstOfSecond;
   return follow_place(step, is_of_shell ? motion.unspun() : motion.reversed().unspun().reversed(),

@@ -1,0 +1,156 @@
+#include "sliding_touch.h"
+
+#include <algorithm>
+
+#include "conservative_advancement.h"
+#include "contact_constants.h"
+#include "face_field.h"
+#include "round_side.h"
+#include "round_touch.h"
+#include "second_shell.h"
+#include "slide_to_nearest.h"
+#include "smooth_field.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// The round one of the two bodies, of which a place faces the other one.
+struct RoundBody {
+  bool is_shell;  ///< it is the pair's shell side
+  RoundSide round;
+  RoundSide::Place place;  ///< its own frame
+};
+
+/// The smaller body where that is round: its surface is the one that bends more.
+std::optional<RoundBody> find_round(const PairStep& step, const Contact& contact) {
+  const bool first = !is_shell_larger(step);
+  for (const bool is_shell : {first, !first}) {
+    const PosedPair& pair = *step.pair;
+    const auto round = RoundSide::of(is_shell ? pair.shell_side() : pair.field_side());
+    if (!round) continue;
+    const Pose own_from_shell = is_shell ? Pose{} : step.field_from_shell;
+    const Vec3 at = is_shell ? static_cast<Vec3>(contact.point) : place_of_second(contact);
+    const auto place = round->nearest(own_from_shell.transform_point(at));
+    if (!place) continue;
+    const Vec3 outwards = own_from_shell.rotate(static_cast<Vec3>(contact.normal));
+    const double facing = (is_shell ? -1.0 : 1.0) * dot(place->normal, outwards);
+    if (facing >= kFacesEdge) return RoundBody{is_shell, *round, *place};
+  }
+  return std::nullopt;
+}
+
+/// The place of a round body that is nearest to the other one at each time of the step.
+class SlidingPlace {
+ public:
+  SlidingPlace(const PairStep& step, const RelativeMotion& motion, const RoundBody& body)
+      : step_(step),
+        body_(body),
+        own_from_shell_(body.is_shell ? Pose{} : step.field_from_shell),
+        shell_from_own_(own_from_shell_.inverse()),
+        other_from_shell_(body.is_shell ? step.field_from_shell : Pose{}),
+        shell_from_other_(other_from_shell_.inverse()),
+        motion_(body.is_shell ? motion : motion.reversed()),
+        other_(body.is_shell ? step.pair->field_side() : step.pair->shell_side()),
+        place_(body.place) {}
+
+  /// Whether they touch. Where it is not found on the way, what was found last counts if they are
+  /// as good as touching there.
+  bool advance_to_touch(double steps) {
+    const auto reached = advance(path_of(place_.position).length(), step_.touching_gap(), steps,
+                                 [&](double fraction) { return clearance_after(fraction); });
+    if (!reached || !met_) return false;
+    return met_->gap <= std::max(step_.touching_gap(), kSameOfRadius * step_.ball.radius);
+  }
+
+  /// The contact where they touch.
+  Contact contact_of(const Contact& contact) const {
+    const double sign = body_.is_shell ? 1.0 : -1.0;
+    const Vec3 normal = sign * met_->outwards;
+    const auto facing = body_.round.slide(met_->place, own_from_shell_.rotate(-met_->outwards),
+                                          kFlatBend / step_.ball.radius);
+    const Vec3 now = shell_from_own_.transform_point((facing ? *facing : met_->place).position);
+    const Vec3 velocity = motion_.velocity_at(now) + motion_.velocity_of_fall;
+    const double closing = std::max(-dot(velocity, met_->outwards) * step_.time_step, 0.0);
+    const double gap = std::max(met_->gap, 0.0);
+    Contact touching = contact;
+    touching.normal = static_cast<Vec3f>(normal);
+    touching.depth = static_cast<float>(-(met_->fraction * closing + gap) - step_.thickness);
+    // At the place of the smaller body.
+    if (body_.is_shell == is_shell_larger(step_)) {
+      const Vec3 on_other = met_->position - (met_->gap + step_.thickness) * met_->outwards;
+      touching.point = static_cast<Vec3f>(on_other);
+      if (body_.is_shell)
+        put_on_field(step_, other_from_shell_.transform_point(on_other), touching);
+      return touching;
+    }
+    touching.point = static_cast<Vec3f>(now);
+    if (!body_.is_shell) put_on_field(step_, own_from_shell_.transform_point(now), touching);
+    return touching;
+  }
+
+ private:
+  /// Where they are nearest to each other at some time. The frame of the shell, but for the place.
+  struct Met {
+    double fraction;  ///< of the step
+    double gap;       ///< metres
+    Vec3 outwards;    ///< of the other body
+    Vec3 position;
+    RoundSide::Place place;
+  };
+
+  Path path_of(const Vec3& own_place) const {
+    return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
+  }
+
+  /// How far they are apart after a fraction of the step.
+  Clearance clearance_after(double fraction) {
+    const auto now = settle(fraction);
+    // Near an edge, places on both sides of it feel its faces; what they felt before is true.
+    if (!now || (now->gap < 0.0 && met_)) return {0.0, 0.0};
+    met_ = now;
+    return {now->gap, kSafeOfGap * now->gap};
+  }
+
+  /// Slides the place to where the other body is nearest, after a fraction of the step.
+  std::optional<Met> settle(double fraction) {
+    const auto nearest = [&](const Vec3& point, const RoundSide::Place& guess) {
+      return body_.round.nearest(point, &guess);
+    };
+    const auto feel = [&](const Vec3& position) {
+      const Path path = path_of(position);
+      const SmoothField::Value there =
+          other_.at(other_from_shell_.transform_point(path.at(fraction)));
+      const Vec3 outwards = path.turned_back(fraction, shell_from_other_.rotate(there.outwards));
+      return Facing{position, own_from_shell_.rotate(outwards), there.distance - step_.thickness};
+    };
+    const auto facing = SlideToNearest(step_.ball.radius, nearest, feel).slide(place_);
+    if (!facing) return std::nullopt;
+    const Path path = path_of(facing->position);
+    const Vec3 outwards = path.turned_at(fraction, shell_from_own_.rotate(facing->outwards));
+    return Met{fraction, facing->distance, outwards, path.at(fraction), place_};
+  }
+
+  const PairStep& step_;
+  const RoundBody& body_;
+  Pose own_from_shell_;
+  Pose shell_from_own_;
+  Pose other_from_shell_;
+  Pose shell_from_other_;
+  RelativeMotion motion_;  ///< of the round body as the other one sees it, in the shell's frame
+  SmoothField other_;
+  RoundSide::Place place_;
+  std::optional<Met> met_;
+};
+
+}  // namespace
+
+std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
+                                    const Contact& contact, double steps) {
+  const auto body = find_round(step, contact);
+  if (!body) return std::nullopt;
+  SlidingPlace place(step, motion, *body);
+  if (!place.advance_to_touch(steps)) return std::nullopt;
+  return place.contact_of(contact);
+}
+
+}  // namespace voxshell::bullet

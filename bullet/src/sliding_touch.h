@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "motion.h"
+#include "pair_step.h"
+#include "voxshell/contacts.h"
+
+namespace voxshell::bullet {
+
+/// Follows the place where a round surface faces the other body, as both move: over an edge, a bar
+/// or another ball it slides, and what was followed in one place would pass beside them. None where
+/// the surfaces do not touch, where the contact is at no such place, and where it cannot be
+/// followed. Not for triangles.
+///
+/// @param motion   Of the shell as the field sees it, in the shell's frame.
+/// @param contact  Where it is now.
+/// @param steps    For how long it is followed.
+/// @return The contact with the gap that is left to it now, and the normal of the other body where
+/// they touch.
+std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
+                                    const Contact& contact, double steps);
+
+}  // namespace voxshell::bullet
