@@ -269,9 +269,9 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
                                         std::span<const Feature> features, const Contact& contact,
                                         double steps) {
   const auto found = follow_place(step, motion, features, contact, steps, /*turns=*/true);
-  if (!is_facing(step, contact)) return found;
   // What faces another plane by then passes the edge, or the bar, that a place beside it touches.
   if (found && dot(found->normal, contact.normal) >= kDoubleCosine) return found;
+  if (!is_facing(step, contact)) return found;
   const auto sliding = find_sliding(step, motion, contact, steps);
   const auto time_of_plane = [&](const Contact& plane) { return time_of(step, motion, plane); };
   if (sliding && (!found || time_of_plane(*sliding) < time_of_plane(*found))) return sliding;

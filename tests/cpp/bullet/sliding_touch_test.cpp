@@ -22,7 +22,7 @@ constexpr double kHalf = 0.1;
 struct Falling {
   explicit Falling(const Vec3& place, const Vec3& velocity, const Vec3& spin = {})
       : ball(world.add_model(ball_model(), 1, {{}, place})),
-        box(world.add(world.make<btBoxShape>(btVector3(kHalf, kHalf, kHalf)), 0,
+        box(world.add(world.make<btBoxShape>(to_bullet(Vec3{kHalf, kHalf, kHalf})), 0,
                       {{}, {-kHalf, 0, -kHalf}})),
         bodies(ball, box) {
     ball.setLinearVelocity(to_bullet(velocity));
