@@ -42,6 +42,15 @@ std::optional<RoundBody> find_round(const PairStep& step, const Contact& contact
 /// The place of a round body that is nearest to the other one at each time of the step.
 class SlidingPlace {
  public:
+  /// Where they are nearest to each other at some time. The frame of the shell, but for the place.
+  struct Met {
+    double fraction;  ///< of the step
+    double gap;       ///< metres
+    Vec3 outwards;    ///< of the other body
+    Vec3 position;
+    RoundSide::Place place;
+  };
+
   SlidingPlace(const PairStep& step, const RelativeMotion& motion, const RoundBody& body)
       : step_(step),
         body_(body),
@@ -53,31 +62,32 @@ class SlidingPlace {
         other_(body.is_shell ? step.pair->field_side() : step.pair->shell_side()),
         place_(body.place) {}
 
-  /// Whether they touch. Where it is not found on the way, what was found last counts if they are
-  /// as good as touching there.
-  bool advance_to_touch(double steps) {
+  /// Where they touch. Where it is not found on the way, what was found last counts if they are as
+  /// good as touching there.
+  std::optional<Met> find_touch(double steps) {
     const auto reached = advance(path_of(place_.position).length(), step_.touching_gap(), steps,
                                  [&](double fraction) { return clearance_after(fraction); });
-    if (!reached || !met_) return false;
-    return met_->gap <= std::max(step_.touching_gap(), kSameOfRadius * step_.ball.radius);
+    if (!reached || !met_) return std::nullopt;
+    const double most = std::max(step_.touching_gap(), kSameOfRadius * step_.ball.radius);
+    return met_->gap <= most ? met_ : std::nullopt;
   }
 
   /// The contact where they touch.
-  Contact contact_of(const Contact& contact) const {
+  Contact contact_of(const Met& met, const Contact& contact) const {
     const double sign = body_.is_shell ? 1.0 : -1.0;
-    const Vec3 normal = sign * met_->outwards;
-    const auto facing = body_.round.slide(met_->place, own_from_shell_.rotate(-met_->outwards),
+    const Vec3 normal = sign * met.outwards;
+    const auto facing = body_.round.slide(met.place, own_from_shell_.rotate(-met.outwards),
                                           kFlatBend / step_.ball.radius);
-    const Vec3 now = shell_from_own_.transform_point((facing ? *facing : met_->place).position);
+    const Vec3 now = shell_from_own_.transform_point((facing ? *facing : met.place).position);
     const Vec3 velocity = motion_.velocity_at(now) + motion_.velocity_of_fall;
-    const double closing = std::max(-dot(velocity, met_->outwards) * step_.time_step, 0.0);
-    const double gap = std::max(met_->gap, 0.0);
+    const double closing = std::max(-dot(velocity, met.outwards) * step_.time_step, 0.0);
+    const double gap = std::max(met.gap, 0.0);
     Contact touching = contact;
     touching.normal = static_cast<Vec3f>(normal);
-    touching.depth = static_cast<float>(-(met_->fraction * closing + gap) - step_.thickness);
+    touching.depth = static_cast<float>(-(met.fraction * closing + gap) - step_.thickness);
     // At the place of the smaller body.
     if (body_.is_shell == is_shell_larger(step_)) {
-      const Vec3 on_other = met_->position - (met_->gap + step_.thickness) * met_->outwards;
+      const Vec3 on_other = met.position - (met.gap + step_.thickness) * met.outwards;
       touching.point = static_cast<Vec3f>(on_other);
       if (body_.is_shell)
         put_on_field(step_, other_from_shell_.transform_point(on_other), touching);
@@ -89,15 +99,6 @@ class SlidingPlace {
   }
 
  private:
-  /// Where they are nearest to each other at some time. The frame of the shell, but for the place.
-  struct Met {
-    double fraction;  ///< of the step
-    double gap;       ///< metres
-    Vec3 outwards;    ///< of the other body
-    Vec3 position;
-    RoundSide::Place place;
-  };
-
   Path path_of(const Vec3& own_place) const {
     return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
   }
@@ -149,8 +150,9 @@ std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& 
   const auto body = find_round(step, contact);
   if (!body) return std::nullopt;
   SlidingPlace place(step, motion, *body);
-  if (!place.advance_to_touch(steps)) return std::nullopt;
-  return place.contact_of(contact);
+  const auto met = place.find_touch(steps);
+  if (!met) return std::nullopt;
+  return place.contact_of(*met, contact);
 }
 
 }  // namespace voxshell::bullet
