@@ -122,8 +122,8 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
        {0xd1aab3df999c2f1e, 0xa3751a469a0c4f22, 0xdde32d409dfe08d8, 0x616cf97e91bddfd4,
         0x57a1e33beff8e411, 0xdeb366b2ac8ad9d1}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x6e0af06c7e4d8774, 0x10af44ce984949d2, 0x665a03ff3e076e1b, 0xc81e514ebf04f3ca,
-        0x852eee68170a6553, 0xbe41010cae6e1e49}},
+       {0x79a1084a17b1f4ac, 0x8eb304d85df36863, 0x986b0a87b975345d, 0xa8d941026f56b4b1,
+        0xdcc692c2ad39a8eb, 0xe8d813255714fc36}},
   };
   return hashes;
 }
