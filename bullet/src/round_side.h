@@ -48,8 +48,9 @@ std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3&
                                 double least_curvature);
 
 /// The place of a model's rim, a sharp edge of its round surface, that is farthest along a
-/// direction, by way of the rim from a point of it on; none where the edge is no rim. The model's
-/// frame.
+/// direction, by way of the rim from a point of it, or of the flat face beside it, on; none where
+/// there is no rim. The model's frame.
+/// @param within  How far from the rim the point may be, metres.
 std::optional<Vec3> find_lowest_of_rim(const Model& model, const Vec3& point, double within,
                                        const Vec3& direction, double least_curvature);
 
