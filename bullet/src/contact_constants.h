@@ -44,13 +44,13 @@ inline constexpr double kMostReachingTurn = 0.5;
 /// with the plane's: within 30 degrees. Smaller: places beside an edge count as ones on it. Larger:
 /// samples that are not the deepest are followed as if they were, and brake what rolls.
 inline constexpr double kFacesPlane = 0.866;
+/// The same of an edge, and of the normal that the place has: within 60 degrees.
+inline constexpr double kFacesEdge = 0.5;
 /// Places of a flat face that are nearer to its rim than this fraction of the smaller body's
 /// radius, and of the thickness, touch with the rim. Smaller: they brake a can or a coin that
 /// rolls. Of the thickness, larger: a coin's other rim is taken.
 inline constexpr double kRimOfRadius = 0.2;
 inline constexpr double kRimOfThickness = 0.4;
-/// The same of an edge, and of the normal that the place has: within 60 degrees.
-inline constexpr double kFacesEdge = 0.5;
 /// A surface has an edge where it bends by more than this fraction of the first of kFlatScales.
 /// Smaller: round surfaces count as edges. Larger: edges count as faces, whose normals lean.
 inline constexpr double kEdgeBend = 0.1;

@@ -200,6 +200,42 @@ bool ModelAlgorithm::touches(const PairStep& step) const {
   });
 }
 
+/// Describes the step, and looks for contacts or carries on with those of the last search.
+///
+/// @param support        What carries the bodies, or null: nothing does.
+/// @param may_carry_on   With those of the last search, where they hold.
+/// @return The fraction of the step after which contacts were looked for.
+double ModelAlgorithm::look(double time_step, const Support* support, bool may_carry_on) {
+  ContactSearch& search = near_->search;
+  KeptContacts& kept = near_->kept;
+  Prepared& prepared = *near_->prepared;
+  PosedPair& pair = prepared.pair;
+  PairStep& step = prepared.step;
+  const auto describe = [&] {
+    return describe_step(pair, settings_, time_step, near_->memory.owed_energy, support);
+  };
+  step = describe();
+  // A point a segment is what kSegmented promises of bodies that move.
+  prepared.takes_all =
+      !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
+  prepared.carries_on = may_carry_on && kept.hold_in(step, search.can_follow());
+  if (prepared.carries_on) {
+    kept.carry_to(step, search.contacts());
+    if (kept.have_moved_in(step)) {
+      search.follow(pair);
+      kept.renew(step, search.contacts());
+    }
+    return 0.0;
+  }
+  if (step.uses_ccd && pair.has_triangles()) return search.find_on_the_way(settings_, step);
+  const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
+  const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
+  if (has_swapped_roles) step = describe();
+  span_patches(step);
+  if (may_keep(step)) kept.keep(step, search.contacts());
+  return 0.0;
+}
+
 void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
                              double time_step, StageClock* clock) {
   if (are_apart(a, b, settings_, time_step)) {
@@ -209,47 +245,22 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   }
   if (hull_) renew_hull(a, b);
   if (near_ == nullptr) near_ = std::make_unique<Near>();
-  ContactSearch& search = near_->search;
-  KeptContacts& kept = near_->kept;
-  PairMemory& memory = near_->memory;
   Prepared& prepared = near_->prepared.emplace(a, b, hull_.get(), settings_.shell);
-  PosedPair& pair = prepared.pair;
-  PairStep& step = prepared.step;
-  double fraction = 0.0;  // of the step, after which contacts are looked for
-  const auto look = [&](const Support* support, bool may_carry_on) {
-    const auto describe = [&] {
-      return describe_step(pair, settings_, time_step, memory.owed_energy, support);
-    };
-    step = describe();
-    // A point a segment is what kSegmented promises of bodies that move.
-    prepared.takes_all =
-        !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
-    prepared.carries_on = may_carry_on && kept.hold_in(step, search.can_follow());
-    if (prepared.carries_on) {
-      kept.carry_to(step, search.contacts());
-      if (kept.have_moved_in(step)) {
-        search.follow(pair);
-        kept.renew(step, search.contacts());
-      }
-    } else if (step.uses_ccd && pair.has_triangles()) {
-      fraction = search.find_on_the_way(settings_, step);
-    } else {
-      const Wanted wanted = prepared.takes_all ? Wanted::kAll : Wanted::kOneASegment;
-      const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
-      if (has_swapped_roles) step = describe();
-      span_patches(step);
-      if (may_keep(step)) kept.keep(step, search.contacts());
-    }
-  };
-  look(active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
-  if (step.is_carried && !touches(step)) look(nullptr, /*may_carry_on=*/false);
+  const PairStep& step = prepared.step;
+  // Bodies that touch nothing may come to fall.
+  double fraction = look(time_step, active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
+  if (step.is_carried && !touches(step)) {
+    fraction = look(time_step, nullptr, /*may_carry_on=*/false);
+  }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
-  std::vector<Contact>& contacts = search.contacts();
+  const ContactSearch& search = near_->search;
+  std::vector<Contact>& contacts = near_->search.contacts();
   prepared.of_step = apply_contact_rule(step, search.features(), search.exact(), search.hits(),
-                                        fraction, contacts, memory);
-  // Of bodies in a pile that move a little, such points carry in the next step.
+                                        fraction, contacts, near_->memory);
+  // Of bodies in a pile that move a little, such points carry in the next step. So do those of
+  // bodies that gravity would move far.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
-  if (prepared.takes_all && lies && !contacts.empty() && !step.is_carried) {
+  if (prepared.takes_all && lies && !step.is_carried && !contacts.empty()) {
     drop_idle_points(kIdleOfMargin * static_cast<float>(step.rest_margin), contacts);
   }
   is_prepared_ = true;

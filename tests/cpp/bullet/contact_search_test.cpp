@@ -49,10 +49,7 @@ TEST(ContactSearch, FindsSomethingWhereverAnyPointWouldTouchWithinTheStep) {
     TwoBodies bodies(fall.low, fall.high);
     const PairStep step = bodies.step(kStep);
     ASSERT_TRUE(step.uses_ccd);
-    QueryScratch scratch;
-    const auto all =
-        find_contacts(bodies.pair.field(), bodies.pair.shell(), bodies.pair.field_from_shell(),
-                      {.margin = static_cast<float>(step.margin)}, scratch);
+    const std::vector<Contact> all = bodies.near(step.margin);
     const bool touches = std::ranges::any_of(all, [&](const Contact& contact) {
       const Impact impact = impact_of(step, contact);
       return is_contact(step, impact) || closing_of(step, impact) >= impact.gap;

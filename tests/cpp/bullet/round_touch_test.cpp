@@ -27,11 +27,7 @@ struct Rolling {
     ball.setLinearVelocity(to_bullet(velocity));
     ball.setAngularVelocity(to_bullet(Vec3{0, spin, 0}));
     step = bodies.step(kStep);
-    QueryScratch scratch;
-    const auto found =
-        find_contacts(bodies.pair.field(), bodies.pair.shell(), step.field_from_shell,
-                      {.margin = static_cast<float>(step.margin)}, scratch);
-    near.assign(found.begin(), found.end());
+    near = bodies.near(step.margin);
   }
 
   TestWorld world{{}, {0, 0, 0}};

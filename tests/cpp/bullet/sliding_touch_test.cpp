@@ -28,9 +28,7 @@ struct Falling {
     ball.setLinearVelocity(to_bullet(velocity));
     ball.setAngularVelocity(to_bullet(spin));
     step = bodies.step(kStep);
-    QueryScratch scratch;
-    nearest = find_deepest(find_contacts(bodies.pair.field(), bodies.pair.shell(),
-                                         step.field_from_shell, {.margin = 0.1f}, scratch));
+    nearest = find_deepest(bodies.near(0.1));
   }
   std::optional<Contact> slide() const { return find_sliding(step, step.motion, nearest, 1.0); }
 

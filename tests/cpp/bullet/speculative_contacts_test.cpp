@@ -24,11 +24,7 @@ struct Thrown {
       : ball(world.add_model(ball_model(), 1, {{}, place})), bodies(ball, target) {
     ball.setLinearVelocity(to_bullet(velocity));
     step = bodies.step(kStep);
-    QueryScratch scratch;
-    const auto found =
-        find_contacts(bodies.pair.field(), bodies.pair.shell(), step.field_from_shell,
-                      {.margin = static_cast<float>(step.margin)}, scratch);
-    near.assign(found.begin(), found.end());
+    near = bodies.near(step.margin);
   }
 
   std::vector<Contact> speculative() const {
@@ -96,11 +92,8 @@ TEST(SpeculativeContacts, OfALargerShellActWhereTheSmallerBodyIs) {
   const TwoBodies bodies(ground, box);
   const PairStep step = bodies.step(kStep);
   ASSERT_EQ(step.larger, &bodies.pair.shell_side());
-  QueryScratch scratch;
-  const auto near = find_contacts(bodies.pair.field(), bodies.pair.shell(), step.field_from_shell,
-                                  {.margin = static_cast<float>(step.margin)}, scratch);
   int count = 0;
-  for (const Contact& contact : near) {
+  for (const Contact& contact : bodies.near(step.margin)) {
     const auto found = find_speculative(step, step.motion, {}, contact, 1.0);
     if (!found) continue;
     ++count;

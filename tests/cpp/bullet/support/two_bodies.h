@@ -1,10 +1,13 @@
 #pragma once
 
+#include <vector>
+
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include "pair_step.h"
 #include "posed_pair.h"
 #include "support/world.h"
+#include "voxshell/contacts.h"
 
 namespace voxshell::bullet::test_support {
 
@@ -17,6 +20,14 @@ struct TwoBodies {
 
   PairStep step(double time_step = 1.0 / 200.0, const ContactSettings& settings = {}) const {
     return describe_step(pair, settings, time_step, 0.0);
+  }
+
+  /// The points of the pair's shell within a margin of its field, metres.
+  std::vector<Contact> near(double margin) const {
+    QueryScratch scratch;
+    const auto found = find_contacts(pair.field(), pair.shell(), pair.field_from_shell(),
+                                     {.margin = static_cast<float>(margin)}, scratch);
+    return {found.begin(), found.end()};
   }
 
   btCollisionObjectWrapper wrap_a;
