@@ -205,10 +205,10 @@ bool ModelAlgorithm::touches(const PairStep& step) const {
 /// @param support        What carries the bodies, or null: nothing does.
 /// @param may_carry_on   With those of the last search, where they hold.
 /// @return The fraction of the step after which contacts were looked for.
-double ModelAlgorithm::look(double time_step, const Support* support, bool may_carry_on) {
+double ModelAlgorithm::look(Prepared& prepared, double time_step, const Support* support,
+                            bool may_carry_on) {
   ContactSearch& search = near_->search;
   KeptContacts& kept = near_->kept;
-  Prepared& prepared = *near_->prepared;
   PosedPair& pair = prepared.pair;
   PairStep& step = prepared.step;
   const auto describe = [&] {
@@ -248,9 +248,10 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   Prepared& prepared = near_->prepared.emplace(a, b, hull_.get(), settings_.shell);
   const PairStep& step = prepared.step;
   // Bodies that touch nothing may come to fall.
-  double fraction = look(time_step, active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
+  double fraction =
+      look(prepared, time_step, active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
   if (step.is_carried && !touches(step)) {
-    fraction = look(time_step, nullptr, /*may_carry_on=*/false);
+    fraction = look(prepared, time_step, nullptr, /*may_carry_on=*/false);
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
   const ContactSearch& search = near_->search;
