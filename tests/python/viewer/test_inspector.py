@@ -141,6 +141,13 @@ def drag_up(page: Visit, *, right: bool) -> None:
     mouse.up()
 
 
+def still_for(inspector: Inspector, seconds: float) -> bool:
+    """Whether no body moves for a while, as the page sends the rest of a drag late."""
+    before = inspector.poses
+    time.sleep(seconds)
+    return np.array_equal(inspector.poses, before)
+
+
 def test_a_drag_moves_either_body_and_its_contacts(visit: tuple[Visit, Inspector]):
     page, inspector = visit
     # A brick of 60 mm, and right of it a sphere of 15 mm that touches it.
@@ -150,6 +157,7 @@ def test_a_drag_moves_either_body_and_its_contacts(visit: tuple[Visit, Inspector
         before, told = inspector.poses, page.readout()
         drag_up(page, right=moved == 1)
         page.wait(lambda moved=moved: inspector.poses[moved][2, 3] > 0.01, "the drag moves nothing")
+        page.wait(lambda: still_for(inspector, 1.0), "the body does not come to rest")
         page.wait(lambda told=told: page.readout() != told, "contacts do not follow")
         lift = inspector.poses[moved] - before[moved]
         lift[2, 3] = 0.0
