@@ -233,30 +233,43 @@ void ContactSearch::take_all(const Question& question, const PosedPair& pair,
   second_shell_.append(second_found_, second.field_from_shell, contacts_);
 }
 
-/// Finds those of one shell, ascending by id, with the normals and depths that they touch with.
-void ContactSearch::take(const Question& question, const PosedShell& posed, OfShell& of,
-                         std::vector<Contact>& contacts, Opposition& opposition) {
+/// Finds the samples of one shell, ascending by id.
+void ContactSearch::find_samples(const Question& question, const PosedShell& posed, OfShell& of,
+                                 std::vector<Contact>& contacts) {
   const PairStep* step = question.step;
-  const Pose& field_from_shell = posed.field_from_shell;
   const float near = question.reach_of(posed.model());
   of.scratch.borrow(lists_of_this_thread());
-  const auto find_one_a_segment = [&] {
+  const auto find_one_a_segment = [&](int level) {
     std::optional<Arrivals> arrivals;
     if (question.slides && step->looks_ahead() && step->restitution == 0.0 &&
         posed.other.model() != nullptr) {
       arrivals.emplace(*step, posed.is_of_field,
                        static_cast<double>(near) - step->margin + step->rest_margin);
     }
-    return find_deepest_per_segment(posed.field(), posed.shell(), field_from_shell, question.level,
+    return find_deepest_per_segment(posed.field(), posed.shell(), posed.field_from_shell, level,
                                     near, of.scratch,
                                     arrivals ? arrivals->all() : std::span<const Arrival>{});
   };
+  if (question.wanted == Wanted::kOneASegment) {
+    const std::span<const Contact> found = find_one_a_segment(question.level);
+    contacts.assign(found.begin(), found.end());
+    return;
+  }
+  const double ahead = step != nullptr ? step->margin - step->rest_margin : 0.0;
   const std::span<const Contact> found =
-      question.wanted == Wanted::kAll
-          ? find_contacts(posed.field(), posed.shell(), field_from_shell, {.margin = near},
-                          of.scratch)
-          : find_one_a_segment();
+      find_contacts(posed.field(), posed.shell(), posed.field_from_shell,
+                    {.margin = near - static_cast<float>(ahead)}, of.scratch);
   contacts.assign(found.begin(), found.end());
+  // What is farther away touches only if something stops one of the bodies.
+  if (ahead > 0.0) merge_by_id(find_one_a_segment(level_of(question.settings, true)), contacts);
+}
+
+/// Finds those of one shell, ascending by id, with the normals and depths that they touch with.
+void ContactSearch::take(const Question& question, const PosedShell& posed, OfShell& of,
+                         std::vector<Contact>& contacts, Opposition& opposition) {
+  const PairStep* step = question.step;
+  const Pose& field_from_shell = posed.field_from_shell;
+  find_samples(question, posed, of, contacts);
   of.hits.clear();
   if (step != nullptr && step->uses_ccd && question.wanted == Wanted::kOneASegment) {
     of.hits.find(*step, posed.shell(), posed.field(), posed.is_of_field, question.level,

@@ -73,6 +73,8 @@ class ContactSearch {
 
   static bool may_touch(const Question& question, const PosedPair& pair);
   void take_all(const Question& question, const PosedPair& pair, Opposition& opposition);
+  static void find_samples(const Question& question, const PosedShell& posed, OfShell& of,
+                           std::vector<Contact>& contacts);
   void take(const Question& question, const PosedShell& posed, OfShell& of,
             std::vector<Contact>& contacts, Opposition& opposition);
   static void part_from_guards(const Question& question, const PosedShell& posed,

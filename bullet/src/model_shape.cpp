@@ -99,6 +99,9 @@ ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from
     : model_(std::move(model)),
       body_from_model_(body_from_model),
       centre_(static_cast<Vec3>(model_->shell().tree().spheres(1)[0].centre)) {
+  // Prepared here, so that the step in which the body first comes near another does not wait for
+  // it.
+  model_->smooth_surface();
   for (const Vec3& vertex : model_->mesh().vertices()) {
     radius_ = std::max(radius_, length(vertex - centre_));
   }

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "voxshell/point_shell.h"
@@ -62,8 +62,8 @@ class SmoothSurface {
 
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
-  /// The nearest place of the surface to a point; exact if the point is near. The first call builds
-  /// a tree of the triangles. A near triangle as a guess shortens the search.
+  /// The nearest place of the surface, which is curved, to a point; exact if the point is near. A
+  /// near triangle as a guess shortens the search.
   Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
   /// The nearest place of the flat triangles to a point, found by walking over adjacent ones.
   Place below(const Place& start, const Vec3& point) const;
@@ -83,18 +83,18 @@ class SmoothSurface {
   Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;
 
  private:
+  struct Beside;
   struct Chart;
   struct Height;
   struct Nearness;
 
-  void connect();
-  std::vector<double> measure_faces() const;
-  void average_normals(const std::vector<double>& face_areas);
-  void sharpen_tips();
-  void measure_lifts();
+  void connect(std::span<const Vec3> face_normals);
+  std::vector<double> measure_faces(std::span<const Vec3> face_normals) const;
+  void average_normals(std::span<const Vec3> face_normals);
+  void sharpen_tips(std::span<const Vec3> face_normals);
+  void measure_lifts(std::span<const Vec3> face_normals);
   void find_elements(const PointShell& shell);
-  std::uint32_t find_beside(const Vec3& place, bool flat, double distance,
-                            const BoxFinder& finder) const;
+  Beside find_beside(const Vec3& place, double distance, const BoxFinder& finder) const;
   Chart chart_of(std::uint32_t triangle) const;
   std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
   Vec3 flat_position(const Place& place) const;
@@ -112,8 +112,7 @@ class SmoothSurface {
   std::vector<std::uint32_t> triangle_of_element_;
   std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
   float most_lift_ = 0.0f;
-  mutable std::once_flag tree_once_;
-  mutable std::unique_ptr<const ClosestPointTree> tree_;
+  std::unique_ptr<const ClosestPointTree> tree_;  ///< null where nothing is curved
 };
 
 }  // namespace voxshell

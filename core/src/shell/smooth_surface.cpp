@@ -1,9 +1,11 @@
 #include "voxshell/smooth_surface.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/portable_math.h"
@@ -11,6 +13,7 @@
 #include "mesh/closest_point.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/edges.h"
+#include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {
@@ -35,6 +38,9 @@ constexpr int kMostProjections = 6;
 constexpr double kProjected = 1e-5;
 /// Half of what Phong tessellation projects: see the class.
 constexpr double kShapeFactor = 0.5;
+
+/// Elements whose triangles are found together; any number does.
+constexpr std::size_t kElementsOfTask = 1024;
 
 constexpr std::size_t kCorners = 3;
 constexpr std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }
@@ -191,13 +197,17 @@ SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
     : mesh_(&mesh),
       neighbors_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
       corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}) {
-  connect();
-  average_normals(measure_faces());
-  measure_lifts();
+  std::vector<Vec3> face_normals(mesh.triangles().size());
+  for (std::uint32_t triangle = 0; triangle < face_normals.size(); ++triangle) {
+    face_normals[triangle] = face_normal(mesh.corners(triangle));
+  }
+  connect(face_normals);
+  average_normals(face_normals);
+  measure_lifts(face_normals);
   find_elements(shell);
 }
 
-void SmoothSurface::connect() {
+void SmoothSurface::connect(std::span<const Vec3> face_normals) {
   const auto triangles = mesh_->triangles();
   const auto across_from = [&](std::uint32_t triangle, const MeshEdge& edge) {
     std::size_t corner = 0;
@@ -208,22 +218,19 @@ void SmoothSurface::connect() {
   };
   for (const MeshEdge& edge : find_edges(*mesh_)) {
     if (edge.second == kNoTriangle) continue;
-    const double cosine =
-        dot(face_normal(mesh_->corners(edge.first)), face_normal(mesh_->corners(edge.second)));
-    if (!(cosine >= kLeastCosine)) continue;
+    if (!(dot(face_normals[edge.first], face_normals[edge.second]) >= kLeastCosine)) continue;
     neighbors_[edge.first][across_from(edge.first, edge)] = edge.second;
     neighbors_[edge.second][across_from(edge.second, edge)] = edge.first;
   }
 }
 
 /// Of each triangle: the area of the flat face that it is part of, m2.
-std::vector<double> SmoothSurface::measure_faces() const {
+std::vector<double> SmoothSurface::measure_faces(std::span<const Vec3> face_normals) const {
   DisjointSets faces(neighbors_.size());
   for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
-    const Vec3 normal = face_normal(mesh_->corners(triangle));
     for (const std::uint32_t other : neighbors_[triangle]) {
       if (other == kNoTriangle || other < triangle) continue;
-      const Vec3 bend = face_normal(mesh_->corners(other)) - normal;
+      const Vec3 bend = face_normals[other] - face_normals[triangle];
       if (squared_length(bend) <= static_cast<double>(kFlatBend * kFlatBend)) {
         faces.join(triangle, other);
       }
@@ -246,7 +253,8 @@ SmoothSurface::~SmoothSurface() = default;
 /// One normal for all corners at a vertex that are connected without a crease. Faces count by their
 /// angle there times their squared area: a flat face beside a fillet stays flat, and the fillet
 /// leaves it smoothly.
-void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
+void SmoothSurface::average_normals(std::span<const Vec3> face_normals) {
+  const std::vector<double> face_areas = measure_faces(face_normals);
   const auto triangles = mesh_->triangles();
   std::vector<std::uint32_t> waiting;
   for (std::uint32_t first = 0; first < triangles.size(); ++first) {
@@ -267,7 +275,8 @@ void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
         const Vec3 u = corners[next(at)] - corners[at];
         const Vec3 v = corners[after_next(at)] - corners[at];
         const double area = face_areas[triangle];
-        sum += portable_atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normal(corners);
+        sum +=
+            portable_atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normals[triangle];
         for (const std::size_t side : {next(at), after_next(at)}) {
           if (neighbors_[triangle][side] != kNoTriangle)
             waiting.push_back(neighbors_[triangle][side]);
@@ -276,14 +285,14 @@ void SmoothSurface::average_normals(const std::vector<double>& face_areas) {
       normals_.push_back(static_cast<Vec3f>(normalized(sum)));
     }
   }
-  sharpen_tips();
+  sharpen_tips(face_normals);
 }
 
 /// At the tip of a cone, where the mean is far from each of its faces, these keep their own.
-void SmoothSurface::sharpen_tips() {
+void SmoothSurface::sharpen_tips(std::span<const Vec3> face_normals) {
   const auto least_cosine = static_cast<float>(kLeastCosine);
   for (std::uint32_t triangle = 0; triangle < corner_normals_.size(); ++triangle) {
-    const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
+    const auto face = static_cast<Vec3f>(face_normals[triangle]);
     for (std::uint32_t& normal : corner_normals_[triangle]) {
       if (dot(normals_[normal], face) >= least_cosine) continue;
       normal = static_cast<std::uint32_t>(normals_.size());
@@ -293,13 +302,13 @@ void SmoothSurface::sharpen_tips() {
 }
 
 /// Patches are farthest from their triangles at the middles of their sides or at their own.
-void SmoothSurface::measure_lifts() {
+void SmoothSurface::measure_lifts(std::span<const Vec3> face_normals) {
   constexpr double kThird = 1.0 / 3.0;
   constexpr std::array<std::array<double, 3>, 4> kMiddles{
       {{0.5, 0.5, 0.0}, {0.0, 0.5, 0.5}, {0.5, 0.0, 0.5}, {kThird, kThird, kThird}}};
   lifts_.resize(mesh_->triangles().size());
   for (std::uint32_t triangle = 0; triangle < lifts_.size(); ++triangle) {
-    const auto face = static_cast<Vec3f>(face_normal(mesh_->corners(triangle)));
+    const auto face = static_cast<Vec3f>(face_normals[triangle]);
     const auto bends = [&](std::uint32_t normal) {
       return squared_length(normals_[normal] - face) > kFlatBend * kFlatBend;
     };
@@ -313,41 +322,54 @@ void SmoothSurface::measure_lifts() {
   }
 }
 
+/// Triangles on which a place lies.
+struct SmoothSurface::Beside {
+  std::uint32_t flat = kNoTriangle;
+  std::uint32_t curved = kNoTriangle;
+};
+
 void SmoothSurface::find_elements(const PointShell& shell) {
   if (!is_curved()) return;
-  const ClosestPointTree tree(*mesh_);
+  tree_ = std::make_unique<const ClosestPointTree>(*mesh_);
   const BoxFinder finder(bound_triangles(*mesh_));
   const Vec3 size = mesh_->bounds().extents();
   const double rounding = kRounding * std::max({size.x, size.y, size.z});
-  triangle_of_element_.reserve(shell.element_count());
-  flat_of_element_.reserve(shell.element_count());
-  std::uint32_t found = 0;
-  for (std::uint32_t id = 0; id < shell.element_count(); ++id) {
+  const std::size_t count = shell.element_count();
+  triangle_of_element_.resize(count);
+  flat_of_element_.resize(count);
+  const auto find = [&](std::uint32_t id) {
     const auto place = static_cast<Vec3>(
         shell.is_point(id)
             ? shell.points()[id]
             : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
-    found = tree.find_closest(place, found).triangle;
-    const std::uint32_t curved = find_beside(place, /*flat=*/false, rounding, finder);
-    triangle_of_element_.push_back(curved == kNoTriangle ? found : curved);
-    flat_of_element_.push_back(
-        curved == kNoTriangle ? found : find_beside(place, /*flat=*/true, rounding, finder));
-  }
+    const Beside beside = find_beside(place, rounding, finder);
+    flat_of_element_[id] = beside.flat;
+    triangle_of_element_[id] = beside.curved;
+    if (beside.curved != kNoTriangle) return;
+    if (beside.flat == kNoTriangle) flat_of_element_[id] = tree_->find_closest(place, 0).triangle;
+    triangle_of_element_[id] = flat_of_element_[id];
+  };
+  parallel_for((count + kElementsOfTask - 1) / kElementsOfTask, 0, {}, {}, [&](std::size_t task) {
+    const std::size_t end = std::min(count, (task + 1) * kElementsOfTask);
+    for (std::size_t id = task * kElementsOfTask; id < end; ++id) {
+      find(static_cast<std::uint32_t>(id));
+    }
+  });
 }
 
-/// The first triangle within a distance of a place whose patch is flat, or is not; else
-/// kNoTriangle.
-std::uint32_t SmoothSurface::find_beside(const Vec3& place, bool flat, double distance,
-                                         const BoxFinder& finder) const {
+/// The first triangles within a distance of a place whose patches are flat, and are not.
+SmoothSurface::Beside SmoothSurface::find_beside(const Vec3& place, double distance,
+                                                 const BoxFinder& finder) const {
   Bounds box;
   box.extend(place);
-  std::uint32_t first = kNoTriangle;
+  Beside beside;
   finder.visit(widen(box, distance), [&](std::uint32_t triangle) {
-    if (is_flat(triangle) != flat || triangle > first) return;
+    std::uint32_t& first = is_flat(triangle) ? beside.flat : beside.curved;
+    if (triangle > first) return;
     const Vec3 closest = closest_point_on_triangle(place, mesh_->corners(triangle));
     if (squared_length(place - closest) <= distance * distance) first = triangle;
   });
-  return first;
+  return beside;
 }
 
 bool SmoothSurface::lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const {
@@ -503,7 +525,7 @@ std::optional<SmoothSurface::Place> SmoothSurface::project(const Vec3& point, Pl
 }
 
 SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
-  std::call_once(tree_once_, [&] { tree_ = std::make_unique<const ClosestPointTree>(*mesh_); });
+  assert(is_curved());
   bool is_searched = false;
   // Once the tree has found the part of the surface, what is nearest to its patches is near by.
   const auto find = [&](const Vec3& near, const Place& place) {

@@ -7,6 +7,8 @@
 #include "support/models.h"
 #include "support/multi_body.h"
 #include "support/world.h"
+#include "voxshell/bullet/model_shape.h"
+#include "voxshell/smooth_surface.h"
 
 namespace {
 
@@ -122,6 +124,15 @@ TEST_P(Allocation, IsCounted) {
   world.world.performDiscreteCollisionDetection();
   EXPECT_GT(built, before);
   EXPECT_GT(allocations, built);  // the first step does allocate
+}
+
+TEST(AllocationOfShapes, LeavesNothingOfARoundModelToTheStepInWhichItMeetsAnother) {
+  const auto model = build_by_tolerance(voxshell::test_support::make_blob(0.1, 3));
+  const ModelShape shape(model);
+  const long before = allocations;
+  ASSERT_TRUE(model->smooth_surface().is_curved());
+  model->smooth_surface().nearest({0.2, 0.1, 0.0});
+  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

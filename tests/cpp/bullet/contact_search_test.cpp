@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "contact_constants.h"
 #include "contact_rule.h"
 #include "impact.h"
+#include "round_contacts.h"
 #include "support/models.h"
 #include "support/random.h"
 #include "support/two_bodies.h"
@@ -88,6 +92,36 @@ TEST(ContactSearch, KeepsGuardsAsTheyWereSampled) {
   }
   EXPECT_GT(guards, 1000);
   EXPECT_GT(slid, 100);
+}
+
+TEST(ContactSearch, GuardsBodiesThatFallTogetherOnceASegment) {
+  Random random(7);
+  std::size_t guards = 0;
+  std::size_t within_reach = 0;
+  for (int i = 0; i < 100; ++i) {
+    Fall fall(random, 3.0, random.uniform(0.1, 0.2));
+    fall.low.setMassProps(1, btVector3(1, 1, 1));
+    fall.low.setLinearVelocity(fall.high.getLinearVelocity());
+    TwoBodies bodies(fall.low, fall.high);
+    const PairStep step = bodies.step(kStep);
+    ASSERT_FALSE(step.uses_ccd);
+    ASSERT_GT(step.margin, 10.0 * step.rest_margin);
+    ContactSearch search;
+    search.find_near({}, bodies.pair, step.margin, &step, Wanted::kAll);
+    const PointShell& shell = bodies.pair.shell();
+    // Of what may touch now, all samples are found.
+    const double near = step.rest_margin + most_above_samples(*bodies.pair.shell_side().model());
+    std::set<std::uint32_t> segments;
+    for (const Contact& contact : search.contacts()) {
+      const bool is_near = static_cast<double>(contact.depth) >= -near;
+      if (contact.id >= shell.size() || is_near) continue;
+      EXPECT_TRUE(segments.insert(shell.segment_of(contact.id, kDefaultCcdLevel)).second);
+      ++guards;
+    }
+    within_reach += bodies.near(step.margin).size();
+  }
+  EXPECT_GT(guards, 200u);
+  EXPECT_GT(within_reach, 4 * guards);
 }
 
 }  // namespace
