@@ -61,6 +61,33 @@ inline constexpr int kMostFacing = 4;
 /// the way, and of a first step along it, how far from an edge it ends. Smaller: places are looked
 /// for in vain where cells of a field meet. Larger: planes lean.
 inline constexpr double kSlidesWithin = 0.01;
+
+// ---- contacts that turn -------------------------------------------------------------------------
+// Decision 61.
+
+/// Radians by which a path bends in a step, below which bodies go straight on: displacements of the
+/// smaller body are compared with its radius. Smaller: slower. Larger: bodies that roll slowly in
+/// bowls lose speed.
+inline constexpr double kLeastTurn = 0.002;
+/// The cosine of the most radians. Larger cosines: at low rates, bodies lose speed in narrow bends.
+/// Smaller: another wall counts as the same one.
+inline constexpr double kLeastCosineOfTurn = 0.7;
+/// How much of its displacement a body may come nearer to a surface that turns by that: the sine of
+/// half the angle.
+inline constexpr double kMostTurn = 0.4;
+/// Where the normals of round bodies on a concave surface may miss each other by kSlidesWithin, as
+/// a fraction of what the place turns by. Larger: what the places miss is as much as the turn is.
+inline constexpr double kSlidesWithinOfTurn = 0.1;
+/// A surface that bends evenly has come nearer by a quarter when half of the step is over. It may
+/// be off by this fraction of the whole. Larger: walls ahead are taken for bends, and entered.
+inline constexpr double kUnevenTurn = 0.5;
+/// Bodies on a path that bends end each step a little off the surface: by at most this fraction of
+/// what they come nearer within it. Larger: what lands is taken to have slid before.
+inline constexpr double kMostGapOfTurn = 0.5;
+/// What closes on the surface by more than this many times what the path comes nearer by is a blow,
+/// and rebounds; a body that went straight on in the step before closes by twice as much. Smaller:
+/// elastic balls lose speed in bowls.
+inline constexpr double kMostClosingOfTurn = 3.0;
 /// By how much a direction is tilted to see how round a surface is, radians.
 inline constexpr double kTilt = 0.1;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:

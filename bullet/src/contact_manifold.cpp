@@ -10,6 +10,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include "contact_constants.h"
+#include "turning_speed.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -115,6 +116,7 @@ btManifoldPoint& ManifoldFiller::add(btPersistentManifold& manifold,
   btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
   point.m_combinedRestitution = static_cast<btScalar>(contact.restitution);
   point.m_appliedImpulse = static_cast<btScalar>(contact.first_impulse);
+  set_turning_speed(point, static_cast<btScalar>(contact.turning_speed));
   if (contact.is_resting) {
     point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
     point.m_positionWorldOnB -= to_bullet(kPulledBack * (swapped ? -contact.slip : contact.slip));

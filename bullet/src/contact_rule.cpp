@@ -94,12 +94,17 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   places.clear();
   bool touches = false;
   bool touches_from_above = false;
+  RelativeMotion freely = step.motion;
+  freely.velocity_of_fall = {};
   // What is kept may overwrite the contact that is looked at.
   const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
     places.push_back(found);
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found))) {
-      allow_motion_without_forces(step, features, found, judged);
+      allow_motion(step, freely, features, found, judged);
+      if (const auto& turned = memory.turning.motion()) {
+        allow_motion(step, *turned, features, found, judged);
+      }
     }
     contacts[beside.size() - 1] = judged;
   };
@@ -109,10 +114,12 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches_from_above = touches_from_above || beside.back() == 0;
   };
   mark_met_without_ccd(step, contacts, memory);
+  memory.turning.find(step, contacts, exact);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact contact = contacts[i];
     const Impact impact = impact_of(step, contact);
     if (is_contact(step, impact) || (!memory.met.empty() && memory.met[i] != 0) ||
+        memory.turning.speed_of(contact.id) > 0.0 ||
         (step.looks_ahead() && touches_if_stopped(step, contact, impact))) {
       touch(contact, contact);
       continue;
@@ -188,6 +195,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   }
   memory.rebounding.find(step, first, contacts);
   of_step.rebounding = &memory.rebounding;
+  of_step.turning = &memory.turning;
   of_step.hold = renew_hold(step, contacts, memory.held_b_from_a);
   memory.held_b_from_a = of_step.hold.b_from_a;
   memory.owed_energy = 0.0;
@@ -214,6 +222,8 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
     world.slip = pair.shell_is_a ? slip : -slip;
     world.rolling_friction = rolling_lever;
   }
+  world.turning_speed = of_step.turning->speed_of(contact.id);
+  if (world.turning_speed > 0.0) return world;
   const SolverRebound rebound =
       rebound_for_solver(step, of_step.rebounding->count_with(contact.id), impact);
   world.restitution = rebound.restitution;

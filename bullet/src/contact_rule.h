@@ -11,6 +11,7 @@
 #include "rebound.h"
 #include "resting_patch.h"
 #include "shape_features.h"
+#include "turning_contacts.h"
 #include "voxshell/contacts.h"
 
 namespace voxshell::bullet {
@@ -25,11 +26,13 @@ struct PairMemory {
   std::vector<std::uint8_t> met;      ///< room for another mark of each contact
   std::vector<Vec3f> normals;         ///< room for those of the faces that touch
   Rebounding rebounding;
+  TurningContacts turning;
 };
 
 /// What all contacts of a step have in common, which to_world() needs for each of them.
 struct StepContacts {
-  const Rebounding* rebounding = nullptr;  ///< in the pair's memory
+  const Rebounding* rebounding = nullptr;    ///< in the pair's memory
+  const TurningContacts* turning = nullptr;  ///< likewise
   Hold hold;
 };
 

@@ -10,6 +10,7 @@
 #include "island_problem.h"
 #include "solver_constants.h"
 #include "squeezed_contacts.h"
+#include "turning_speed.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -79,6 +80,7 @@ void CoulombSolver::convertContacts(btPersistentManifold** manifolds, int manifo
   complete_rows(m_tmpSolverContactRollingFrictionConstraintPool);
   if (!surface_velocities_.empty()) move_surfaces();
   aim_at_middle_of_step(info.m_timeStep);
+  turn_contacts();
   if (keeps_directions(info)) warm_start_friction(info);
 }
 
@@ -143,6 +145,16 @@ void CoulombSolver::aim_at_middle_of_step(btScalar time_step) {
     const btVector3 change =
         (btScalar(0.5) * time_step * spin) * normal.cross(b.m_linearVelocity - a.m_linearVelocity);
     row.m_rhs -= row.m_contactNormal1.dot(change) * row.m_jacDiagABInv;
+  }
+}
+
+/// Lets contacts on concave surfaces end the step with the speed apart that keeps the bodies
+/// outside of these: see TurningContacts.
+void CoulombSolver::turn_contacts() {
+  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
+    const auto* const point = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+    row.m_rhs += turning_speed_of(*point) * row.m_jacDiagABInv;
   }
 }
 

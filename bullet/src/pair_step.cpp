@@ -92,6 +92,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
     look_ahead(settings, step);
   }
   step.rolls_at_rest = settings.rolling_at_rest;
+  step.solver_turns_contacts = settings.solver_turns_contacts;
 
   step.owed_energy = owed_energy;
   step.field_from_shell = pair.field_from_shell();

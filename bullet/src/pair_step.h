@@ -31,8 +31,9 @@ struct PairStep {
   bool is_carried;      ///< contacts are taken to carry the bodies as in the last step
   bool is_still;        ///< the bodies hardly move, and come to rest on the points that they lie on
   bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
-  double restitution;   ///< of the two objects
-  double owed_energy;   ///< of a rebound that the last step stopped at the surface, J/kg
+  bool solver_turns_contacts;  ///< ContactSettings::solver_turns_contacts
+  double restitution;          ///< of the two objects
+  double owed_energy;          ///< of a rebound that the last step stopped at the surface, J/kg
   Pose field_from_shell;
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
   /// The same if something else stops the field's body, or the shell's.

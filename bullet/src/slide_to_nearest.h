@@ -20,8 +20,10 @@ class SlideToNearest {
   /// or none.
   /// @param feel     What the field says of a point, as a Facing.
   /// @param radius   Of the smaller body, metres.
-  SlideToNearest(double radius, const Nearest& nearest, const Feel& feel)
-      : first_step_(kSameOfRadius * radius),
+  /// @param within   Sine by which the normals of the two may miss each other there.
+  SlideToNearest(double radius, double within, const Nearest& nearest, const Feel& feel)
+      : within_(within),
+        first_step_(within * radius),
         least_curvature_(kFlatBend / radius),
         nearest_(nearest),
         feel_(feel) {}
@@ -33,7 +35,7 @@ class SlideToNearest {
       const Facing there = feel_(place.position);
       if (there.outwards == Vec3{}) return std::nullopt;
       const Vec3 lean = there.outwards - dot(there.outwards, place.normal) * place.normal;
-      bool is_there = squared_length(lean) <= kSlidesWithin * kSlidesWithin;
+      bool is_there = squared_length(lean) <= within_ * within_;
       if (!is_there) {
         const auto ends = slide_along(-normalized(lean), place);
         if (!ends) return std::nullopt;
@@ -61,12 +63,13 @@ class SlideToNearest {
           (leans < 0.0 ? nearer : farther) = way;
           return leans;
         },
-        first_step_, least_curvature_, 0.5 * kSlidesWithin);
+        first_step_, least_curvature_, 0.5 * within_);
     if (zero) return false;
-    if (farther - nearer <= kSlidesWithin * first_step_) return true;
+    if (farther - nearer <= within_ * first_step_) return true;
     return std::nullopt;
   }
 
+  double within_;
   double first_step_;
   double least_curvature_;  ///< 1/metres
   const Nearest& nearest_;

@@ -1,10 +1,12 @@
 #include "sliding_touch.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
 #include "face_field.h"
+#include "impact.h"
 #include "round_side.h"
 #include "round_touch.h"
 #include "second_shell.h"
@@ -72,6 +74,25 @@ class SlidingPlace {
     return met_->gap <= most ? met_ : std::nullopt;
   }
 
+  /// How much nearer they come to each other until the end of the step, if they go on as now along
+  /// each other.
+  std::optional<double> find_turn() {
+    const Vec3 way = step_.time_step * motion_.velocity_at(step_.middle);
+    within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
+    const bool is_smaller = body_.is_shell != is_shell_larger(step_);
+    const auto now = settle(0.0);
+    if (!now || (is_smaller && !rises_along(way, *now))) return std::nullopt;
+    const auto half = settle(0.5);
+    if (!half) return std::nullopt;
+    const auto then = settle(1.0);
+    if (!then || dot(now->outwards, then->outwards) < kLeastCosineOfTurn) return std::nullopt;
+    const double turn = now->gap - then->gap;
+    // A quarter of it in the first half of the step. What comes nearer all at once is another wall.
+    const double of_half = now->gap - half->gap;
+    if (std::abs(4.0 * of_half - turn) > kUnevenTurn * std::abs(turn)) return std::nullopt;
+    return turn;
+  }
+
   /// The contact where they touch.
   Contact contact_of(const Met& met, const Contact& contact) const {
     const double sign = body_.is_shell ? 1.0 : -1.0;
@@ -103,6 +124,13 @@ class SlidingPlace {
     return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
   }
 
+  /// Whether the other body's surface rises on the way ahead.
+  bool rises_along(const Vec3& way, const Met& now) {
+    const SmoothField::Value ahead =
+        other_.at(other_from_shell_.transform_point(now.position + way));
+    return dot(shell_from_other_.rotate(ahead.outwards), normalized(way)) < -kLeastTurn;
+  }
+
   /// How far they are apart after a fraction of the step.
   Clearance clearance_after(double fraction) {
     const auto now = settle(fraction);
@@ -124,7 +152,7 @@ class SlidingPlace {
       const Vec3 outwards = path.turned_back(fraction, shell_from_other_.rotate(there.outwards));
       return Facing{position, own_from_shell_.rotate(outwards), there.distance - step_.thickness};
     };
-    const auto facing = SlideToNearest(step_.ball.radius, nearest, feel).slide(place_);
+    const auto facing = SlideToNearest(step_.ball.radius, within_, nearest, feel).slide(place_);
     if (!facing) return std::nullopt;
     const Path path = path_of(facing->position);
     const Vec3 outwards = path.turned_at(fraction, shell_from_own_.rotate(facing->outwards));
@@ -140,6 +168,7 @@ class SlidingPlace {
   RelativeMotion motion_;  ///< of the round body as the other one sees it, in the shell's frame
   SmoothField other_;
   RoundSide::Place place_;
+  double within_ = kSlidesWithin;  ///< see SlideToNearest
   std::optional<Met> met_;
 };
 
@@ -153,6 +182,17 @@ std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& 
   const auto met = place.find_touch(steps);
   if (!met) return std::nullopt;
   return place.contact_of(*met, contact);
+}
+
+std::optional<double> find_turn(const PairStep& step, const Contact& contact) {
+  const auto body = find_round(step, contact);
+  if (!body) return std::nullopt;
+  // As the solver has them move at this contact, whose normal need not be quite true.
+  RelativeMotion along = step.motion;
+  along.velocity =
+      along.velocity + impact_of(step, contact).approach * static_cast<Vec3>(contact.normal);
+  along.velocity_of_fall = {};
+  return SlidingPlace(step, along, *body).find_turn();
 }
 
 }  // namespace voxshell::bullet

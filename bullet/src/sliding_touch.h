@@ -21,4 +21,9 @@ namespace voxshell::bullet {
 std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
                                     const Contact& contact, double steps);
 
+/// How much nearer the bodies come at a contact within the step, if they slide or roll along each
+/// other as they do now, metres: on a concave surface. None where no such surface goes on until the
+/// end of the step, and where neither body is round. Not for triangles.
+std::optional<double> find_turn(const PairStep& step, const Contact& contact);
+
 }  // namespace voxshell::bullet

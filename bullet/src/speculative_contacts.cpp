@@ -282,14 +282,12 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
                       features, contact, steps, /*turns=*/false);
 }
 
-void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,
-                                 const Contact& found, Contact& plane) {
+void allow_motion(const PairStep& step, const RelativeMotion& motion,
+                  std::span<const Feature> features, const Contact& found, Contact& plane) {
   if (step.pair->has_triangles()) return;
-  const Impact impact = impact_of(step, plane);
-  const double closing = impact.approach * step.time_step;
-  if (closing <= impact.gap) return;
-  RelativeMotion motion = step.motion;
-  motion.velocity_of_fall = {};
+  const Vec3 velocity = motion.velocity_at(static_cast<Vec3>(plane.point));
+  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  if (closing <= impact_of(step, plane).gap) return;
   if (find_speculative(step, motion, features, found, 1.0)) return;
   widen(step, closing, plane);
 }

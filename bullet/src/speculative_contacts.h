@@ -25,13 +25,14 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
                                         std::span<const Feature> features, const Contact& contact,
                                         double steps);
 
-/// Widens the gap of a plane that a contact is taken for, so that it does not stop the motion that
-/// the bodies have without forces where nothing is in the way of that: what something else carries
-/// does not fall, and may pass below a bar whose nearest place, as seen from here, is aslant.
+/// Widens the gap of a plane that a contact is taken for, so that it does not stop a motion of the
+/// bodies where nothing is in the way of that. Without forces: what something else carries does not
+/// fall, and may pass below a bar whose nearest place, as seen from here, is aslant. Along a bend:
+/// the wall on its other side.
 ///
 /// @param found  The contact where it is now.
-void allow_motion_without_forces(const PairStep& step, std::span<const Feature> features,
-                                 const Contact& found, Contact& plane);
+void allow_motion(const PairStep& step, const RelativeMotion& motion,
+                  std::span<const Feature> features, const Contact& found, Contact& plane);
 
 /// The same for the motion that the bodies have once the contacts that touch first have rebounded.
 /// Beside the place where two edges cross, the planes of the faces there would be in its way, far

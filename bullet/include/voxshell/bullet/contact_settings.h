@@ -61,6 +61,11 @@ struct ContactSettings {
   /// rocking. Not for btNNCGConstraintSolver, which applies it beyond its limits.
   bool rolling_at_rest = true;
 
+  /// Whether contacts of round bodies that move along concave surfaces tell the solver how fast
+  /// these turn towards them. Only CoulombSolver listens: with it, balls keep their speed in bowls
+  /// and bends (docs/decisions/0061-contacts-turn-within-a-step.md).
+  bool solver_turns_contacts = false;
+
   /// Where to add up times, or null. Not for worlds that dispatch on several threads.
   NarrowPhaseTimings* timings = nullptr;
 };

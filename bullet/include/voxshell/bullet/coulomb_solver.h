@@ -32,6 +32,8 @@ enum class SolverEffort {
 ///   - friction resists torques of the same step (btRigidBody::applyTorque());
 ///   - friction holds riders on what turns
 ///     (docs/decisions/0057-friction-in-the-middle-of-the-step.md);
+///   - round bodies keep their speed on concave surfaces, where ContactSettings say so
+///     (docs/decisions/0061-contacts-turn-within-a-step.md);
 ///   - what is squeezed, as between two kinematic fingers, is pressed by stiff springs
 ///     (docs/decisions/0056-what-is-squeezed-gives-way.md);
 ///   - Newton's method solves islands that iterations have not solved, such as heavy bodies on
@@ -86,6 +88,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
   void move_surfaces();
   void aim_at_middle_of_step(btScalar time_step);
+  void turn_contacts();
   btVector3 surface_velocity(int solver_body) const;
   void warm_start_friction(const btContactSolverInfo& info);
   btScalar solve_joints(int iteration);

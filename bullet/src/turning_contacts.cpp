@@ -1,0 +1,61 @@
+#include "turning_contacts.h"
+
+#include <algorithm>
+
+#include "contact_constants.h"
+#include "sliding_touch.h"
+
+namespace voxshell::bullet {
+
+void TurningContacts::find(const PairStep& step, std::span<const Contact> contacts,
+                           std::span<const std::uint32_t> exact) {
+  turning_.clear();
+  motion_.reset();
+  if (!step.solver_turns_contacts) return;
+  const double displacement = step.time_step * length(step.motion.velocity_at(step.middle));
+  if (displacement < kLeastTurn * step.ball.radius) return;
+  const double near = std::max(step.rest_margin, kMostGapOfTurn * kMostTurn * displacement);
+  for (const Contact& contact : contacts) {
+    const Impact impact = impact_of(step, contact);
+    if (impact.gap > near || !std::ranges::binary_search(exact, contact.id)) continue;
+    turning_.push_back({&contact, contact.id, impact, find_turn(step, contact)});
+  }
+  double fastest = 0.0;
+  for (Turning& turning : turning_) {
+    const double turn = mean_beside(*turning.contact).value_or(0.0);
+    const double gap = turning.impact.gap;
+    const bool touches = gap <= std::max(step.rest_margin, kMostGapOfTurn * turn);
+    const double closing = turning.impact.approach * step.time_step;
+    const bool rebounds =
+        step.restitution > 0.0 && closing > kMostClosingOfTurn * turn + std::max(gap, 0.0);
+    if (!(turn > 0.0) || !touches || rebounds) continue;
+    turning.speed = turn / step.time_step;
+    if (turning.speed <= fastest) continue;
+    fastest = turning.speed;
+    motion_ = step.motion;
+    motion_->velocity_of_fall = {};
+    motion_->velocity = motion_->velocity + (turning.impact.approach + turning.speed) *
+                                                static_cast<Vec3>(turning.contact->normal);
+  }
+  std::erase_if(turning_, [](const Turning& turning) { return turning.speed == 0.0; });
+}
+
+/// How much nearer the bodies come at the contacts that have a contact's normal, itself included:
+/// both ends of a cylinder, which must not be turned aside because one was not found.
+std::optional<double> TurningContacts::mean_beside(const Contact& contact) const {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Turning& other : turning_) {
+    if (!other.found || dot(other.contact->normal, contact.normal) < kDoubleCosine) continue;
+    sum += *other.found;
+    count += 1.0;
+  }
+  return count > 0.0 ? std::optional(sum / count) : std::nullopt;
+}
+
+double TurningContacts::speed_of(std::uint32_t id) const {
+  const auto found = std::ranges::lower_bound(turning_, id, {}, &Turning::id);
+  return found != turning_.end() && found->id == id ? found->speed : 0.0;
+}
+
+}  // namespace voxshell::bullet
