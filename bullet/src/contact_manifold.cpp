@@ -16,6 +16,12 @@
 namespace voxshell::bullet {
 namespace {
 
+/// Whether the solver will move the body in this step. Islands are put to sleep after contacts have
+/// been found, and then keep the impulses that these have.
+bool stays_awake(const btCollisionObject& object) {
+  return object.isActive() && object.getActivationState() != WANTS_DEACTIVATION;
+}
+
 /// What a manifold's point leaves to that of the next step with its id.
 struct CachedImpulse {
   int id;
@@ -73,6 +79,7 @@ ManifoldFiller::ManifoldFiller(const btCollisionObjectWrapper& a, const btCollis
     : a_(a),
       b_(b),
       materials_(*a.getCollisionObject(), *b.getCollisionObject()),
+      stays_awake_(stays_awake(*a.getCollisionObject()) || stays_awake(*b.getCollisionObject())),
       tells_added_(gContactAddedCallback != nullptr &&
                    ((a.getCollisionObject()->getCollisionFlags() |
                      b.getCollisionObject()->getCollisionFlags()) &
@@ -146,7 +153,7 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
     const auto same = place < before.size() && is_same(before[place])
                           ? before.begin() + static_cast<std::ptrdiff_t>(place)
                           : std::ranges::find_if(before, is_same);
-    if (same != before.end()) same->give_to(point, contact.carries_on);
+    if (same != before.end()) same->give_to(point, contact.carries_on && stays_awake_);
     if (tells_added_) {
       const bool swapped = is_swapped(manifold);
       gContactAddedCallback(point, swapped ? &b_ : &a_, point.m_partId0, point.m_index0,

@@ -58,6 +58,7 @@ class ManifoldFiller {
   const btCollisionObjectWrapper& a_;
   const btCollisionObjectWrapper& b_;
   Materials materials_;
+  bool stays_awake_;  ///< one of the two; else they may keep the impulses as they are filled in
   bool tells_added_;  ///< to gContactAddedCallback
 };
 

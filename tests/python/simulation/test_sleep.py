@@ -129,3 +129,21 @@ def test_a_body_stays_where_it_is_put(micrometers):
     body.position = (goal, *body.position[1:])
     world.step(100)
     assert body.position[0] == pytest.approx(goal, abs=2e-7)
+
+
+@pytest.mark.parametrize("ground", ["plane", "slab"])
+def test_a_sleeper_weighs_what_it_weighed(ground):
+    """Its contacts had 1.18 times the force."""
+    world = vx.World()
+    if ground == "plane":
+        world.add(vx.Plane(), mass=0)
+    else:
+        world.add(trimesh.creation.box((0.5, 0.5, 0.1)), mass=0, pose=(0, 0, -0.05))
+    bodies = [
+        world.add(trimesh.creation.box((0.1, 0.1, 0.1)), mass=1, pose=(0, 0, 0.05 + 0.1 * i))
+        for i in range(2)
+    ]
+    world.step(700)
+    assert all(body.sleeping for body in bodies)
+    forces = world.contacts()["impulse"] / world.time_step
+    assert forces.sum() == pytest.approx(3 * 9.81, rel=1e-3)
