@@ -439,6 +439,17 @@ inline constexpr double kSeamFlush = 0.9;
 inline constexpr double kSeamKeptOfRadius = 1e-4;
 /// How often a contact is compared with all bodies beside it: two seams cross where four meet.
 inline constexpr int kSeamRounds = 2;
+/// Beside the plane that parts two bodies, neither has anything within this fraction of the reach.
+/// Smaller: walls that stand on the plane act no longer. Larger: nor do bodies that tilt a little.
+inline constexpr double kPartedOfReach = 0.5;
+/// One of them has a face there with the plane's normal, to this cosine: 8 degrees. Smaller: planes
+/// through edges part flush bodies, and turn contacts of their faces.
+inline constexpr double kPartingFace = 0.99;
+/// A face of a shape of Bullet's is flat if its normal is the same, to this cosine, that many
+/// reaches away: half a degree. Smaller: the planes of round surfaces part bodies, which then slip
+/// through.
+inline constexpr double kFlatFace = 0.99995;
+inline constexpr double kFaceOfReach = 4.0;
 /// Normals with at least this cosine are those of one plane.
 inline constexpr double kSeamAligned = 0.999999;
 /// A contact that leans by more than 120 degrees pushes into the surface beside it.

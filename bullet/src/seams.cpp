@@ -1,6 +1,7 @@
 #include "voxshell/bullet/seams.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -31,10 +32,11 @@ namespace {
 class PlacedField {
  public:
   explicit PlacedField(const Side& side)
-      : world_from_field_(side.world_from_geometry()),
+      : model_(side.model()),
+        world_from_field_(side.world_from_geometry()),
         field_from_world_(side.world_from_geometry().inverse()),
         thickness_(side.thickness()) {
-    if (side.model() != nullptr) {
+    if (model_ != nullptr) {
       field_ = side.participant().field;
     } else {
       field_ = *side.participant().field;
@@ -49,6 +51,15 @@ class PlacedField {
            thickness_;
   }
 
+  /// Whether the surface that is nearest to a place is flat there. `farther` is a place that the
+  /// same surface would be nearest to, if it is.
+  bool is_flat(const Vec3& place, const Vec3& farther) const {
+    if (model_ == nullptr) return dot(outwards(place), outwards(farther)) >= kFlatFace;
+    const SmoothSurface& surface = model_->smooth_surface();
+    if (!surface.is_curved()) return true;
+    return surface.is_flat(surface.nearest(field_from_world_.transform_point(place)).triangle);
+  }
+
   Vec3 outwards(const Vec3& place) const {
     const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
     const Vec3f gradient = std::visit([&](const auto& f) { return f.gradient(local); }, field());
@@ -61,6 +72,7 @@ class PlacedField {
     return std::get<Field>(field_);
   }
 
+  const Model* model_;
   std::variant<const Field*, Field> field_;  ///< models keep theirs
   Pose world_from_field_;
   Pose field_from_world_;
@@ -194,6 +206,7 @@ struct Seam {
 /// Where the body of a touch meets the other one. Forces, and motion along them, would take a body
 /// that slides into its ground, so they are kept apart.
 struct Arrival {
+  bool is_in_time;  ///< within the step; else it is a guard (decision 51)
   Vec3 place;
   Vec3 fall;  ///< how much farther it is where nothing carries the body
 };
@@ -215,20 +228,21 @@ double time_until(const Touch& touch, const Vec3& velocity, double approach, dou
 
 /// `velocity` is that of the touch's place as the other body sees it, m/s.
 Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocity_of_forces,
-                   double radius, Neighbor& other) {
+                   double radius, double time_step, Neighbor& other) {
   const Vec3 all = velocity + velocity_of_forces;
   const double approach = -dot(all, touch.normal);
-  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {touch.on_other(), {}};
+  if (!(touch.gap > 0.0) || !(approach > 0.0)) return {!(touch.gap > 0.0), touch.on_other(), {}};
+  const bool is_in_time = touch.gap <= approach * time_step;
   const Vec3 down = normalized(velocity_of_forces);
   const Vec3 fall = std::max(dot(all, down), 0.0) * down;
   // Speculative contacts have the place of the feature, or of the smaller body, as it is now
   // (speculative_contacts.cpp).
   if (touch.is_feature ? !other.is_model() : radius > other.radius()) {
     const double time = touch.gap / approach;
-    return {touch.on_other() - time * fall, time * fall};
+    return {is_in_time, touch.on_other() - time * fall, time * fall};
   }
   const double time = time_until(touch, all, approach, kSeamStep * radius, other);
-  return {touch.on_body + time * (all - fall), time * fall};
+  return {is_in_time, touch.on_body + time * (all - fall), time * fall};
 }
 
 /// The place of an arrival on the surface `beside`, if that is on the way down.
@@ -318,6 +332,82 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
 }
 
+/// The plane of contacts that touch.
+struct Plane {
+  Vec3 normal;  ///< towards the body
+  Vec3 place;
+  int count;  ///< of the contacts
+
+  double height(const Vec3& at) const { return dot(at - place, normal); }
+  bool is_of(const Touch& touch, double step) const {
+    return dot(normal, touch.normal) >= kSeamAligned &&
+           std::abs(height(touch.on_other())) <= kSeamBeside * step;
+  }
+};
+
+/// Counts a touch among the planes.
+void add_plane(const Touch& touch, double step, std::vector<Plane>& planes) {
+  if (touch.gap > step) return;
+  const auto known =
+      std::ranges::find_if(planes, [&](const Plane& each) { return each.is_of(touch, step); });
+  if (known != planes.end()) {
+    ++known->count;
+  } else {
+    planes.push_back({touch.normal, touch.on_other(), 1});
+  }
+}
+
+/// A body beside a place of a plane, on both sides along the plane.
+struct Beside {
+  bool is_free;  ///< nothing of the body is in front of the plane
+  bool is_face;  ///< the plane is that of a flat face of the body
+};
+Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, double reach,
+                   Neighbor& body) {
+  Beside beside{true, false};
+  for (const Vec3& way : {aside, -aside}) {
+    const Vec3 there = place + reach * (normal + way);
+    const PlacedField& field = *body.nearest(there);
+    beside.is_free = beside.is_free && field.distance(there) > kPartedOfReach * reach;
+    const Vec3 farther = place + kFaceOfReach * reach * (normal + way);
+    beside.is_face = beside.is_face || (dot(field.outwards(there), normal) >= kPartingFace &&
+                                        field.is_flat(there, farther));
+  }
+  return beside;
+}
+
+/// Where a plane that carries the body parts it from another one, a contact of these two has that
+/// plane's normal alone: edges of two flush faces that cross touch with any normal, as each of them
+/// sees it.
+std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
+                                 std::span<const Plane> planes, double radius, Neighbor& body,
+                                 Neighbor& other) {
+  const double reach = kSeamReach * radius;
+  const double step = kSeamStep * radius;
+  if (!arrival.is_in_time && touch.gap > step) return std::nullopt;
+  const auto count_of_own = [&] {
+    const auto own =
+        std::ranges::find_if(planes, [&](const Plane& plane) { return plane.is_of(touch, step); });
+    return own != planes.end() ? own->count : 0;
+  };
+  for (const Plane& plane : planes) {
+    const double along = dot(touch.normal, plane.normal);
+    if (along >= kPartingFace || along < -kSeamOpposed) continue;
+    if (std::abs(plane.height(arrival.place)) > reach) continue;
+    // Of two planes that part the bodies, it is the one of more contacts, unless they are farther
+    // apart along the other one.
+    const double apart = plane.height(touch.on_body) - std::min(touch.gap, 0.0);
+    if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
+    if (!body.has_field() || !other.has_field()) return std::nullopt;
+    const Vec3 aside = leaning_over(touch.normal, plane.normal);
+    const Beside on_other = look_beside(arrival.place, plane.normal, aside, reach, other);
+    const Beside on_body = look_beside(touch.on_body, -plane.normal, aside, reach, body);
+    if (!on_other.is_free || !on_body.is_free || !(on_other.is_face || on_body.is_face)) continue;
+    return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
+  }
+  return std::nullopt;
+}
+
 /// What is to become of a contact.
 struct Correction {
   btPersistentManifold* manifold;
@@ -394,21 +484,20 @@ void apply(std::vector<Correction>& corrections) {
 struct Seams::Scratch {
   std::vector<Touching> touching;
   std::vector<Neighbor> neighbors;
+  std::vector<Plane> planes;
   std::vector<Correction> corrections;
   SeamlessBodies seamless;
 
   void find(std::span<const Touching> of_body, double time_step);
-  std::optional<Seam> seam_of(Touch touch, Neighbor& body, const btCollisionObject& other);
+  void find_planes(std::span<const Touching> of_body);
+  std::optional<Seam> seam_of(Touch touch, Neighbor& body, const btCollisionObject& other,
+                              double time_step);
 };
 
 /// Finds the contacts of one body that are at seams.
 void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
-  const auto& [first_body, first_other, first_manifold] = of_body.front();
-  if (std::ranges::all_of(of_body, [&](const Touching& t) { return t.other == first_other; })) {
-    return;
-  }
   if (seamless.hold(of_body, time_step)) return;
-  const btCollisionObject& body = *first_body;
+  const btCollisionObject& body = *of_body.front().body;
   const std::size_t corrections_before = corrections.size();
   neighbors.clear();
   for (const Touching& each : of_body) {
@@ -417,11 +506,12 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
     if (!is_known) neighbors.emplace_back(*each.other, time_step);
   }
   Neighbor sliding(body, time_step);
+  find_planes(of_body);
   for (const Touching& each : of_body) {
     const bool is_first = each.manifold->getBody0() == &body;
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
       const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
-      if (const auto seam = seam_of(touch, sliding, *each.other)) {
+      if (const auto seam = seam_of(touch, sliding, *each.other, time_step)) {
         corrections.push_back({each.manifold, i, is_first, *seam});
       }
     }
@@ -429,9 +519,21 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
   seamless.keep(/*has_seams=*/corrections.size() > corrections_before);
 }
 
+/// The planes of what the body touches.
+void Seams::Scratch::find_planes(std::span<const Touching> of_body) {
+  planes.clear();
+  for (const Touching& each : of_body) {
+    const bool is_first = each.manifold->getBody0() == each.body;
+    const double step = kSeamStep * std::min(radius_of(*each.body), radius_of(*each.other));
+    for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
+      add_plane(touch_of(each.manifold->getContactPoint(i), is_first), step, planes);
+    }
+  }
+}
+
 /// The seam that a touch of the body with one of its neighbors is at.
 std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
-                                            const btCollisionObject& other) {
+                                            const btCollisionObject& other, double time_step) {
   const double radius = body.radius();
   const auto touched =
       std::ranges::find(neighbors, &other, [](const Neighbor& n) { return &n.body(); });
@@ -439,11 +541,12 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
       body.motion().velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
   const Vec3 velocity_of_forces =
       body.motion().velocity_of_forces - touched->motion().velocity_of_forces;
-  const Arrival arrival = arrival_of(touch, velocity, velocity_of_forces, radius, *touched);
+  const Arrival arrival =
+      arrival_of(touch, velocity, velocity_of_forces, radius, time_step, *touched);
   // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
   // lean over the face of the very body that the corner is of.
   std::optional<Seam> found;
-  for (int round = 0; round < kSeamRounds; ++round) {
+  for (int round = 0; neighbors.size() > 1 && round < kSeamRounds; ++round) {
     for (Neighbor& beside : neighbors) {
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
@@ -460,7 +563,8 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
     }
     if (!found) break;
   }
-  return found;
+  if (found) return found;
+  return find_parting(touch, arrival, planes, std::min(radius, touched->radius()), body, *touched);
 }
 
 Seams::Seams() : scratch_(std::make_unique<Scratch>()) {}

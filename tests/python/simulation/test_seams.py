@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import voxshell as vx
 from scipy.spatial.transform import Rotation
-from trimesh.creation import box, cylinder, icosphere, torus
+from shapely import box as rectangle
+from trimesh.creation import box, cylinder, extrude_polygon, icosphere, torus
 
 RATES = (1000, 200, 60, 30)
 TILE = 0.4  # side of a tile, metres
@@ -140,3 +141,69 @@ def test_round_bodies_roll_over_the_seams_of_tiles(rate, name, tiles):
         world.step()
         assert abs(body.position[2] - 0.05) < 3e-4
     assert body.linear_velocity[0] == pytest.approx(SPEED, rel=0.02)
+
+
+@cache
+def grate() -> vx.Model:
+    """A plate of 10 mm with slots of 20 mm along y, 60 mm apart."""
+    plate = rectangle(-0.52, -0.2, 0.52, 0.2)
+    for x in np.arange(-0.44, 0.5, 0.08):
+        plate = plate.difference(rectangle(x - 0.01, -0.15, x + 0.01, 0.15))
+    return vx.Model.from_mesh(extrude_polygon(plate, 0.01), cache=False)
+
+
+# They kept 0.01 to 0.6 of the way.
+@pytest.mark.parametrize("rate", [1000, 200])
+@pytest.mark.parametrize("shape", ["model", "box"])
+@pytest.mark.parametrize(("friction", "speed"), [(0.0, 0.2), (0.25, 1.0)])
+def test_a_cube_glides_over_a_grate(friction, speed, shape, rate):
+    world = vx.World(time_step=1 / rate)
+    world.add(grate(), mass=0, pose=(0, 0, -0.01))
+    cube = vx.Box((0.05, 0.05, 0.05)) if shape == "box" else model("cube")
+    body = world.add(cube, mass=1, pose=(-0.25, 0.013, 0.05), friction=2 * friction)
+    world.step(rate // 10)
+    start = body.position[0]
+    body.linear_velocity = (speed, 0, 0)
+    world.step(round(0.8 * rate))
+    way = speed * 0.8 if friction == 0 else speed**2 / (2 * friction * 9.81)
+    assert body.position[0] - start == pytest.approx(way, rel=0.03)
+    assert body.position[2] == pytest.approx(0.05, abs=1e-4)
+
+
+# It stuck up to twice the force that friction holds.
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize("x", [-0.4, -0.3, -0.123])
+def test_a_block_slides_along_the_edge_that_it_overhangs(x, rate):
+    world = vx.World(time_step=1 / rate)
+    table = vx.Model.from_mesh(box((2.0, 1.0, 0.1)), cache=False)
+    world.add(table, mass=0, pose=(0, -0.5, -0.05), friction=1)
+    block = vx.Model.from_mesh(box((0.1, 0.1, 0.04)), cache=False)
+    body = world.add(block, mass=1, pose=(x, -0.03, 0.02), friction=0.2)
+    world.step(round(0.3 * rate))
+    steps = round(0.3 * rate)
+
+    def pull(_: vx.World) -> None:
+        body.apply_force((3.0, 0, 0), at=body.position - (0, 0, 0.02))
+
+    world.step(steps, before=pull)
+    assert body.linear_velocity[0] / (steps / rate) == pytest.approx(3.0 - 0.2 * 9.81, rel=0.02)
+
+
+# Model on box, or box on model, did not move at all.
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize("below", ["model", "box"])
+def test_a_cube_slides_off_an_equal_one_of_another_kind(below, rate):
+    world = vx.World(time_step=1 / rate)
+    shapes = [model("cube"), vx.Box((0.05, 0.05, 0.05))]
+    low, high = shapes if below == "model" else shapes[::-1]
+    world.add(low, mass=0, pose=(0, 0, 0.05))
+    body = world.add(high, mass=1, pose=(0, 0, 0.15))
+    world.step(rate // 2)
+    steps = rate // 10
+    force = 2 * 0.25 * 9.81
+
+    def pull(_: vx.World) -> None:
+        body.apply_force((force, 0, 0), at=body.position - (0, 0, 0.05))
+
+    world.step(steps, before=pull)
+    assert body.linear_velocity[0] / (steps / rate) == pytest.approx(0.25 * 9.81, rel=0.05)
