@@ -25,8 +25,19 @@ if TYPE_CHECKING:
 class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 
-    Add bodies before the recording begins. In the recording, removed bodies stay at their last
-    pose.
+    It records until :meth:`stop`, until the end of a ``with`` block, or until nothing refers to it
+    any more. Add bodies before the recording begins. In the recording, removed bodies stay at their
+    last pose.
+
+    Example:
+        >>> import voxshell as vx
+        >>> world = vx.World()
+        >>> ball = world.add(vx.Sphere(0.1))
+        >>> with world.record() as recorder:
+        ...     world.step(10)
+        >>> world.step(100)
+        >>> recorder.recording().frame_count
+        11
     """
 
     def __init__(
@@ -36,13 +47,13 @@ class Recorder:
         bodies: tuple[Body, ...],
         every: int,
     ) -> None:
-        # Do not store the world: it refers to its recorders, and the cycle would delay freeing
-        # memory.
+        # Do not store the world, so that its recorders do not keep it alive.
         self._simulation = simulation
         self._time_step = time_step
         self._bodies = bodies
         self._every = every
         self._steps = 0
+        self._stopped = False
         self._poses: list[NDArray[np.float64]] = []
         self._contacts: list[NDArray[np.void]] = []
         self._forces: list[NDArray[np.float64]] = []
@@ -53,6 +64,21 @@ class Recorder:
         self._steps += 1
         if self._steps % self._every == 0:
             self._take_frame()
+
+    def stop(self) -> None:
+        """Stop recording; what has been recorded stays. Further calls do nothing."""
+        self._stopped = True
+
+    @property
+    def stopped(self) -> bool:
+        """True after :meth:`stop`."""
+        return self._stopped
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
 
     def recording(self, *, colors: Mapping[Body, tuple[int, int, int]] | None = None) -> Recording:
         """Return what has been recorded so far as plain data.
@@ -100,7 +126,10 @@ class Recorder:
 
     def __repr__(self) -> str:
         frames, bodies = len(self._poses), len(self._bodies)
-        return f"Recorder(frames={frames}, bodies={bodies}, time_step={self._every * self._time_step:.6g} s)"
+        return (
+            f"Recorder(frames={frames}, bodies={bodies}, time_step={self._every * self._time_step:.6g} s"
+            f"{', stopped' if self.stopped else ''})"
+        )
 
     def _take_frame(self) -> None:
         self._poses.append(

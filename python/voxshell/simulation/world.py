@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -173,7 +174,8 @@ class World(ViewedWorld):
         self._gravity = np.array(as_vector(gravity, "gravity"))
         self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
-        self._recorders: list[Recorder] = []
+        # Weak references: a recorder that nobody else refers to stops recording.
+        self._recorders: list[weakref.ref[Recorder]] = []
         simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
             time_step=self.time_step,
@@ -227,7 +229,7 @@ class World(ViewedWorld):
         if self._pairs is not None:
             self._pairs.judge(self.bodies)
         view = self._view if self._view is not None and self._view.is_open else None
-        if callback is None and before is None and view is None and not self._recorders:
+        if callback is None and before is None and view is None and not self._find_recorders():
             self._simulation.step(count)
             check_motions(self._simulation, self.bodies, self._advice)
             return
@@ -238,8 +240,7 @@ class World(ViewedWorld):
                 before(self)
             self._simulation.step(1)
             check_motions(self._simulation, self.bodies, self._advice)
-            for recorder in self._recorders:
-                recorder.take()
+            self._take_frames()
             if view is not None:
                 view.after_step()
             if callback is not None:
@@ -326,6 +327,15 @@ class World(ViewedWorld):
     def record(self, *, every: int = 1) -> Recorder:
         """Start to record poses and contacts, now and after every ``every`` steps.
 
+        Keep the recorder: it records until its :meth:`Recorder.stop`, or until nothing refers to it
+        any more.
+
+        Args:
+            every: Steps from one recorded frame to the next, at least 1.
+
+        Raises:
+            SettingsError: ``every`` is below 1 or not an integer.
+
         Example:
             >>> import voxshell as vx
             >>> world = vx.World()
@@ -341,8 +351,17 @@ class World(ViewedWorld):
             tuple(self.bodies),
             as_integer(every, "every", 1, 2**31 - 1),
         )
-        self._recorders.append(recorder)
+        self._recorders.append(weakref.ref(recorder, self._recorders.remove))
         return recorder
+
+    def _find_recorders(self) -> list[Recorder]:
+        """Return the recorders that are in use and not stopped."""
+        in_use = (reference() for reference in tuple(self._recorders))
+        return [recorder for recorder in in_use if recorder is not None and not recorder.stopped]
+
+    def _take_frames(self) -> None:
+        for recorder in self._find_recorders():
+            recorder.take()
 
 
 def _as_reach(value: float) -> float:

@@ -74,3 +74,32 @@ def test_a_recorder_says_how_much_it_holds():
     recorder = world.record(every=2)
     world.step(4)
     assert repr(recorder) == "Recorder(frames=3, bodies=1, time_step=0.01 s)"
+
+
+def test_a_stopped_recorder_takes_no_more_frames():
+    world = vx.World()
+    world.add(vx.Sphere(0.1))
+    with world.record() as first:
+        second = world.record()
+        world.step(3)
+        assert not first.stopped
+    world.step(2)
+    second.stop()
+    second.stop()
+    world.step(2)
+    assert first.stopped and second.stopped
+    assert first.recording().frame_count == 4
+    assert second.recording().frame_count == 6
+    assert repr(second) == "Recorder(frames=6, bodies=1, time_step=0.005 s, stopped)"
+
+
+def test_a_recorder_that_is_dropped_records_no_more():
+    world = vx.World()
+    world.add(vx.Sphere(0.1))
+    kept = [world.record()]
+    dropped = weakref.ref(kept[0])
+    world.step(1)
+    # It is dropped within a run of steps, too.
+    world.step(5, lambda _: kept.clear())
+    assert dropped() is None
+    assert not world._recorders
