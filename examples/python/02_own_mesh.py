@@ -48,7 +48,7 @@ tell(
         "overlap_that_is_always_seen_mm": 1e3 * bounds.overlap,
     },
 )
-model.save(options.out / "part.voxshell")
+model.save(options.out / "part.vxs")
 draw(options.out / "picture.png", [(model, np.eye(4), (92, 141, 208))], elevation=40)
 
 low, high = model.bounds

@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from voxshell.base.outputs import check_output_file
+from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, describe_model, is_model_file, require_file
 from voxshell.cli.model_facts import describe_facts
 from voxshell.cli.progress import open_progress, tracked
@@ -18,6 +18,7 @@ from voxshell.cli.tables import list_facts
 from voxshell.errors import SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_size, format_time
+from voxshell.model.meshes import MODEL_SUFFIX
 
 
 def build(
@@ -42,7 +43,7 @@ def build(
 
     Args:
         mesh: The mesh file: STL, OBJ, PLY, OFF, GLB, glTF, DAE or 3MF
-        output: The model file to write, which usually ends in .vxs.
+        output: The model file to write, which ends in .vxs.
         options: How to build the model.
         json_only: Print only JSON: what was built.
     """
@@ -52,6 +53,7 @@ def build(
     check_output_file(output)
     if output.exists() and output.samefile(mesh):
         raise SettingsError(f"{output} is the mesh itself; choose another name for the model")
+    check_suffix(output, (MODEL_SUFFIX,), "a model file")
     start = time.perf_counter()
     progress = open_progress(Console(quiet=json_only, stderr=True))
     with progress, tracked(progress, f"build {mesh.name}") as track:

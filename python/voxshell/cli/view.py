@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from voxshell.base.outputs import check_output_file
+from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
@@ -47,7 +47,7 @@ def view(
         body: A model file (.vxs), or a mesh file.
         other: A second body, or a shape such as plane, sphere:0.1 or box:0.1,0.1,0.05.
         show: The layers to show at first: surface, slice, level, points, normals, spheres.
-        export: Write the scene as an offline page without controls, instead of serving it.
+        export: Write the scene as an offline page (.html) without controls, instead of serving it.
         options: How to build models from meshes.
         port: Port of the page on this machine, or the next free one. The address contains a
             secret, so that other pages in the browser cannot read the scene.
@@ -56,6 +56,7 @@ def view(
         raise SettingsError("show must name at least one layer, as in --show slice points")
     if export is not None:
         check_output_file(export)
+        check_suffix(export, (".html", ".htm"), "a page")
     refuse_unused(options, *((body,) if other is None else (body, other)))
     import_viser()  # fail before models are built, which may take long
     bodies: dict[str, Collidable] = {}

@@ -8,15 +8,17 @@ import re
 import signal
 import threading
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats, as_positive, describe
+from voxshell.base.arguments import as_floats, as_path, as_positive, describe
 from voxshell.base.input_files import check_exists
+from voxshell.base.outputs import check_suffix
 from voxshell.base.user_warnings import shorten_path
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
-from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
+from voxshell.model.mesh_files.reading import KINDS, UNITLESS, open_mesh_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -132,6 +134,15 @@ def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
         f"{shorten_path(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
         "millimeters, pass Model.from_mesh(..., scale=0.001) or --scale 0.001; scale=1 accepts the size"
     )
+
+
+def as_model_path(path: str | os.PathLike[str]) -> bytes:
+    """Return the path of a model file to write, which must not look like that of a mesh."""
+    place = as_path(path, "path")
+    name = Path(os.fsdecode(place))
+    if name.suffix[1:].lower() in KINDS:
+        check_suffix(name, (MODEL_SUFFIX,), "a model file")
+    return place
 
 
 @contextmanager

@@ -7,13 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell._core import Model as CoreModel
-from voxshell.base.arguments import (
-    as_integer,
-    as_length,
-    as_path,
-    as_positive,
-    as_threads,
-)
+from voxshell.base.arguments import as_integer, as_length, as_path, as_positive, as_threads
 from voxshell.base.input_files import check_exists
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
@@ -24,7 +18,14 @@ from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.field import SERIALS, DistanceField
 from voxshell.model.mass_properties import MassProperties
-from voxshell.model.meshes import Mesh, MeshWarning, doubt_unit, naming_file, read_mesh
+from voxshell.model.meshes import (
+    Mesh,
+    MeshWarning,
+    as_model_path,
+    doubt_unit,
+    naming_file,
+    read_mesh,
+)
 from voxshell.model.shell import PointShell
 
 if TYPE_CHECKING:
@@ -247,9 +248,11 @@ class Model:
         models give equal bytes.
 
         Args:
-            path: The file's path, with any suffix.
+            path: The file's path. End it in .vxs, by which :meth:`World.add` and the command line
+                recognize models.
 
         Raises:
+            SettingsError: The suffix is that of a mesh file, such as .stl.
             FileAccessError: The file cannot be written: no such folder, no permission, disk full.
             InputTypeError: ``path`` is not a path.
 
@@ -263,7 +266,7 @@ class Model:
             ...     vx.Model.load(path).shell.points.tobytes() == model.shell.points.tobytes()
             True
         """
-        self._core.save(as_path(path, "path"))
+        self._core.save(as_model_path(path))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:

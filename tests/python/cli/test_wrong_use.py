@@ -29,6 +29,8 @@ COMMANDS = [
     ("build cone.stl -o cone.stl/x.vxs", "folder does not exist: cone.stl"),
     ("build cone.stl -o nowhere/x.vxs", "folder does not exist: nowhere"),
     ("build cone.stl -o cone.stl", "cone.stl is the mesh itself"),
+    ("build cone.stl -o noise.stl", "a model file needs a file name that ends in .vxs"),
+    ("build cone.stl -o x", "'x' ends without a suffix; try 'x.vxs'"),
     ("build cone.stl -o x.vxs --voxel-size 0", "voxel_size must be above 0"),
     ("build cone.stl -o x.vxs --voxel-size nan", "voxel_size must be finite"),
     ("build cone.stl -o x.vxs --voxel-size 2mm", 'unable to convert "2mm" into float'),
@@ -124,6 +126,7 @@ COMMANDS = [
     ("view noise.stl --export folder", "folder is a folder; name a file"),
     ("view noise.stl --export pipe", "pipe is not a regular file"),
     ("view noise.stl --export nowhere/x.html", "folder does not exist: nowhere"),
+    ("view cone.stl --export cone.stl", "a page needs a file name that ends in .html or .htm"),
     ("cache empty", "Unknown command"),
     ("cache list all", "too many arguments: all"),
 ]

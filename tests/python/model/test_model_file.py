@@ -75,6 +75,15 @@ def test_files_may_have_any_name(part, tmp_path, name):
     assert os.listdir(os.fsencode(tmp_path)) == [os.fsencode(name)]
 
 
+@pytest.mark.parametrize("name", ["part.stl", "PART.OBJ", "new.glb"])
+def test_a_model_does_not_replace_a_mesh(part, tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(b"a mesh")
+    with pytest.raises(vx.SettingsError, match=rf"ends in \.vxs, but '{name}' ends in"):
+        part.save(path)
+    assert path.read_bytes() == b"a mesh"
+
+
 def test_the_same_model_gives_the_same_bytes(part, sound_file, tmp_path):
     path = tmp_path / "again.vxs"
     vx.Model.from_mesh(part.mesh, voxel_size=0.02, target_points=100, padding=0).save(path)
